@@ -1,0 +1,1 @@
+"""The contract: signals, topics, graph, vehicle description, parameters and the stepped node."""

@@ -1,0 +1,85 @@
+"""The register of methods: every law, plant, column and driver, by role and name."""
+
+from __future__ import annotations
+
+import inspect
+import typing
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any
+
+from ev_msgs_py.parameters import unknown_name
+from ev_msgs_py.roles import ROLES, RoleKind
+
+_REGISTER: dict[str, dict[str, Method]] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """One way to play a role: the class, the signals that its step reads, and its parameter dataclass."""
+
+    role: str
+    name: str
+    factory: type
+    reads: tuple[type, ...]
+    parameters: type
+
+    @property
+    def about(self) -> str:
+        """First line of the docstring."""
+        return (inspect.getdoc(self.factory) or "").partition("\n")[0]
+
+
+def method(role: str, name: str) -> Callable[[type], type]:
+    """Register a class as a method of a role.
+
+    The class has `parameters` (a parameter dataclass), `__init__(parameters, vehicle, period)` and, by the kind of
+    its role, `step(...)` (answers at once) or `outputs()` and `advance(...)` (integrates). The annotations of `step`
+    or `advance` name the signals it reads; TypeError if its role may not read one of them.
+    """
+
+    def register(factory: type) -> type:
+        function = factory.advance if ROLES[role].kind is RoleKind.INTEGRATES else factory.step  # type: ignore
+        hints = typing.get_type_hints(function)
+        hints.pop("return", None)
+        reads = tuple(hints.values())
+        for signal in reads:
+            if not ROLES[role].may_read(signal):
+                raise TypeError(f"{role} method {name}: a {role} does not read {signal.__name__} (see roles.py)")
+        _REGISTER.setdefault(role, {})[name] = Method(role, name, factory, reads, factory.parameters)  # type: ignore
+        return factory
+
+    return register
+
+
+@cache
+def _load_installed_methods() -> None:
+    """Import every installed package that offers methods (entry point group ev_stack.methods)."""
+    for entry_point in entry_points(group="ev_stack.methods"):
+        entry_point.load()
+
+
+def methods_of(role: str) -> dict[str, Method]:
+    """All methods of a role, by name."""
+    _load_installed_methods()
+    return dict(sorted(_REGISTER.get(role, {}).items()))
+
+
+def find_method(role: str, name: str) -> Method:
+    """The method of a role with this name; ParameterError that lists the known ones if there is none."""
+    known = methods_of(role)
+    if name not in known:
+        raise unknown_name(f"{role} method", name, known)
+    return known[name]
+
+
+def all_methods() -> dict[str, dict[str, Method]]:
+    """All methods of all roles."""
+    return {role: methods_of(role) for role in ROLES}
+
+
+def create(method: Method, parameters: Any, vehicle: Any, period: float) -> Any:
+    """A new object of a method, at rest."""
+    return method.factory(parameters, vehicle, period)

@@ -1,0 +1,141 @@
+"""Every signal of the graph as a plain value: SI units, radians, body frame of REP-103 (x forward, y left, z up).
+
+A signal holds exactly the numbers that its message carries, so a signal that went over DDS is bit-identical to
+one that was handed over inside a process. Units and messages stand in `topics.TOPICS`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ev_msgs_py.wheels import NO_WHEELS, Wheels
+
+
+@dataclass(frozen=True, slots=True)
+class Instant:
+    """The instant of this step; it needs no topic, because every message carries it as its stamp."""
+
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class DriverCommand:
+    """What the driver does: pedals as torques summed over all wheels, and the hands on the steering wheel."""
+
+    drive_torque: float
+    brake_torque: float
+    hand_torque: float
+
+
+@dataclass(frozen=True, slots=True)
+class SteeringColumnState:
+    """The steering column as the laws may measure it; with a mechanical column angle = i * road_wheel_angle."""
+
+    angle: float
+    rate: float
+    hand_torque: float
+    road_wheel_angle: float
+    road_wheel_rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class WheelTorqueRequest:
+    """Torques at the wheels that the electronic differential asks for; brake torques are never negative."""
+
+    drive: Wheels
+    brake: Wheels = NO_WHEELS
+
+
+@dataclass(frozen=True, slots=True)
+class WheelTorqueCommand:
+    """Torques at the wheels that the traction control lets through to the drives and brakes."""
+
+    drive: Wheels
+    brake: Wheels = NO_WHEELS
+
+
+@dataclass(frozen=True, slots=True)
+class WheelStates:
+    """Turned angle and speed of each wheel, and the drive torque that acts on it."""
+
+    position: Wheels
+    velocity: Wheels
+    effort: Wheels
+
+
+@dataclass(frozen=True, slots=True)
+class MotorStates:
+    """Speed and electromagnetic torque at the shaft of the motor of each wheel; zero where there is none."""
+
+    velocity: Wheels
+    effort: Wheels
+
+
+@dataclass(frozen=True, slots=True)
+class InertialMeasurement:
+    """Yaw rate and accelerations of the centre of mass in the body frame, without gravity."""
+
+    yaw_rate: float
+    longitudinal_acceleration: float
+    lateral_acceleration: float
+
+
+@dataclass(frozen=True, slots=True)
+class BodyVelocity:
+    """Velocity of the centre of mass in the body frame."""
+
+    longitudinal: float
+    lateral: float
+    yaw_rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class BodyPose:
+    """Position of the centre of mass and heading in the odom frame; the heading as z and w of the quaternion."""
+
+    x: float
+    y: float
+    orientation_z: float
+    orientation_w: float
+
+    @classmethod
+    def at(cls, x: float, y: float, heading: float) -> BodyPose:
+        """The pose with a heading in radians, counter-clockwise from the x axis of odom."""
+        return cls(x, y, math.sin(heading / 2), math.cos(heading / 2))
+
+    @property
+    def heading(self) -> float:
+        """Heading in -pi..pi [rad]."""
+        heading = 2 * math.atan2(self.orientation_z, self.orientation_w)
+        return math.remainder(heading, math.tau)
+
+
+@dataclass(frozen=True, slots=True)
+class BatteryCondition:
+    """Terminal values of the traction battery (single precision, as BatteryState carries them)."""
+
+    voltage: float
+    current: float
+    charge: float
+    capacity: float
+    state_of_charge: float
+
+
+@dataclass(frozen=True, slots=True)
+class TireForces:
+    """Forces of the road on each tyre in the wheel's frame, with slip, load and available friction."""
+
+    longitudinal_force: Wheels
+    lateral_force: Wheels
+    load: Wheels
+    slip_ratio: Wheels
+    slip_angle: Wheels
+    friction_coefficient: Wheels
+
+
+@dataclass(frozen=True, slots=True)
+class RecorderProgress:
+    """The recorder holds every signal of the step that this message is stamped with."""
+
+    steps_held: float
