@@ -39,8 +39,18 @@ unset nounset_before
 
 export EV_STACK_ROOT
 export EV_STACK_CONFIG="${EV_STACK_CONFIG:-$EV_STACK_ROOT/config}"
-export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
-export FASTDDS_DEFAULT_PROFILES_FILE="${FASTDDS_DEFAULT_PROFILES_FILE:-$EV_STACK_ROOT/config/fastdds.xml}"
+
+# Discovery stays on this machine, unless the user says otherwise: by our profile where the middleware is Fast DDS 3
+# (from Kilted on), else by what ROS 2 itself offers.
+if [[ -z "${ROS_AUTOMATIC_DISCOVERY_RANGE:-}${FASTDDS_DEFAULT_PROFILES_FILE:-}" ]]; then
+    if [[ "${ROS_DISTRO:-kilted}" > "jazzy" && "${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp}" == rmw_fastrtps* ]]; then
+        export FASTDDS_DEFAULT_PROFILES_FILE="$EV_STACK_ROOT/config/fastdds.xml"
+        export ROS_AUTOMATIC_DISCOVERY_RANGE=SYSTEM_DEFAULT
+    else
+        export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST
+    fi
+fi
+
 # One thread per process: faster to start, and sums are always added up in the same order.
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1
 export MPLBACKEND=Agg
