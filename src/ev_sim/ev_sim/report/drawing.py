@@ -92,6 +92,7 @@ def _draw(axes: Axes, panel: Panel) -> None:
         axes.plot(time, values, color=colour, linestyle=dashes, linewidth=1.2, label=curve.label or None)
     axes.set_title(panel.title, loc="left", fontsize=TITLE_SIZE, pad=3)
     axes.set_ylabel(panel.ylabel, fontsize=TEXT_SIZE)
+    axes.yaxis.set_label_coords(-0.5 / (PANEL_WIDTH - 0.85), 0.5)  # in line with the panels above and below
     axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
     axes.locator_params(nbins=6)
     axes.grid(True, color="0.88", linewidth=0.6)
@@ -99,7 +100,16 @@ def _draw(axes: Axes, panel: Panel) -> None:
     if panel.note:
         axes.text(0.5, 0.5, panel.note, transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE, color="0.4")
     if any(curve.label for curve in panel.curves):
-        axes.legend(loc="upper right", fontsize=TEXT_SIZE, frameon=False, ncols=len(panel.curves), borderaxespad=0.1)
+        axes.legend(
+            loc="upper right",
+            fontsize=TEXT_SIZE,
+            frameon=False,
+            ncols=len(panel.curves),
+            borderaxespad=0.0,
+            handlelength=1.8,
+            handletextpad=0.4,
+            columnspacing=1.0,
+        )
     _leave_room(axes, panel.curves)
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES
-
 from ev_sim.recording.recording import Recording
 from ev_sim.report import quantities
 from ev_sim.report.metric import Metric, metric
@@ -39,8 +39,8 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
 
 def _metrics(run: Recording) -> dict[str, Metric]:
     return {
-        "final_speed": metric(lambda: channel(run, quantities.SPEED)[-1], "m/s"),
-        "maximum_speed": metric(lambda: channel(run, quantities.SPEED).max(), "m/s"),
+        "final_speed": metric(lambda: quantities.speed(run)[-1], "m/s"),
+        "maximum_speed": metric(lambda: quantities.speed(run).max(), "m/s"),
         "maximum_total_drive_torque": metric(lambda: np.abs(quantities.total_drive_torque(run)).max(), "N m"),
         "maximum_road_wheel_angle": metric(lambda: np.abs(channel(run, quantities.ROAD_WHEEL_ANGLE)).max(), "rad"),
     }
@@ -54,7 +54,7 @@ def _panels(run: Recording) -> list[Panel]:
         return [Curve(run.time, np.degrees(channel(run, quantities.ROAD_WHEEL_ANGLE)))]
 
     return [
-        panel("Speed", "speed [m/s]", lambda: [Curve(run.time, channel(run, quantities.SPEED))]),
+        panel("Speed", "speed [m/s]", lambda: [Curve(run.time, quantities.speed(run))]),
         panel("Steering angle", "angle [deg]", steering_angle),
         panel("Drive torques", "torque [N m]", lambda: wheels("wheel_states.effort")),
         panel("Wheel speeds", "speed [rad/s]", lambda: wheels("wheel_states.velocity")),

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES
-
 from ev_sim.recording.recording import Recording
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.samples import channel, mean_between
@@ -15,7 +15,6 @@ from ev_sim.report.samples import channel, mean_between
 ROAD_WHEEL_ANGLE = "steering_column.state.road_wheel_angle"
 HAND_TORQUE = "steering_column.state.hand_torque"
 DRIVER_HAND_TORQUE = "driver.command.hand_torque"
-SPEED = "twist.longitudinal"
 
 
 def right_minus_left(recording: Recording, quantity: str) -> np.ndarray:
@@ -26,6 +25,12 @@ def right_minus_left(recording: Recording, quantity: str) -> np.ndarray:
 def differential_torque(recording: Recording) -> np.ndarray:
     """Differential torque that the electronic differential asks for, (n,) [N m]; Shchur (2019), eq. 4."""
     return right_minus_left(recording, "torque_request.drive")
+
+
+def speed(recording: Recording) -> np.ndarray:
+    """Speed of the centre of mass along its path, negative backwards, (n,) [m/s]; V of Shchur (2019)."""
+    longitudinal = channel(recording, "twist.longitudinal")
+    return np.copysign(np.hypot(longitudinal, channel(recording, "twist.lateral")), longitudinal)
 
 
 def total_drive_torque(recording: Recording) -> np.ndarray:

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from ev_msgs_py.vehicle import Vehicle
 
+from ev_msgs_py.vehicle import Vehicle
 from ev_sim.recording.recording import Recording
 from ev_sim.report import quantities
 from ev_sim.report import shchur2019_paper as paper
@@ -107,7 +107,7 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
         return panel(title, ylabel, curves)
 
     panels = [
-        panel_of("a  Speed", "speed [km/h]", lambda run: 3.6 * channel(run, quantities.SPEED)),
+        panel_of("a  Speed", "speed [km/h]", lambda run: 3.6 * quantities.speed(run)),
         panel_of("b  Total torque at the wheels", "torque [N m]", quantities.total_drive_torque),
         panel_of("c  Steering angle", "angle [deg]", lambda run: np.degrees(channel(run, quantities.ROAD_WHEEL_ANGLE))),
         panel_of("d  Differential torque, right minus left", "torque [N m]", quantities.differential_torque),

@@ -12,7 +12,6 @@ from typing import Any
 
 from ev_msgs_py.parameters import flatten
 from ev_msgs_py.vehicle import Vehicle
-
 from ev_sim.recording.atomic import atomic_file
 from ev_sim.recording.recording import combined_hash, signal_hash
 from ev_sim.report.metric import Metric

@@ -31,7 +31,7 @@ def table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) -> str:
     notes: list[str] = []
     rows = [_row(name, metric, notes) for name, metric in metrics.items()]
     lines = _aligned(COLUMNS, rows)
-    if len(lines[0]) > width:
+    if max(map(len, lines)) > width:
         rows = [{**row, "value": row["value in rad"]} for row in rows]
         lines = _aligned(NARROW, rows)
     for number, note in enumerate(notes, start=1):
