@@ -42,7 +42,7 @@ export EV_STACK_CONFIG="${EV_STACK_CONFIG:-$EV_STACK_ROOT/config}"
 
 # Discovery stays on this machine, unless the user says otherwise: by our profile where the middleware is Fast DDS 3
 # (from Kilted on), else by what ROS 2 itself offers.
-if [[ -z "${ROS_AUTOMATIC_DISCOVERY_RANGE:-}${FASTDDS_DEFAULT_PROFILES_FILE:-}" ]]; then
+if [[ "${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}" == LOCALHOST && -z "${FASTDDS_DEFAULT_PROFILES_FILE:-}" ]]; then
     if [[ "${ROS_DISTRO:-kilted}" > "jazzy" && "${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp}" == rmw_fastrtps* ]]; then
         export FASTDDS_DEFAULT_PROFILES_FILE="$EV_STACK_ROOT/config/fastdds.xml"
         export ROS_AUTOMATIC_DISCOVERY_RANGE=SYSTEM_DEFAULT
