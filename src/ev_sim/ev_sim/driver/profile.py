@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from itertools import pairwise
 
 from ev_msgs_py.parameters import ParameterError, parameter
 
@@ -23,7 +24,7 @@ def check_points(time_name: str, time: tuple[float, ...], value_name: str, value
             f"{time_name} and {value_name} have {len(time)} and {len(value)} elements, allowed is the same number,"
             " at least one"
         )
-    for earlier, later in zip(time, time[1:], strict=False):
+    for earlier, later in pairwise(time):
         if not earlier < later:
             raise ParameterError(f"{time_name}: {later:g} s after {earlier:g} s is refused, allowed is increasing time")
 
