@@ -45,7 +45,7 @@ def step_response(
     deviation = (response - steady_value) / change
     settling_time = _settling_time(time, deviation, band)
     if settling_time > time[-1] - window - step_time:
-        raise NotMeasured(f"the response has not settled to {100 * band:g} % when its last {window:g} s begin")
+        raise NotMeasured(f"the response has not settled to {100 * band:g} % before the last {window:g} s of the run")
     return StepResponse(steady_value, 100 * max(0.0, float(deviation.max())), settling_time)
 
 
