@@ -14,7 +14,6 @@ from ev_msgs_py.parameters import (
     ParameterError,
     Spec,
     build,
-    check,
     entries,
     flatten,
     group,
@@ -39,6 +38,7 @@ class CommonParameters:
         about="lockstep: a step when all inputs are there; realtime: a step when the wall clock says so",
         read_only=True,
     )
+    seed: int = parameter(0, low=0, high=2**31 - 1, about="seed of everything random in the node", read_only=True)
     vehicle: Vehicle = group(Vehicle)
 
 
@@ -93,8 +93,8 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     scenario file can serve several methods.
     """
     rest = dict(values)
-    default = ROLES[role].default_method
-    method = find_method(role, check(dataclasses.replace(_method_entry(role, default), spec=Spec("")), rest.pop(_METHOD, default)))
+    name = rest.pop(_METHOD, ROLES[role].default_method)
+    method = find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false
     common = build(CommonParameters, _taken(rest, CommonParameters))
     further = build(extra, _taken(rest, extra)) if extra is not None else None
     parameters = build(method.parameters, _taken(rest, method.parameters))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from typing import Any
 
 from rclpy.clock import Clock as RosClock
@@ -14,7 +13,7 @@ from std_srvs.srv import Trigger
 
 from ev_msgs_py import stamps
 from ev_msgs_py.inbox import Arrival
-from ev_msgs_py.parameters import parameter
+from ev_msgs_py.master_parameters import RECORDER_LAG, MasterParameters
 from ev_msgs_py.roles import MASTER, RECORDER_WRITES, ROLES
 from ev_msgs_py.signals import WheelTorqueCommand
 from ev_msgs_py.stepped_node import QUALITY, SteppedNode
@@ -22,27 +21,7 @@ from ev_msgs_py.stepper import Answer
 from ev_msgs_py.topics import Topic
 from ev_msgs_py.wheels import NO_WHEELS
 
-RECORDER_LAG = 200  # steps that the recorder may be behind; less than topics.QUEUE_DEPTH
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
-
-
-@dataclass(frozen=True, slots=True)
-class MasterParameters:
-    """How time runs."""
-
-    real_time_factor: float = parameter(
-        0.0, unit="1", low=0.0, high=1000.0, about="simulated over wall time in lockstep at most; 0: as fast as possible"
-    )
-    duration: float = parameter(0.0, unit="s", low=0.0, high=1e6, about="the node ends at this time; 0: never")
-    command_timeout: float = parameter(
-        0.1, unit="s", low=0.001, high=60.0, about="realtime: an older torque command becomes zero torque"
-    )
-    answer_timeout: float = parameter(
-        2.0, unit="s", low=0.1, high=3600.0, about="wall time without an answer after which the silent nodes are named"
-    )
-    await_recorder: bool = parameter(
-        False, about="do not run more than 200 steps ahead of the recorder, so that it misses nothing", read_only=True
-    )
 
 
 class MasterNode(SteppedNode):

@@ -88,7 +88,7 @@ def methods_of(role: str) -> dict[str, Method]:
 def find_method(role: str, name: str) -> Method:
     """The method of a role with this name; ParameterError that lists the known ones if there is none."""
     known = methods_of(role)
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         raise unknown_name(f"{role} method", name, known)
     return known[name]
 

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from typing import Any
 
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.signals import SignalHandlerOptions
 
 from ev_msgs_py.master_node import MasterNode
-from ev_msgs_py.parameters import ParameterError
 from ev_msgs_py.roles import MASTER
-from ev_msgs_py.shape import SignalError
 from ev_msgs_py.spinning import spin
 from ev_msgs_py.stepped_node import SteppedNode
 
 
-def make_node(role: str) -> SteppedNode:
+def make_node(role: str, **node_arguments: Any) -> SteppedNode:
     """The node of a role; the plant is the master of time."""
-    return MasterNode() if role == MASTER else SteppedNode(role)
+    return MasterNode(**node_arguments) if role == MASTER else SteppedNode(role, **node_arguments)
 
 
 def run_role(role: str) -> None:
@@ -34,7 +33,7 @@ def run_node(name: str, make: Callable[[], SteppedNode]) -> None:
     try:
         node = make()
         spin([node], lambda: node.done)
-    except (ParameterError, SignalError, ValueError) as error:
+    except (ValueError, RuntimeError) as error:
         sys.exit(f"{name}: {error}")
     except (KeyboardInterrupt, ExternalShutdownException):
         pass

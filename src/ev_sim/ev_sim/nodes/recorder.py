@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
 from pathlib import Path
 from typing import Any
 
@@ -16,34 +16,19 @@ from rosgraph_msgs.msg import Clock
 
 from ev_msgs_py import ros_parameters, stamps
 from ev_msgs_py.message_classes import message_class
-from ev_msgs_py.parameters import ParameterError, build, entries, parameter
-from ev_msgs_py.roles import RECORDED, RECORDER_WRITES
+from ev_msgs_py.parameters import ParameterError, build, entries
+from ev_msgs_py.roles import RECORDER_WRITES
 from ev_msgs_py.run_role import run_node
 from ev_msgs_py.signals import RecorderProgress
 from ev_msgs_py.stepped_node import QUALITY, SignalWriter
 from ev_msgs_py.topics import TOPICS, Topic
 from ev_sim.recording.cdr_template import stamp_of
+from ev_sim.recording.recorder_parameters import RecorderParameters
 from ev_sim.recording.recording import save
 from ev_sim.recording.run_recorder import RunRecorder
 
-_ALL_TOPICS = tuple(TOPICS[signal].name for signal in RECORDED)
 _POLL_PERIOD = 0.004  # s; several steps are taken in one go, which costs less than waking up for each message
-
-
-@dataclass(frozen=True, slots=True)
-class RecorderParameters:
-    """What is recorded and where it goes."""
-
-    directory: str = parameter("recording", about="folder for bag/ and signals.npz, made if need be", read_only=True)
-    topics: tuple[str, ...] = parameter(
-        _ALL_TOPICS, choices=_ALL_TOPICS, about="topics that belong to every step of this run", read_only=True
-    )
-    control_period: float = parameter(
-        0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
-    )
-    duration: float = parameter(
-        0.0, unit="s", low=0.0, high=1e6, about="the node ends when it holds this time; 0: never", read_only=True
-    )
+_CHECKPOINT_PERIOD = 0.5  # s; a recorder that is killed loses no more than that
 
 
 class RecorderNode(Node):
@@ -55,17 +40,19 @@ class RecorderNode(Node):
         p = build(RecorderParameters, ros_parameters.overrides(self))
         ros_parameters.declare(self, entries(p))
         self._directory = Path(p.directory)
-        if (self._directory / "bag").exists():
-            raise ParameterError(f"directory: {p.directory!r} is refused, allowed is one without an earlier bag")
+        bag = self._directory / "bag" if p.bag else None
+        if bag is not None and bag.exists():
+            raise ParameterError(f"parameter directory: {p.directory!r} is refused, allowed is one without a bag")
         self._directory.mkdir(parents=True, exist_ok=True)
         topics = [topic for topic in TOPICS.values() if topic.name in p.topics]
         names = [self.resolve_topic_name(topic.name) for topic in topics]
         period = stamps.from_seconds(p.control_period)
         self._last = stamps.from_seconds(p.duration) // period * period
-        self._recorder = RunRecorder(topics, names, period, self._directory / "bag")
+        self._recorder = RunRecorder(topics, names, period, bag, may_skip=p.mode == "realtime")
         self._told = -1
         self._clock = -1
         self._wrote = False
+        self._next_checkpoint = 0.0
         self._all_subscriptions = [self._subscribe(index, topic) for index, topic in enumerate(topics)]
         self._all_subscriptions.append(self.create_subscription(Clock, "/clock", self._on_clock, QUALITY, raw=True))
         self._all_subscriptions.append(
@@ -113,12 +100,15 @@ class RecorderNode(Node):
         if held > self._told:
             self._progress.write(held, RecorderProgress())
             self._told = held
-        for loss in self._recorder.lost:
-            self.get_logger().error(f"message lost: {loss}")
-        if 0 < self._last <= held or self._recorder.lost:
+        if self._recorder.loss:
+            raise RuntimeError(f"the recording has a gap: {self._recorder.loss}")
+        if 0 < self._last <= held:
             self._progress.publisher.wait_for_all_acked(Duration(seconds=2.0))
             self.finish()
             self.done = True
+        if time.monotonic() >= self._next_checkpoint:
+            self._recorder.checkpoint()
+            self._next_checkpoint = time.monotonic() + _CHECKPOINT_PERIOD
 
     def finish(self) -> None:
         """Write signals.npz with all complete steps and close the bag."""
