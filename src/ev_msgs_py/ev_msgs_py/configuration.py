@@ -21,7 +21,6 @@ from ev_msgs_py.parameters import (
     unknown_name,
 )
 from ev_msgs_py.roles import ROLES
-from ev_msgs_py.signals import Instant
 from ev_msgs_py.vehicle import Vehicle
 
 
@@ -127,8 +126,8 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
             raise ParameterError(f"{name} differs between nodes: {values}; allowed is one for all")
     written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
     for configuration in configurations.values():
-        for signal in configuration.method.reads:
-            if signal is not Instant and signal not in written:
+        for signal in configuration.method.inputs:
+            if signal not in written:
                 names = ", ".join(sorted(c.method.name for c in configurations.values()))
                 raise ParameterError(
                     f"{configuration.role} method {configuration.method.name} reads {signal.__name__}, "

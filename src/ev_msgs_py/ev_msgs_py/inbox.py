@@ -25,13 +25,20 @@ class Inbox:
     takes any stamp as its first; from then on steps follow each other without a gap, unless `may_skip` (realtime,
     where the master does not wait). A message may run ahead of the next step by one more step, because the writers
     do not wait for each other within a step. Stamp zero of one of the `heralds` after other stamps begins a new run.
+    A step is complete when all its inputs are there, and of the `followed` ones those of the step after it as well.
     """
 
     def __init__(
-        self, reads: tuple[type, ...], heralds: frozenset[type], period: int, may_skip: bool = False
+        self,
+        reads: tuple[type, ...],
+        heralds: frozenset[type],
+        period: int,
+        may_skip: bool = False,
+        followed: frozenset[type] = frozenset(),
     ) -> None:
         self.reads = reads
         self._heralds = heralds
+        self._followed = followed
         self.period = period
         self.last: int | None = None
         self._may_skip = may_skip
@@ -68,8 +75,7 @@ class Inbox:
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, None if there is none."""
         if not self._may_skip and self.last is not None:
-            due = self.last + self.period
-            return due if len(self._pending.get(due, ())) == len(self.reads) else None
+            return None if self.missing() else self.last + self.period
         for stamp in sorted(self._pending, reverse=True):
             if len(self._pending[stamp]) == len(self.reads):
                 return stamp
@@ -85,5 +91,9 @@ class Inbox:
 
     def missing(self) -> tuple[type, ...]:
         """The signal types that the next step still waits for, in order of `reads`; all before the first step."""
-        held = {} if self.last is None else self._pending.get(self.last + self.period, {})
-        return tuple(kind for kind in self.reads if kind not in held)
+        if self.last is None:
+            return self.reads
+        due = self.last + self.period
+        held = self._pending.get(due, {})
+        after = self._pending.get(due + self.period, {})
+        return tuple(kind for kind in self.reads if kind not in held or (kind in self._followed and kind not in after))

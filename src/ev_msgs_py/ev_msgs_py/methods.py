@@ -11,7 +11,7 @@ from importlib.metadata import entry_points
 from typing import Any
 
 from ev_msgs_py.parameters import unknown_name
-from ev_msgs_py.roles import MASTER, ROLES, RoleKind
+from ev_msgs_py.roles import INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.signals import Instant
 
 _REGISTER: dict[str, dict[str, Method]] = {}
@@ -29,15 +29,18 @@ class Method:
 
     @property
     def inputs(self) -> tuple[type, ...]:
-        """The signals that a step waits for: those it reads, and for an integrating one at least one of the master's.
+        """The signals that a step waits for: those it reads, and what else the node has to hear.
 
-        An integrating node speaks first (its initial state) and so has to hear the master.
+        The master hears everybody else who integrates, so that it leaves nobody behind. The others hear the master
+        or, if they answer at once, somebody who does so before them: that is how they learn of a new run.
         """
         topics = tuple(signal for signal in self.reads if signal is not Instant)
         role, masters = ROLES[self.role], ROLES[MASTER].writes
-        if self.role == MASTER or role.kind is RoleKind.ANSWERS or any(signal in masters for signal in topics):
-            return topics
-        return (*topics, next(signal for signal in role.reads if signal in masters))
+        if self.role == MASTER:
+            return (*topics, *(signal for signal in role.reads if signal in INTEGRATED and signal not in topics))
+        answers = role.kind is RoleKind.ANSWERS
+        heralds = [signal for signal in role.reads if signal in masters or (answers and signal not in INTEGRATED)]
+        return topics if any(signal in heralds for signal in topics) else (*topics, heralds[0])
 
     @property
     def writes(self) -> tuple[type, ...]:

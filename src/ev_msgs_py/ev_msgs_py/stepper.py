@@ -10,7 +10,7 @@ from ev_msgs_py import stamps
 from ev_msgs_py.graph import sequence, writers
 from ev_msgs_py.inbox import Arrival, Inbox
 from ev_msgs_py.methods import Method
-from ev_msgs_py.roles import MASTER, ROLES, RoleKind
+from ev_msgs_py.roles import INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.signals import Instant
 
 
@@ -53,8 +53,12 @@ class Stepper:
         self.integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
         self.upstream = upstream_signals(method.role)
         # An integrating writer repeats its last two answers, so its stamp zero may be a late repetition.
-        heralds = frozenset(s for s in self.upstream if ROLES[_WRITERS[s]].kind is RoleKind.ANSWERS)
-        self.inbox = Inbox(self.reads, heralds | {*ROLES[MASTER].writes}, period, may_skip)
+        heralds = frozenset(s for s in self.upstream if s not in INTEGRATED)
+        # The master repeats no other state than the present one, so it must not leave anybody behind: it goes on when
+        # the others that integrate have done so too. They have heard all that answer, and these the master.
+        follows = method.role == MASTER and not may_skip
+        followed = frozenset(s for s in self.reads if s in INTEGRATED) if follows else frozenset()
+        self.inbox = Inbox(self.reads, heralds | {*ROLES[MASTER].writes}, period, may_skip, followed)
         self.answer: Answer | None = None
         self.period = period
         self._before: Answer | None = None
