@@ -13,9 +13,9 @@ from functools import cache
 from operator import itemgetter
 from typing import Any
 
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import deserialize_message
 
-from ev_msgs_py import stamps
+from ev_msgs_py import cdr, stamps
 from ev_msgs_py.message_classes import message_class
 from ev_msgs_py.topics import TOPICS, Topic
 
@@ -38,7 +38,7 @@ class WireFormat:
         header = getattr(message, "header", message)
         header.frame_id = topic.frame
         topic.codec.encode(topic.codec.shape.signal_of(probe), message)
-        self.template = serialize_message(message)
+        self.template = cdr.serialize(message)
         self.number = "d" if not probe or struct.pack("<d", probe[0]) in self.template else "f"
         self.places = tuple(self.template.index(struct.pack(f"<{self.number}", number)) for number in probe)
         self._make_struct()
