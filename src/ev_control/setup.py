@@ -23,7 +23,8 @@ setup(
             "asr = ev_control.nodes.asr:main",
         ],
         "ev_stack.methods": [
-            "ev_control = ev_control.methods",
+            "electronic_differential = ev_control.methods.electronic_differential",
+            "asr = ev_control.methods.asr",
         ],
     },
 )

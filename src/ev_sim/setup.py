@@ -40,7 +40,9 @@ setup(
             "inspect = ev_sim.inspect_graph:main",
         ],
         "ev_stack.methods": [
-            "ev_sim = ev_sim.methods",
+            "plant = ev_sim.methods.plant",
+            "steering_column = ev_sim.methods.steering_column",
+            "driver = ev_sim.methods.driver",
         ],
     },
 )

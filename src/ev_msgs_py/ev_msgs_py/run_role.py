@@ -39,5 +39,5 @@ def run_node(name: str, make: Callable[[], SteppedNode]) -> None:
         pass
     finally:
         if node is not None:
-            node.destroy_node()
+            node.close()
         rclpy.try_shutdown()

@@ -116,6 +116,9 @@ class SteppedNode(Node):
     def idle(self) -> None:
         """Called when there is nothing to take."""
 
+    def close(self) -> None:
+        """Called at the end of the process."""
+
     def receive(self, topic: Topic, message: bytes) -> None:
         """Judge a message, step if that completes the inputs, answer."""
         received = self.unpacked(topic, message)

@@ -83,7 +83,8 @@ class Stepper:
         """What a message that has been taken in leads to: an answer, or recent answers again."""
         if arrival is Arrival.REPEATED and kind in self.upstream:
             yield from self._recent_answers()
-        if self.integrates and self._at_rest and (self.answer is None or stamp > self.answer.stamp):
+        joining = self.inbox.last is None and self._at_rest  # it has missed what it needs to step from this stamp on
+        if self.integrates and (self.answer is None or (joining and stamp > self.answer.stamp)):
             self.answer = Answer(stamp, self.object.outputs())
             yield self.answer
         answer = self.step()

@@ -119,10 +119,9 @@ class RecorderNode(Node):
             self._recorder.close()
             save(self._recorder.recording(), self._directory / "signals.npz")
 
-    def destroy_node(self) -> None:
+    def close(self) -> None:
         """Leave nothing unwritten behind."""
         self.finish()
-        super().destroy_node()
 
 
 def main() -> None:

@@ -53,6 +53,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
             observer.look()
             progress(run.duration)
             for node in nodes:
+                node.close()
                 node.destroy_node()
         finally:
             context.try_shutdown()

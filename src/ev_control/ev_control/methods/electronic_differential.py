@@ -1,6 +1,5 @@
-"""Importing this module registers every control method of ev_control."""
+"""Registers the electronic differentials."""
 
-import ev_control.asr.off
 import ev_control.electronic_differential.drive_by_wire
 import ev_control.electronic_differential.equal_torque
 import ev_control.electronic_differential.power_steering

@@ -1,0 +1,45 @@
+"""scripts/document.sh [--runs | --check]"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from ev_sim.documentation.markdown import with_blocks
+from ev_sim.documentation.pages import RESULTS, stale_pages
+
+
+def main(argv: list[str] | None = None) -> None:
+    """Write the generated parts of README.md and docs/ anew; exit status 1 if --check finds one that is stale."""
+    parser = argparse.ArgumentParser(prog="document.sh", description="Write the generated parts of the pages.")
+    parser.add_argument("root", type=Path, help="top of the repository")
+    way = parser.add_mutually_exclusive_group()
+    way.add_argument("--runs", action="store_true", help="also drive the scenarios for the results and the images")
+    way.add_argument("--check", action="store_true", help="change nothing, name the stale pages")
+    given = parser.parse_args(argv)
+    stale = stale_pages(given.root)
+    for page, text in stale.items():
+        print(f"{'stale' if given.check else 'written'}: {page.relative_to(given.root)}")
+        if not given.check:
+            page.write_text(text, encoding="utf-8")
+    if given.runs:
+        _write_results(given.root)
+    if given.check and stale:
+        sys.exit(1)
+
+
+def _write_results(root: Path) -> None:
+    from ev_sim.documentation.results import drive_all, result_table, save_images
+
+    driven = drive_all()
+    page = root / "docs" / "shchur2019.md"
+    page.write_text(with_blocks(page.read_text(encoding="utf-8"), {RESULTS: result_table(driven)}), encoding="utf-8")
+    images = root / "docs" / "images"
+    images.mkdir(exist_ok=True)
+    save_images(driven, images)
+    print(f"written: results in {page.relative_to(root)}, {images.relative_to(root)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,3 @@
+"""Registers the plants."""
+
+import ev_sim.plant.kinematic  # noqa: F401

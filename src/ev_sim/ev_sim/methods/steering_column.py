@@ -1,0 +1,5 @@
+"""Registers the steering columns."""
+
+import ev_sim.steering_column.by_wire
+import ev_sim.steering_column.manual
+import ev_sim.steering_column.powered  # noqa: F401
