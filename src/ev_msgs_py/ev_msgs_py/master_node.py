@@ -112,6 +112,10 @@ class MasterNode(SteppedNode):
                 self._named_silent = True
                 self._name_the_silent()
 
+    def reconfigured(self) -> None:
+        """Time goes on from here at its new pace."""
+        self._pace_from_here()
+
     def _begin(self) -> None:
         self._recorded = -1
         self._newest.clear()

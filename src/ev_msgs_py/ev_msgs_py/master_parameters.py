@@ -16,7 +16,9 @@ class MasterParameters:
     real_time_factor: float = parameter(
         0.0, unit="1", low=0.0, high=1000.0, about="simulated over wall time in lockstep, at most; 0: no limit"
     )
-    duration: float = parameter(0.0, unit="s", low=0.0, high=1e6, about="the node ends at this time; 0: never")
+    duration: float = parameter(
+        0.0, unit="s", low=0.0, high=1e6, about="the node ends at this time; 0: never", read_only=True
+    )
     command_timeout: float = parameter(
         0.1, unit="s", low=0.001, high=60.0, about="realtime: an older torque command becomes zero torque"
     )

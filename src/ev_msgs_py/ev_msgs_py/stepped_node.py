@@ -16,7 +16,6 @@ from ev_msgs_py import ros_parameters, stamps
 from ev_msgs_py.codec import MessageError
 from ev_msgs_py.configuration import configure
 from ev_msgs_py.inbox import Arrival
-from ev_msgs_py.parameters import ParameterError
 from ev_msgs_py.stepper import Answer, Stepper, arrival_place
 from ev_msgs_py.topics import QUEUE_DEPTH, TOPICS, Topic
 from ev_msgs_py.wire_format import stamp_of, wire_format
@@ -170,10 +169,16 @@ class SteppedNode(Node):
         try:
             configuration = self.configuration.changed(given)
             successor = configuration.create()
-        except (ParameterError, ValueError) as error:
+        except ValueError as error:
             return SetParametersResult(successful=False, reason=str(error))
-        successor.state = self.stepper.object.state
-        self.configuration, self.stepper.object = configuration, successor
-        self.warn(f"parameters changed to {given}: the run is not reproducible")
+        if configuration.parameters != self.configuration.parameters:
+            successor.state = self.stepper.object.state
+            self.stepper.object = successor
+            self.warn(f"parameters changed to {given}: the run is not reproducible")
+        self.configuration = configuration
+        self.reconfigured()
         return SetParametersResult(successful=True)
+
+    def reconfigured(self) -> None:
+        """Called when new parameter values are taken over."""
 

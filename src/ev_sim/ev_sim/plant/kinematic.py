@@ -69,6 +69,15 @@ class KinematicPlantParameters(DriveParameters):
     initial_speed: float = parameter(0.0, unit="m/s", low=-100.0, high=100.0, about="speed at the start")
 
 
+@dataclass(slots=True)
+class KinematicPlantState:
+    """Car, wheels and drives as arrays that are integrated in place: (1,) CAR_STATE, (4,) WHEEL_STATE, DRIVE_STATE."""
+
+    car: np.ndarray
+    wheels: np.ndarray
+    drives: np.ndarray
+
+
 @method("plant", "kinematic")
 class KinematicPlant:
     """Point mass, wheels that roll without slip on Ackermann's radii, resistance and brakes as dry friction.
@@ -83,16 +92,14 @@ class KinematicPlant:
     writes = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose)
 
     __slots__ = (
-        "_car",
         "_drive_parameters",
-        "_drives",
         "_gear_ratio",
         "_parameters",
         "_period",
         "_radius",
         "_torques",
         "_vehicle",
-        "_wheels",
+        "state",
     )
 
     def __init__(self, parameters: KinematicPlantParameters, vehicle: Vehicle, period: float) -> None:
@@ -101,12 +108,12 @@ class KinematicPlant:
         self._vehicle = record_of(vehicle)
         self._period = period
         self._radius, self._gear_ratio = vehicle.wheel_radius, vehicle.gear_ratio
-        self._car = np.zeros(1, CAR_STATE)
-        self._car["speed"] = parameters.initial_speed
-        self._wheels = np.zeros(len(WHEEL_NAMES), WHEEL_STATE)
-        self._wheels["has_motor"] = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
-        self._wheels["speed_ratio"] = 1.0
-        self._drives = drives_at_rest(len(WHEEL_NAMES))
+        car = np.zeros(1, CAR_STATE)
+        car["speed"] = parameters.initial_speed
+        wheels = np.zeros(len(WHEEL_NAMES), WHEEL_STATE)
+        wheels["has_motor"] = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
+        wheels["speed_ratio"] = 1.0
+        self.state = KinematicPlantState(car, wheels, drives_at_rest(len(WHEEL_NAMES)))
         self._torques = np.zeros(len(WHEEL_NAMES), WHEEL_TORQUES)
 
     def outputs(self) -> tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose]:
@@ -115,12 +122,12 @@ class KinematicPlant:
         The means are what moved the car, chopping and commutation ripple included; the motors' torque is the one of
         this instant, so it shows the ripple. Of the road-wheel angle the plant knows what was held until now.
         """
-        speed, acceleration, curvature, offset, x, y, heading = self._car[0].item()
+        speed, acceleration, curvature, offset, x, y, heading = self.state.car[0].item()
         yaw_rate = speed * curvature
         along, across = math.cos(offset), math.sin(offset)
         centripetal = speed * yaw_rate
 
-        wheels = self._wheels
+        wheels = self.state.wheels
         wheel_speeds = [ratio * speed / self._radius for ratio in wheels["speed_ratio"].tolist()]
         shaft_speeds = [
             self._gear_ratio * wheel_speed if has_motor else 0.0
@@ -132,7 +139,7 @@ class KinematicPlant:
                 velocity=Wheels(*wheel_speeds),
                 effort=Wheels(*wheels["mean_torque"].tolist()),
             ),
-            MotorStates(velocity=Wheels(*shaft_speeds), effort=Wheels(*self._drives["torque"].tolist())),
+            MotorStates(velocity=Wheels(*shaft_speeds), effort=Wheels(*self.state.drives["torque"].tolist())),
             InertialMeasurement(
                 yaw_rate=yaw_rate,
                 longitudinal_acceleration=acceleration * along - centripetal * across,
@@ -151,9 +158,9 @@ class KinematicPlant:
         self._torques["drive"] = command.drive
         self._torques["brake"] = command.brake
         _advance(
-            self._car,
-            self._wheels,
-            self._drives,
+            self.state.car,
+            self.state.wheels,
+            self.state.drives,
             self._torques,
             self._parameters,
             self._drive_parameters,
@@ -163,7 +170,7 @@ class KinematicPlant:
         )
 
     def _refuse_impossible(self, command: WheelTorqueCommand) -> None:
-        motors = self._wheels["has_motor"].tolist()
+        motors = self.state.wheels["has_motor"].tolist()
         for name, has_motor, drive, brake in zip(WHEEL_NAMES, motors, command.drive, command.brake, strict=True):
             if drive != 0.0 and not has_motor:
                 raise ValueError(f"torque_command: {drive:g} N m of drive on {name}, which has no motor")
