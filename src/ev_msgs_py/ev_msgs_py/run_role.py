@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable
 from typing import Any
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
+from rclpy.exceptions import ParameterException
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
 from ev_msgs_py.master_node import MasterNode
 from ev_msgs_py.roles import MASTER
 from ev_msgs_py.spinning import spin
 from ev_msgs_py.stepped_node import SteppedNode
+from ev_msgs_py.stop_request import StopRequest
 
 
 def make_node(role: str, **node_arguments: Any) -> SteppedNode:
@@ -28,16 +32,32 @@ def run_role(role: str) -> None:
 
 def run_node(name: str, make: Callable[[], SteppedNode]) -> None:
     """Make a node, spin it, and turn refused input into one line and exit status 1."""
-    rclpy.init(signal_handler_options=SignalHandlerOptions.ALL)
+    stop = StopRequest()
     node = None
     try:
+        _refuse_other_arguments()
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         node = make()
-        spin([node], lambda: node.done)
-    except (ValueError, RuntimeError) as error:
-        sys.exit(f"{name}: {error}")
-    except (KeyboardInterrupt, ExternalShutdownException):
+        spin([node], lambda: node.done or stop.received)
+    except (ValueError, RuntimeError, OSError, ParameterException) as error:
+        sys.exit(f"{name}: {_one_line(error)}")
+    except KeyboardInterrupt:
         pass
     finally:
         if node is not None:
             node.close()
         rclpy.try_shutdown()
+
+
+def _refuse_other_arguments() -> None:
+    """ValueError for words that ROS would silently ignore, such as parameters without --ros-args before them."""
+    others = remove_ros_args(sys.argv)[1:]
+    if others:
+        raise ValueError(f"unknown argument {others[0]!r}; what a node is told follows --ros-args")
+
+
+def _one_line(error: Exception) -> str:
+    """The text of an error without line breaks and without the places in ROS's own source code."""
+    if isinstance(error, rclpy_implementation.UnknownROSArgsError):
+        return f"unknown ROS arguments {error}"
+    return " ".join(re.sub(r", at /\S+:\d+", "", str(error)).split())

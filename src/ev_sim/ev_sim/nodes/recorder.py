@@ -34,6 +34,8 @@ _CHECKPOINT_PERIOD = 0.5  # s; a recorder that is killed loses no more than that
 class RecorderNode(Node):
     """Records all topics of the contract and tells the master of time how far it is."""
 
+    _wrote = True  # until there is something to write
+
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__("recorder", automatically_declare_parameters_from_overrides=True, **node_arguments)
         self.done = False
@@ -49,9 +51,9 @@ class RecorderNode(Node):
         period = stamps.from_seconds(p.control_period)
         self._last = stamps.from_seconds(p.duration) // period * period
         self._recorder = RunRecorder(topics, names, period, bag, may_skip=p.mode == "realtime")
+        self._wrote = False
         self._told = -1
         self._clock = -1
-        self._wrote = False
         self._next_checkpoint = 0.0
         self._all_subscriptions = [self._subscribe(index, topic) for index, topic in enumerate(topics)]
         self._all_subscriptions.append(self.create_subscription(Clock, "/clock", self._on_clock, QUALITY, raw=True))
