@@ -1,0 +1,428 @@
+"""Lockstep without ROS: steppers on a faulty network give, bit for bit, what the offline runner gives."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from fake_network import FakeNetwork, Faults, WatchedStepper
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from toy_methods import toy, toy_graph
+
+from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.inbox import Arrival, Inbox
+from ev_msgs_py.roles import MASTER, ROLES, RoleKind
+from ev_msgs_py.signals import (
+    BodyVelocity,
+    DriverCommand,
+    SteeringColumnState,
+    TireForces,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
+from ev_msgs_py.stepper import upstream_signals
+from ev_sim.recording.recording import Recording
+from ev_sim.scenario.offline import run_offline
+from ev_sim.scenario.scenario import load_scenario
+
+PERIOD = 10_000_000
+OTHERS = tuple(role for role in ROLES if role != MASTER)
+# What a method of the role cannot do without: the chain from the driver to the plant.
+ESSENTIAL = {
+    "plant": WheelTorqueCommand,
+    "steering_column": DriverCommand,
+    "electronic_differential": DriverCommand,
+    "asr": WheelTorqueRequest,
+}
+faults = st.builds(Faults, st.floats(0, 0.4), st.floats(0, 0.3), st.sampled_from((0.0, 0.002)))
+
+
+@st.composite
+def graphs(draw: st.DrawFn) -> dict[str, Configuration]:
+    """Toys of which each reads what it needs and some of what it may read besides."""
+    reads = {}
+    for name, role in ROLES.items():
+        optional = [signal for signal in role.reads if signal is not ESSENTIAL.get(name)]
+        chosen = draw(st.sets(st.sampled_from(optional))) if optional else set()
+        reads[name] = tuple(s for s in role.reads if s in chosen or s is ESSENTIAL.get(name))
+    return toy_graph(**reads)
+
+
+def lossless(configurations: dict[str, Configuration], steps: int) -> FakeNetwork:
+    network = FakeNetwork(configurations, steps)
+    network.begin()
+    network.run()
+    return network
+
+
+def play(network: FakeNetwork, turns: int) -> None:
+    """Some turns, unless the run ends before."""
+    while turns > 0 and not network.at_end:
+        network.turn()
+        turns -= 1
+
+
+def bits(recording: Recording) -> dict[str, list[str]]:
+    return {name: [float.hex(number) for number in column.tolist()] for name, column in recording.channels.items()}
+
+
+def assert_each_stepped_once(network: FakeNetwork, but: str = "") -> None:
+    """The master steps from an instant to the next, so one time less."""
+    for role, stepper in network.steppers.items():
+        if role != but:
+            instants = network.instants()
+            assert stepper.stepped == (instants[:-1] if role == MASTER else instants), role
+
+
+# A whole run
+
+
+@settings(deadline=None, max_examples=20)
+@given(graphs())
+def test_without_faults_the_network_gives_what_the_offline_runner_gives(configurations):
+    """design.md: a node is a pure function of stamped inputs, so the way they come does not matter."""
+    network = lossless(configurations, 12)
+    assert network.signals() == bits(run_offline(configurations, 0.12))
+    assert network.silences == 0
+
+
+@settings(deadline=None, max_examples=100)
+@given(graphs(), st.integers(0, 2**32), faults)
+def test_lost_repeated_and_delayed_messages_change_no_bit(configurations, seed, faults):
+    """A lost message costs time, not truth: the master's repetition brings back whatever is missing."""
+    network = FakeNetwork(configurations, 8, seed, faults)
+    network.begin()
+    network.run()
+    assert network.signals() == lossless(configurations, 8).signals()
+    assert_each_stepped_once(network)
+    assert not {Arrival.GAP, Arrival.RESTART} & set(network.arrivals)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_scenario_survives_faults_bit_for_bit(seed):
+    """The real methods on the scenario of the paper; one second suffices, for nothing differs between the steps."""
+    configurations = load_scenario("shchur2019").runs[0].configurations
+    network = FakeNetwork(configurations, 100, seed, Faults(0.1, 0.1, 0.001))
+    network.begin()
+    network.run()
+    assert network.signals() == bits(run_offline(configurations, 1.0))
+
+
+@settings(deadline=None, max_examples=40)
+@given(graphs(), st.integers(0, 2**32), faults)
+def test_topics_that_connect_late_change_no_bit(configurations, seed, faults):
+    """Discovery connects each reader to each topic at its own time; what was sent before is lost."""
+    network = FakeNetwork(configurations, 5, seed, faults)
+    links = [(role, kind) for role, stepper in network.steppers.items() for kind in stepper.reads]
+    chance = random.Random(seed)
+    network.deaf = {link for link in links if chance.random() < 0.7}
+    network.begin()
+    while network.deaf:
+        network.drain()
+        network.deaf.discard(chance.choice(links))
+        network.retry()
+    network.run()
+    assert network.signals() == lossless(configurations, 5).signals()
+    assert_each_stepped_once(network)
+
+
+@settings(deadline=None, max_examples=40)
+@given(graphs(), st.integers(0, 2**32), faults, st.integers(0, 300))
+def test_a_reset_in_mid_run_begins_the_same_run_anew(configurations, seed, faults, turns):
+    """Stamp zero makes new objects at rest, while messages of the run before are still under way.
+
+    From the fourth step on: a reset within the first steps finds nodes that still hold stamp zero.
+    """
+    network = FakeNetwork(configurations, 12, seed, faults)
+    network.begin()
+    while network.now < 3 * PERIOD:
+        network.turn()
+    play(network, turns)
+    network.forgives = True  # who has not heard of the reset yet goes on speaking of the run before
+    network.begin()
+    network.run()
+    assert network.signals() == lossless(configurations, 12).signals()
+
+
+@settings(deadline=None, max_examples=100)
+@given(graphs(), st.sampled_from(OTHERS), st.integers(0, 2**32), faults, st.integers(0, 400))
+def test_a_restarted_node_lets_the_run_go_on(configurations, role, seed, faults, turns):
+    """It joins at the present instant, without a gap from there on, and nobody else steps twice or not at all."""
+    network = FakeNetwork(configurations, 10, seed, faults)
+    network.begin()
+    play(network, turns)
+    network.forgives = True  # its state is lost: it may say something else about the same instant
+    network.restart(role)
+    network.run()
+    assert_each_stepped_once(network, but=role)
+    stepped = network.steppers[role].stepped
+    assert stepped == [stamp for stamp in network.instants() if stepped and stamp >= stepped[0]]
+
+
+@settings(deadline=None, max_examples=30)
+@given(graphs(), st.integers(0, 2**32), st.integers(0, 300))
+def test_a_retry_leads_to_a_bounded_number_of_messages(configurations, seed, turns):
+    """Repetitions run down the graph only, so a retry ends; counted along the declared order of the roles.
+
+    A node answers each repeated message of those before it with its last answer, one that integrates with the last
+    two; where a step becomes possible it answers once more.
+    """
+    network = FakeNetwork(configurations, 6, seed, Faults(0.3))
+    network.begin()
+    play(network, turns)
+    network.frozen = True
+    network.drain()
+    network.faults = Faults()
+    for _ in range(3):
+        network.retry()
+        assert network.drain() <= most_messages_of_a_retry(network)
+
+
+def most_messages_of_a_retry(network: FakeNetwork) -> int:
+    count = dict.fromkeys(ROLES[MASTER].writes, 1)
+    for role in ("steering_column", "driver", "electronic_differential", "asr"):
+        stepper = network.steppers[role]
+        heard = sum(count.get(kind, 0) for kind in stepper.reads)
+        for kind in ROLES[role].writes:
+            count[kind] = 1 + (2 if stepper.integrates else 1) * heard
+    return sum(count.values())
+
+
+# The inbox
+
+
+def inbox(reads=(DriverCommand, WheelStates), may_skip=False, **more) -> Inbox:
+    return Inbox(reads, frozenset(reads), PERIOD, may_skip, **more)
+
+
+def fill(box: Inbox, stamp: int) -> None:
+    for kind in box.reads:
+        box.offer(kind, stamp, f"{kind.__name__} at {stamp}")
+
+
+def test_a_step_is_complete_when_every_input_is_there():
+    box = inbox()
+    assert box.offer(WheelStates, 0, "wheels") is Arrival.NEW
+    assert box.complete() is None
+    assert box.offer(DriverCommand, 0, "driver") is Arrival.NEW
+    assert box.complete() == 0
+    assert box.take(0) == {WheelStates: "wheels", DriverCommand: "driver"}
+    assert box.complete() is None
+
+
+def test_the_first_of_two_messages_of_one_stamp_counts():
+    """A node that answered the first one has answered; the second can only be a repetition."""
+    box = inbox((DriverCommand,))
+    assert box.offer(DriverCommand, 0, "first") is Arrival.NEW
+    assert box.offer(DriverCommand, 0, "second") is Arrival.REPEATED
+    assert box.take(0) == {DriverCommand: "first"}
+    assert box.offer(DriverCommand, 0, "third") is Arrival.REPEATED
+
+
+@pytest.mark.parametrize(
+    ("stamp", "arrival"),
+    [
+        (5 * PERIOD, Arrival.REPEATED),
+        (4 * PERIOD, Arrival.OLD),
+        (PERIOD, Arrival.OLD),
+        (0, Arrival.RESTART),
+        (6 * PERIOD, Arrival.NEW),
+        (7 * PERIOD, Arrival.NEW),
+        (8 * PERIOD, Arrival.GAP),
+        (6 * PERIOD + 1, Arrival.GAP),
+        (6 * PERIOD - 1, Arrival.GAP),
+        (5 * PERIOD - 1, Arrival.OLD),
+        (10**18, Arrival.GAP),
+        (-PERIOD, Arrival.OLD),
+    ],
+)
+def test_what_a_stamp_means_after_the_step_five(stamp, arrival):
+    """Table of docs/lockstep.md: one step may run ahead of the next one, stamp zero begins a new run."""
+    box = inbox()
+    fill(box, 5 * PERIOD)
+    box.take(5 * PERIOD)
+    assert box.offer(DriverCommand, stamp, None) is arrival
+
+
+def test_only_a_herald_begins_a_new_run():
+    """Who integrates repeats its last two answers, so its stamp zero may be a late repetition."""
+    box = Inbox((DriverCommand, SteeringColumnState), frozenset({DriverCommand}), PERIOD)
+    fill(box, PERIOD)
+    box.take(PERIOD)
+    assert box.offer(SteeringColumnState, 0, None) is Arrival.OLD
+    assert box.offer(DriverCommand, 0, None) is Arrival.RESTART
+    assert box.missing() == (SteeringColumnState,)
+
+
+def test_refused_messages_are_not_kept():
+    box = inbox()
+    fill(box, PERIOD)
+    box.take(PERIOD)
+    for stamp in (1, PERIOD, PERIOD + 1, 4 * PERIOD):
+        assert box.offer(WheelStates, stamp, "refused") is not Arrival.NEW
+    fill(box, 2 * PERIOD)
+    assert box.take(2 * PERIOD)[WheelStates] == f"WheelStates at {2 * PERIOD}"
+    fill(box, 3 * PERIOD)
+    box.take(3 * PERIOD)
+    assert box.missing() == box.reads  # nothing of the step 4
+
+
+def test_no_step_is_left_out_in_lockstep():
+    """A complete step waits for the one before it: leaving that out would be another run."""
+    box = inbox()
+    fill(box, 0)
+    box.take(0)
+    fill(box, 2 * PERIOD)
+    assert box.complete() is None
+    fill(box, PERIOD)
+    assert box.complete() == PERIOD
+    box.take(PERIOD)
+    assert box.complete() == 2 * PERIOD
+
+
+def test_a_joining_node_begins_with_the_newest_complete_step():
+    box = inbox()
+    for stamp in (30 * PERIOD, 31 * PERIOD):
+        fill(box, stamp)
+    assert box.complete() == 31 * PERIOD
+
+
+def test_incomplete_steps_do_not_pile_up():
+    """A node that hears one topic only, for hours, keeps a handful of messages."""
+    box = inbox(may_skip=True)
+    for step in range(1000):
+        assert box.offer(WheelStates, step * PERIOD, None) is Arrival.NEW
+    assert len(box._pending) < 10
+    assert box.offer(DriverCommand, 999 * PERIOD, None) is Arrival.NEW
+    assert box.complete() == 999 * PERIOD
+
+
+def test_a_followed_input_must_have_gone_on():
+    """The master waits until who integrates has taken the step, for nobody would repeat its inputs later."""
+    box = inbox(followed=frozenset({WheelStates}))
+    box.expect(0)
+    fill(box, 0)
+    assert box.complete() is None
+    assert box.missing() == (WheelStates,)
+    box.offer(WheelStates, PERIOD, None)
+    assert box.complete() == 0
+
+
+def test_realtime_takes_the_newest_complete_step_and_forgets_the_older():
+    box = inbox(may_skip=True)
+    for stamp in (0, PERIOD, 7 * PERIOD):
+        fill(box, stamp)
+    assert box.complete() == 7 * PERIOD
+    box.take(7 * PERIOD)
+    assert box.complete() is None
+    assert box.offer(WheelStates, 50 * PERIOD, None) is Arrival.NEW
+    assert box.offer(WheelStates, 49 * PERIOD + 1, None) is Arrival.GAP
+
+
+# The stepper
+
+
+def feed(stepper: WatchedStepper, stamp: int, *kinds: type) -> list:
+    """Answers to messages of a stamp, made by toys that speak for the writers of the kinds."""
+    answers = []
+    for kind in kinds or stepper.reads:
+        writer = next(role for role in ROLES.values() if kind in role.writes)
+        signal = toy(writer.name).create().speak((kind,))[0]
+        answers += stepper.answers_to(kind, stamp, stepper.offer(kind, stamp, signal))
+    return answers
+
+
+def test_a_node_that_answers_copies_the_stamp_and_repeats_itself_when_asked():
+    stepper = WatchedStepper(toy("asr", (WheelTorqueRequest,)))
+    first = feed(stepper, 3 * PERIOD)
+    assert [answer.stamp for answer in first] == [3 * PERIOD]
+    assert feed(stepper, 3 * PERIOD) == first
+    assert stepper.stepped == [3 * PERIOD]
+    assert feed(stepper, 2 * PERIOD) == []
+
+
+def test_a_node_that_integrates_speaks_first_and_is_one_answer_ahead():
+    """Its state at t_k follows from what it read up to t_k-1 (roles.py); a repetition gives both answers."""
+    stepper = WatchedStepper(toy("steering_column", (DriverCommand, WheelStates)))
+    initial = feed(stepper, 0, WheelStates)
+    assert [answer.stamp for answer in initial] == [0]
+    after = feed(stepper, 0, DriverCommand)
+    assert [answer.stamp for answer in after] == [PERIOD]
+    assert after[0].signals != initial[0].signals
+    assert feed(stepper, 0, WheelStates) == initial + after
+    assert feed(stepper, 0, DriverCommand) == []
+
+
+def test_a_late_message_after_a_reset_says_nothing_about_the_new_run():
+    """The column at rest again must not announce its initial state for an instant of the run before."""
+    stepper = WatchedStepper(toy("steering_column", (DriverCommand, WheelStates, TireForces)))
+    feed(stepper, 5 * PERIOD)
+    assert [answer.stamp for answer in feed(stepper, 0, WheelStates)] == [0]
+    assert feed(stepper, 5 * PERIOD, TireForces) == []
+    assert stepper.answer.stamp == 0
+
+
+def test_a_joining_column_stands_still_until_it_can_step():
+    """It has missed the driver's command of the instant at which it joined, and nobody will repeat that later."""
+    stepper = WatchedStepper(toy("steering_column", (DriverCommand, WheelStates)))
+    answers = feed(stepper, 7 * PERIOD, WheelStates) + feed(stepper, 8 * PERIOD, WheelStates)
+    assert [answer.stamp for answer in answers] == [7 * PERIOD, 8 * PERIOD]
+    assert answers[0].signals == answers[1].signals
+    assert [answer.stamp for answer in feed(stepper, 8 * PERIOD, DriverCommand)] == [9 * PERIOD]
+
+
+def test_stamp_zero_makes_a_new_object():
+    stepper = WatchedStepper(toy("driver", (BodyVelocity,)))
+    first = feed(stepper, 0)
+    feed(stepper, PERIOD)
+    feed(stepper, 2 * PERIOD)
+    assert feed(stepper, 0) == first
+
+
+def test_repetitions_go_down_the_graph_only():
+    """Two nodes that read each other would otherwise repeat their answers for ever."""
+    for name, role in ROLES.items():
+        for signal in role.reads:
+            writer = next(other.name for other in ROLES.values() if signal in other.writes)
+            mutual = any(s in ROLES[writer].reads for s in role.writes)
+            if mutual and name != MASTER:
+                back = any(s in upstream_signals(writer) for s in role.writes)
+                assert not (back and signal in upstream_signals(name)), (name, writer)
+    assert upstream_signals(MASTER) == frozenset()
+
+
+def test_realtime_holds_the_inputs_over_steps_that_were_left_out():
+    """Time must not slip: three periods at once are three steps with the same inputs."""
+    kinds = (DriverCommand, WheelStates)
+    skipping = WatchedStepper(toy("steering_column", kinds), may_skip=True)
+    steady = WatchedStepper(toy("steering_column", kinds))
+    feed(skipping, 0)
+    after = feed(skipping, 3 * PERIOD)
+    for stamp in range(0, 4 * PERIOD, PERIOD):
+        expected = feed(steady, stamp)
+    assert after[-1] == expected[-1]
+    assert after[-1].stamp == 4 * PERIOD
+
+
+def test_realtime_lets_a_node_that_answers_step_once():
+    """It has no time of its own, so nothing slips."""
+    stepper = WatchedStepper(toy("driver", (BodyVelocity,)), may_skip=True)
+    feed(stepper, 0)
+    assert [answer.stamp for answer in feed(stepper, 3 * PERIOD)] == [3 * PERIOD]
+    assert stepper.stepped == [0, 3 * PERIOD]
+
+
+def test_who_integrates_is_followed_by_the_master():
+    """Every other integrating role speaks to the master, else one of them could be left behind."""
+    for name, role in ROLES.items():
+        if role.kind is RoleKind.INTEGRATES and name != MASTER:
+            assert set(role.writes) <= set(toy(MASTER, (WheelTorqueCommand,)).method.inputs)
+
+
+def test_a_run_can_be_stepped_by_any_period():
+    """Stamps are whole nanoseconds: a third of a millisecond is rounded once and exact from then on."""
+    network = lossless(toy_graph(period=1e-3 / 3), 7)
+    assert network.instants() == [step * 333_333 for step in range(8)]
+    assert_each_stepped_once(network)

@@ -1,0 +1,72 @@
+"""Methods for every role whose every output number depends on every number that was ever read, and on how often.
+
+They are not registered, so that no list of methods shows them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ev_msgs_py.configuration import CommonParameters, Configuration
+from ev_msgs_py.methods import Method
+from ev_msgs_py.parameters import build
+from ev_msgs_py.roles import ROLES, RoleKind
+from ev_msgs_py.shape import shape_of
+
+
+@dataclass(frozen=True, slots=True)
+class ToyParameters:
+    """Nothing to choose."""
+
+
+class Mixer:
+    """A state of one number that never comes to rest, stirred by all inputs."""
+
+    parameters = ToyParameters
+
+    def __init__(self, parameters: ToyParameters, vehicle: Any, period: float) -> None:
+        self.state = 0.1
+
+    def stir(self, signals: tuple[Any, ...]) -> None:
+        """A chaotic map, so that a wrong, missing or additional input shows in all that follows."""
+        for signal in signals:
+            for number in shape_of(type(signal)).flat(signal):
+                self.state = math.fmod(3.9 * self.state * (1 - self.state) + 0.618 * number, 1.0)
+        self.state = abs(math.fmod(3.7 * self.state * (1 - self.state) + 0.01, 1.0))
+
+    def speak(self, kinds: tuple[type, ...]) -> tuple[Any, ...]:
+        """Signals made of the state."""
+        spoken = []
+        for kind in kinds:
+            shape = shape_of(kind)
+            spoken.append(shape.signal_of(tuple(math.sin(self.state + i) for i in range(len(shape.channels)))))
+        return tuple(spoken)
+
+
+def toy(role: str, reads: tuple[type, ...] | None = None, period: float = 0.01) -> Configuration:
+    """A configured toy of a role that reads these signals, by default all that the role may read."""
+    writes = ROLES[role].writes
+
+    class Answering(Mixer):
+        def step(self, *signals: Any) -> Any:
+            self.stir(signals)
+            return self.speak(writes)[0]
+
+    class Integrating(Mixer):
+        def outputs(self) -> tuple[Any, ...]:
+            return self.speak(writes)
+
+        def advance(self, *signals: Any) -> None:
+            self.stir(signals)
+
+    kind = Integrating if ROLES[role].kind is RoleKind.INTEGRATES else Answering
+    method = Method(role, "toy", kind, ROLES[role].reads if reads is None else reads, ToyParameters)
+    common = build(CommonParameters, {"control_period": period})
+    return Configuration(role, method, ToyParameters(), common, None)
+
+
+def toy_graph(period: float = 0.01, **reads: tuple[type, ...]) -> dict[str, Configuration]:
+    """A toy for every role; `reads` says what some of them read."""
+    return {role: toy(role, reads.get(role), period) for role in ROLES}
