@@ -43,6 +43,7 @@ class Inbox:
         self.last: int | None = None
         self._may_skip = may_skip
         self._pending: dict[int, dict[type, Any]] = {}
+        self._missing: tuple[type, ...] | None = None  # None where it has to be found anew
 
     def offer(self, kind: type, stamp: int, signal: Any) -> Arrival:
         """Judge a message and keep it if it is new."""
@@ -63,6 +64,7 @@ class Inbox:
         if kind in step:
             return Arrival.REPEATED
         step[kind] = signal
+        self._missing = None
         if len(self._pending) > _KEPT_AHEAD:
             del self._pending[min(self._pending)]
         return Arrival.NEW
@@ -71,6 +73,7 @@ class Inbox:
         """Forget everything; the next step is the one of this stamp."""
         self.last = stamp - self.period
         self._pending.clear()
+        self._missing = None
 
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, None if there is none."""
@@ -87,12 +90,16 @@ class Inbox:
         for old in [s for s in self._pending if s < stamp]:
             del self._pending[old]
         self.last = stamp
+        self._missing = None
         return inputs
 
     def missing(self) -> tuple[type, ...]:
         """The signal types that the next step still waits for, in order of `reads`; all before the first step."""
-        if self.last is None:
-            return self.reads
+        if self._missing is None:
+            self._missing = self.reads if self.last is None else self._find_missing()
+        return self._missing
+
+    def _find_missing(self) -> tuple[type, ...]:
         due = self.last + self.period
         held = self._pending.get(due, {})
         after = self._pending.get(due + self.period, {})

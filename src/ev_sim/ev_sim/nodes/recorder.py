@@ -54,7 +54,7 @@ class RecorderNode(Node):
         self._wrote = False
         self._told = -1
         self._clock = -1
-        self._next_checkpoint = 0.0
+        self._next_poll = self._next_checkpoint = 0.0
         self._all_subscriptions = [self._subscribe(index, topic) for index, topic in enumerate(topics)]
         self._all_subscriptions.append(self.create_subscription(Clock, "/clock", self._on_clock, QUALITY, raw=True))
         self._all_subscriptions.append(
@@ -81,7 +81,10 @@ class RecorderNode(Node):
         self._recorder.add_beside("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", message, stamp)
 
     def poll(self) -> bool:
-        """Take every message that has arrived; False, so that the node rests before it looks again."""
+        """Take every message that has arrived, now and then; False, so that the node rests in between."""
+        if time.monotonic() < self._next_poll:
+            return False
+        self._next_poll = time.monotonic() + _POLL_PERIOD
         for subscription in self._all_subscriptions:
             handle = subscription.handle
             while (taken := handle.take_message(subscription.msg_type, True)) is not None:
