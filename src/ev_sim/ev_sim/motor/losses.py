@@ -1,0 +1,45 @@
+"""Losses of motor and inverter, from coefficients or from an efficiency map."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from ev_sim.surfaces.lookup import segment_at
+
+
+@njit(cache=True)
+def loss_power(
+    torque: float, speed: float, copper: float, iron: float, eddy: float, inverter: float, inverter_torque: float
+) -> float:
+    """Loss [W] at a shaft torque [N m] and speed [rad/s]: copper, iron and inverter losses.
+
+    P = k_c T^2 + k_i |w| + k_e w^2 + P_0 + k_t |T|. Source: the usual separation of losses, for example
+    Larminie & Lowry, Electric Vehicle Technology Explained, 2nd ed. 2012, eq. 7.23, with an inverter term.
+    """
+    turns = abs(speed)
+    return copper * torque * torque + iron * turns + eddy * turns * turns + inverter + inverter_torque * abs(torque)
+
+
+@njit(cache=True)
+def map_loss_power(
+    torque: float, speed: float, speeds: np.ndarray, torques: np.ndarray, efficiency: np.ndarray
+) -> float:
+    """Loss [W] from an efficiency map of shape (len(speeds), len(torques)), bilinear, its edge kept outside.
+
+    Driving P_loss = P (1/eta - 1), generating P_loss = P (1 - eta), with P the mechanical power.
+    """
+    i, share_i = _place(speeds, abs(speed))
+    j, share_j = _place(torques, abs(torque))
+    low = efficiency[i, j] + share_j * (efficiency[i, j + 1] - efficiency[i, j])
+    high = efficiency[i + 1, j] + share_j * (efficiency[i + 1, j + 1] - efficiency[i + 1, j])
+    eta = low + share_i * (high - low)
+    power = torque * speed
+    return power * (1.0 / eta - 1.0) if power >= 0.0 else -power * (1.0 - eta)
+
+
+@njit(cache=True)
+def _place(axis: np.ndarray, value: float) -> tuple[int, float]:
+    index = min(segment_at(axis, value, 0), axis.shape[0] - 2)
+    share = (value - axis[index]) / (axis[index + 1] - axis[index])
+    return index, min(max(share, 0.0), 1.0)
