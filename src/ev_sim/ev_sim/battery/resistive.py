@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numba import njit
+from ev_sim.compiled import compiled
 
 
-@njit(cache=True)
+@compiled
 def open_circuit_voltage(table: np.ndarray, state_of_charge: float) -> float:
     """Voltage without current [V], linear in a table at equally spaced states of charge from 0 to 1."""
     last = table.shape[0] - 1
@@ -17,7 +17,7 @@ def open_circuit_voltage(table: np.ndarray, state_of_charge: float) -> float:
     return table[index] + (place - index) * (table[index + 1] - table[index])
 
 
-@njit(cache=True)
+@compiled
 def current_at_power(voltage: float, resistance: float, power: float) -> float:
     """Current [A] that gives a power [W] at the terminals, both positive out of the battery.
 
@@ -28,7 +28,7 @@ def current_at_power(voltage: float, resistance: float, power: float) -> float:
     return (voltage - sqrt(max(voltage * voltage - 4.0 * resistance * power, 0.0))) / (2.0 * resistance)
 
 
-@njit(cache=True)
+@compiled
 def power_limits(
     voltage: float, resistance: float, state_of_charge: float, discharge_power: float, charge_power: float
 ) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import tanh
 
 import numpy as np
-from numba import njit
+from ev_sim.compiled import compiled
 
 COUPLINGS = ("individual", "open", "limited_slip", "clutch")
 
@@ -15,7 +15,7 @@ LIMITED_SLIP = COUPLINGS.index("limited_slip")
 CLUTCH = COUPLINGS.index("clutch")
 
 
-@njit(cache=True)
+@compiled
 def shaft_speeds(coupling: int, wheel_speed: np.ndarray, driven: np.ndarray, shaft: np.ndarray) -> None:
     """Speed of the shaft that turns each wheel's motor, at the wheel side of the gear [rad/s], into `shaft`, shape (4,).
 
@@ -38,7 +38,7 @@ def shaft_speeds(coupling: int, wheel_speed: np.ndarray, driven: np.ndarray, sha
             shaft[left] = shaft[right] = mean
 
 
-@njit(cache=True)
+@compiled
 def motor_commands(coupling: int, command: np.ndarray, driven: np.ndarray, motor: np.ndarray) -> None:
     """Torque asked of each motor, at the wheel side of the gear [N m], into `motor`; all of shape (4,).
 
@@ -59,7 +59,7 @@ def motor_commands(coupling: int, command: np.ndarray, driven: np.ndarray, motor
                 motor[left] = motor[right] = 0.5 * (motor[left] + motor[right])
 
 
-@njit(cache=True)
+@compiled
 def follow_shares(command: np.ndarray, driven: np.ndarray, share: np.ndarray, approach: float) -> None:
     """Let the clutches follow the commanded shares h of the torque [1], in place; all of shape (4,).
 
@@ -74,7 +74,7 @@ def follow_shares(command: np.ndarray, driven: np.ndarray, share: np.ndarray, ap
         share[i] += approach * (wanted - share[i])
 
 
-@njit(cache=True)
+@compiled
 def wheel_torques(
     coupling: int,
     motor: np.ndarray,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from ev_sim.compiled import compiled
 
 from ev_sim.surfaces.lookup import segment_at
 
 
-@njit(cache=True)
+@compiled
 def loss_power(
     torque: float, speed: float, copper: float, iron: float, eddy: float, inverter: float, inverter_torque: float
 ) -> float:
@@ -21,7 +21,7 @@ def loss_power(
     return copper * torque * torque + iron * turns + eddy * turns * turns + inverter + inverter_torque * abs(torque)
 
 
-@njit(cache=True)
+@compiled
 def map_loss_power(
     torque: float, speed: float, speeds: np.ndarray, torques: np.ndarray, efficiency: np.ndarray
 ) -> float:
@@ -38,7 +38,7 @@ def map_loss_power(
     return power * (1.0 / eta - 1.0) if power >= 0.0 else -power * (1.0 - eta)
 
 
-@njit(cache=True)
+@compiled
 def _place(axis: np.ndarray, value: float) -> tuple[int, float]:
     index = min(segment_at(axis, value, 0), axis.shape[0] - 2)
     share = (value - axis[index]) / (axis[index + 1] - axis[index])

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from ev_sim.compiled import compiled
 
 
-@njit(cache=True)
+@compiled
 def segment_at(start: np.ndarray, distance: float, previous: int) -> int:
     """Index of the segment that holds a distance [m], searched from the previous one; `start` [m] rises."""
     index = previous
@@ -17,7 +17,7 @@ def segment_at(start: np.ndarray, distance: float, previous: int) -> int:
     return index
 
 
-@njit(cache=True)
+@compiled
 def interpolate(distances: np.ndarray, values: np.ndarray, distance: float, previous: int) -> tuple[float, int]:
     """Linear interpolation between points, constant outside, and the index of the point before."""
     index = segment_at(distances, distance, previous)

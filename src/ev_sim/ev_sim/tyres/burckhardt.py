@@ -2,10 +2,10 @@
 
 from math import exp
 
-from numba import njit
+from ev_sim.compiled import compiled
 
 
-@njit(cache=True)
+@compiled
 def friction(slip: float, c1: float, c2: float, c3: float, _unused: float) -> float:
     """Friction use over slip, phi = C1 (1 - exp(-C2 S)) - C3 S.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from numba import njit
+from ev_sim.compiled import compiled
 
 from ev_sim.tyres.curve import secant
 
@@ -14,7 +14,7 @@ COMBINATIONS = ("slip_vector", "uncoupled")
 STILL = 1e-9
 
 
-@njit(cache=True)
+@compiled
 def slip_vector(
     curve: int,
     slip_x: float,
@@ -36,7 +36,7 @@ def slip_vector(
     return common, lateral_ratio * common
 
 
-@njit(cache=True)
+@compiled
 def uncoupled(
     curve: int,
     slip_x: float,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from numba import njit
+from ev_sim.compiled import compiled
 
 from ev_sim.tyres import burckhardt, linear, magic_formula, rational, two_exponential
 
@@ -17,7 +17,7 @@ _MAGIC_FORMULA = CURVES.index("magic_formula")
 SLIP_FLOOR = 1e-6
 
 
-@njit(cache=True)
+@compiled
 def friction(curve: int, slip: float, c0: float, c1: float, c2: float, c3: float) -> float:
     """Friction use [1] at a slip [1] of at least 0, of the curve with this index in `CURVES`.
 
@@ -34,7 +34,7 @@ def friction(curve: int, slip: float, c0: float, c1: float, c2: float, c3: float
     return linear.friction(slip, c0, c1, c2, c3)
 
 
-@njit(cache=True)
+@compiled
 def secant(curve: int, slip: float, c0: float, c1: float, c2: float, c3: float) -> float:
     """Friction use divided by slip [1], finite at zero slip, never negative.
 

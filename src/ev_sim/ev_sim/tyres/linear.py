@@ -1,9 +1,9 @@
 """The linear tyre, for comparison with closed-form solutions."""
 
-from numba import njit
+from ev_sim.compiled import compiled
 
 
-@njit(cache=True)
+@compiled
 def friction(slip: float, slope: float, _second: float, _third: float, _fourth: float) -> float:
     """Friction use over slip, mu = c S, without a peak.
 

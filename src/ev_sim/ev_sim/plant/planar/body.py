@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numba import njit
+from ev_sim.compiled import compiled
 
 from ev_sim.plant.planar.loads import wheel_loads
 from ev_sim.plant.planar.state import index
@@ -34,7 +34,7 @@ DRAG_WORK = index("drag_work")
 GRAVITY_WORK = index("gravity_work")
 
 
-@njit(cache=True)
+@compiled
 def secants(car, tyre, slip_x: float, slip_y: float, rim: float, along: float, speed: float, i: int):
     """Friction per slip and transport velocity, for both directions of wheel i.
 
@@ -58,7 +58,7 @@ def secants(car, tyre, slip_x: float, slip_y: float, rim: float, along: float, s
     return along_secant, across_secant, transport_x, transport_y
 
 
-@njit(cache=True)
+@compiled
 def rates(y: np.ndarray, dy: np.ndarray, car, step, starts: bool) -> None:
     """Time derivative of the integrated part of the state, into `dy`; forces and slips go into `step`.
 
@@ -153,7 +153,7 @@ def rates(y: np.ndarray, dy: np.ndarray, car, step, starts: bool) -> None:
     dy[GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
 
 
-@njit(cache=True)
+@compiled
 def decide_motion(step, i: int, wheel_speed: float, torque: float, dry: float) -> None:
     """Which direction dry friction opposes at wheel i during this step (Coulomb's law, set-valued at rest).
 

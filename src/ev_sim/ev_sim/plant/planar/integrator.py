@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from ev_sim.compiled import compiled
 
 from ev_sim.plant.planar.body import WHEEL_SPEED, rates
 from ev_sim.plant.planar.state import INTEGRATED_SIZE
 
 
-@njit(cache=True)
+@compiled
 def integrate(state: np.ndarray, car, step, h: float, stage: np.ndarray, slopes: np.ndarray) -> None:
     """Advance the integrated part of the state in place by h [s].
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from numba import njit
+from ev_sim.compiled import compiled
 
 
-@njit(cache=True)
+@compiled
 def wheel_loads(
     normal: float,
     pitch_moment: float,
@@ -45,6 +45,6 @@ def wheel_loads(
     )
 
 
-@njit(cache=True)
+@compiled
 def _within(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from ev_sim.compiled import compiled
 
 from ev_sim.battery.resistive import current_at_power, open_circuit_voltage, power_limits
 from ev_sim.driveline.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, wheel_torques
@@ -24,7 +24,7 @@ AUXILIARY_WORK = index("auxiliary_work")
 DRIVE_WORK = index("drive_work")
 
 
-@njit(cache=True)
+@compiled
 def motor_loss(car, maps, torque: float, speed: float) -> float:
     """Loss of one motor with inverter [W] at its shaft torque [N m] and speed [rad/s]."""
     speeds, torques, efficiency = maps
@@ -35,7 +35,7 @@ def motor_loss(car, maps, torque: float, speed: float) -> float:
     )
 
 
-@njit(cache=True)
+@compiled
 def apply_drives(state: np.ndarray, car, step, maps, voltages: np.ndarray, lags, work: np.ndarray) -> None:
     """Set the drive and brake torques of the wheels for this step [N m].
 
@@ -91,7 +91,7 @@ def apply_drives(state: np.ndarray, car, step, maps, voltages: np.ndarray, lags,
             step.brake[i] -= min(max(delivered, 0.0), step.brake_command[i])
 
 
-@njit(cache=True)
+@compiled
 def _blended(car, wheel_speed: float, brake: float) -> float:
     """The part of a brake torque that the motor is asked for, with the sign of the wheel speed [N m]."""
     fade = min(abs(wheel_speed) / car.blend_fade_speed, 1.0)
@@ -100,7 +100,7 @@ def _blended(car, wheel_speed: float, brake: float) -> float:
     return part if wheel_speed >= 0.0 else -part
 
 
-@njit(cache=True)
+@compiled
 def battery_scale(state: np.ndarray, car, maps, voltages: np.ndarray, shaft: np.ndarray, target: np.ndarray) -> float:
     """Factor on all motor torques [1] that keeps the battery within its limits; losses are convex in the torque."""
     idle = wanted = 0.0
@@ -123,7 +123,7 @@ def battery_scale(state: np.ndarray, car, maps, voltages: np.ndarray, shaft: np.
     return 1.0
 
 
-@njit(cache=True)
+@compiled
 def _idle_and_wanted(car, maps, torque: float, shaft: float, driven: float) -> tuple[float, float]:
     if driven == 0.0:
         return 0.0, 0.0
@@ -131,7 +131,7 @@ def _idle_and_wanted(car, maps, torque: float, shaft: float, driven: float) -> t
     return motor_loss(car, maps, 0.0, speed), torque * speed + motor_loss(car, maps, torque, speed)
 
 
-@njit(cache=True)
+@compiled
 def account(
     state: np.ndarray, car, step, maps, voltages: np.ndarray, turned: np.ndarray, h: float, work: np.ndarray
 ) -> None:

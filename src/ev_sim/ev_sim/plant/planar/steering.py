@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from math import sqrt, tan
 
-from numba import njit
+from ev_sim.compiled import compiled
 
 
-@njit(cache=True)
+@compiled
 def front_wheels(angle: float, wheelbase: float, track: float, parallel: float) -> tuple[float, float, float, float]:
     """Cosine and sine of the left, cosine and sine of the right front wheel's angle.
 

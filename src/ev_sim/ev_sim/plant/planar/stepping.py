@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import cos, sin, sqrt
 
 import numpy as np
-from numba import njit
+from ev_sim.compiled import compiled
 
 from ev_sim.plant.planar.body import BODY_DISTANCE, DISTANCE, HEADING, VX, VY, WHEEL_ANGLE
 from ev_sim.plant.planar.integrator import integrate
@@ -19,7 +19,7 @@ X = index("x")
 Y = index("y")
 
 
-@njit(cache=True)
+@compiled
 def steer(car, step, angle: float) -> None:
     """Set the direction of the front wheels from the mean road-wheel angle [rad]; the rear wheels stay straight."""
     cos_left, sin_left, cos_right, sin_right = front_wheels(
@@ -29,7 +29,7 @@ def steer(car, step, angle: float) -> None:
     step.cos_steer[1], step.sin_steer[1] = cos_right, sin_right
 
 
-@njit(cache=True)
+@compiled
 def find_road(state: np.ndarray, car, step, road) -> None:
     """Set the tyre coefficients under each wheel and the slope under the centre of mass.
 
@@ -38,10 +38,11 @@ def find_road(state: np.ndarray, car, step, road) -> None:
     left_start, left_tyre, right_start, right_tyre, slope_distance, grade, side_slope = road
     for i in range(4):
         start, tyre = (left_start, left_tyre) if i % 2 == 0 else (right_start, right_tyre)
-        found = segment_at(start, state[DISTANCE + i] + car.wheel_x[i], step.segment[i])
-        step.segment[i] = found
-        for n in range(6):
-            step.tyre[i, n] = tyre[found, n]
+        found = segment_at(start, state[DISTANCE + i] + car.wheel_x[i], max(step.segment[i], 0))
+        if found != step.segment[i]:
+            step.segment[i] = found
+            for n in range(6):
+                step.tyre[i, n] = tyre[found, n]
     rise, step.slope_segment = interpolate(slope_distance, grade, state[BODY_DISTANCE], step.slope_segment)
     side_rise, _ = interpolate(slope_distance, side_slope, state[BODY_DISTANCE], step.slope_segment)
     step.gravity_z = GRAVITY / sqrt(1.0 + rise * rise + side_rise * side_rise)
@@ -49,7 +50,7 @@ def find_road(state: np.ndarray, car, step, road) -> None:
     step.gravity_y = -side_rise * step.gravity_z
 
 
-@njit(cache=True)
+@compiled
 def run(
     state: np.ndarray,
     car_record: np.ndarray,
