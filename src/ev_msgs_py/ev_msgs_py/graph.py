@@ -41,3 +41,9 @@ def step_order(roles: Mapping[str, Role]) -> tuple[str, ...]:
         return tuple(sorter.static_order())
     except CycleError as error:
         raise GraphError(f"roles wait for each other within one step: {' -> '.join(error.args[1])}") from None
+
+
+def sequence(roles: Mapping[str, Role]) -> tuple[str, ...]:
+    """Names of all roles in the order in which they speak within one step: first those that integrate."""
+    integrating = (role.name for role in roles.values() if role.kind is RoleKind.INTEGRATES)
+    return (*integrating, *step_order(roles))

@@ -11,7 +11,8 @@ from importlib.metadata import entry_points
 from typing import Any
 
 from ev_msgs_py.parameters import unknown_name
-from ev_msgs_py.roles import ROLES, RoleKind
+from ev_msgs_py.roles import MASTER, ROLES, RoleKind
+from ev_msgs_py.signals import Instant
 
 _REGISTER: dict[str, dict[str, Method]] = {}
 
@@ -25,6 +26,23 @@ class Method:
     factory: type
     reads: tuple[type, ...]
     parameters: type
+
+    @property
+    def inputs(self) -> tuple[type, ...]:
+        """The signals that a step waits for: those it reads, and for an integrating one at least one of the master's.
+
+        An integrating node speaks first (its initial state) and so has to hear the master.
+        """
+        topics = tuple(signal for signal in self.reads if signal is not Instant)
+        role, masters = ROLES[self.role], ROLES[MASTER].writes
+        if self.role == MASTER or role.kind is RoleKind.ANSWERS or any(signal in masters for signal in topics):
+            return topics
+        return (*topics, next(signal for signal in role.reads if signal in masters))
+
+    @property
+    def writes(self) -> tuple[type, ...]:
+        """The signals it writes: those of its role, or the part of them that it can know."""
+        return getattr(self.factory, "writes", ROLES[self.role].writes)
 
     @property
     def about(self) -> str:
@@ -70,7 +88,7 @@ def methods_of(role: str) -> dict[str, Method]:
 def find_method(role: str, name: str) -> Method:
     """The method of a role with this name; ParameterError that lists the known ones if there is none."""
     known = methods_of(role)
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         raise unknown_name(f"{role} method", name, known)
     return known[name]
 

@@ -11,7 +11,7 @@ import difflib
 import math
 import types
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from typing import Any, TypeVar
@@ -193,8 +193,9 @@ def flatten(instance: Any, prefix: str = "") -> dict[str, Any]:
     return {entry.name: entry.default for entry in entries(instance, prefix)}
 
 
-def unknown_name(kind: str, name: str, known: Any) -> ParameterError:
+def unknown_name(kind: str, name: Any, known: Iterable[str]) -> ParameterError:
     """The error for a name that does not exist: it lists the known ones, the most similar first."""
-    similar = difflib.get_close_matches(name, known, n=3)
+    known = list(known)
+    similar = difflib.get_close_matches(str(name), known, n=3)
     rest = [k for k in known if k not in similar]
     return ParameterError(f"unknown {kind} {name!r}; known: {', '.join([*similar, *sorted(rest)])}")

@@ -136,6 +136,4 @@ class TireForces:
 
 @dataclass(frozen=True, slots=True)
 class RecorderProgress:
-    """The recorder holds every signal of the step that this message is stamped with."""
-
-    steps_held: float
+    """The recorder holds every signal up to the step that this message is stamped with; it carries nothing else."""

@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# Make .venv and build the workspace, each only where it is missing or out of date.
+#
+# Called by setup.sh. Two calls at once wait for each other; a failed or interrupted call leaves
+# nothing that a later one would take for finished. Details of each step are in log/prepare.log.
+set -euo pipefail
+
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+cd "$root"
+export LC_ALL=C PIP_DISABLE_PIP_VERSION_CHECK=1
+
+# A ROS 2 distribution that is sourced goes before the wheels of requirements.txt.
+distribution=""
+if [[ -n "${ROS_DISTRO:-}" ]] && command -v ros2 >/dev/null; then
+    distribution="$ROS_DISTRO"
+fi
+
+environment_fingerprint() {
+    { echo "$root" "$distribution" && cat requirements.txt; } | sha256sum
+}
+
+build_fingerprint() {
+    { cat .venv/.complete src/*/{package.xml,setup.py,setup.cfg} && find config -type f | sort; } | sha256sum
+}
+
+is_environment_ready() {
+    [[ -x .venv/bin/python && "$(cat .venv/.complete 2>/dev/null)" == "$(environment_fingerprint)" ]]
+}
+
+is_build_ready() {
+    [[ "$(cat install/.complete 2>/dev/null)" == "$(build_fingerprint)" ]]
+}
+
+# step WHAT COMMAND...: run a command with one line of progress; on failure show the end of its output.
+step() {
+    local what="$1" start="$SECONDS"
+    shift
+    printf '%s ... ' "$what" >&2
+    if ! "$@" >log/prepare.log 2>&1; then
+        printf 'failed:\n' >&2
+        tail -n 20 log/prepare.log >&2
+        exit 1
+    fi
+    printf 'done in %d s\n' $((SECONDS - start)) >&2
+}
+
+check_python() {
+    local python="$1"
+    if ! "$python" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))'; then
+        echo "Python 3.11 to 3.14 is needed, $python is not: name another one, PYTHON=... $0" >&2
+        exit 1
+    fi
+}
+
+install_beside_distribution() {
+    sed -E 's/[[:space:]]*#.*//; s/(\[|==).*//; /^ros-/d; /^$/d' requirements.txt >.venv/missing.txt
+    .venv/bin/python -c 'import numpy; print("numpy==" + numpy.__version__)' >.venv/constraints.txt
+    .venv/bin/python -m pip install --requirement .venv/missing.txt --constraint .venv/constraints.txt
+}
+
+make_environment() {
+    local python="${PYTHON:-python3}"
+    rm -rf .venv
+    trap 'rm -rf "$root/.venv"' EXIT
+    if [[ -n "$distribution" ]]; then
+        step "making .venv beside ROS 2 $distribution" "$python" -m venv --system-site-packages .venv
+        step "installing what $distribution lacks (once)" install_beside_distribution
+    else
+        check_python "$python"
+        step "making .venv" "$python" -m venv .venv
+        step "installing ROS 2 and the tools of requirements.txt (once, about a minute)" \
+            .venv/bin/python -m pip install --requirement requirements.txt
+    fi
+    environment_fingerprint >.venv/.complete
+    trap - EXIT
+}
+
+build_workspace() {
+    rm -f install/.complete
+    step "building the workspace" .venv/bin/python -m colcon build --symlink-install --base-paths src
+    build_fingerprint >install/.complete
+}
+
+if is_environment_ready && is_build_ready; then
+    exit 0
+fi
+
+exec {lock}<"$root/scripts"
+flock --nonblock "$lock" || { echo "waiting for another set-up to finish ..." >&2 && flock "$lock"; }
+mkdir -p log
+is_environment_ready || make_environment
+is_build_ready || build_workspace

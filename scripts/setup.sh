@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# Set up the workspace on first use and enter its environment.
+#
+#     source scripts/setup.sh    then python, colcon and ros2 (if there is one) know the workspace
+#     scripts/setup.sh           only set up
+#
+# All other scripts begin with this one; when everything is up to date it takes less than 0.1 s.
+# PYTHON=... names the Python that .venv is made with.
+
+if [[ "${BASH_SOURCE[0]}" == "$0" ]]; then
+    if [[ $# -gt 0 ]]; then
+        sed -n '2,/^$/s/^# \{0,1\}//p' "$0"
+        [[ "$1" == "--help" ]]
+        exit
+    fi
+    exec "$(dirname "$0")/prepare.sh"
+fi
+
+EV_STACK_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+
+# The ROS 2 wheels start Python anew with their libraries on LD_LIBRARY_PATH and mark that by a variable:
+# what another environment left there must not reach ours.
+if [[ -n "${_ROS_WHEELS_BOOTSTRAP_COMPLETE:-}" ]]; then
+    unset _ROS_WHEELS_BOOTSTRAP_COMPLETE
+    LD_LIBRARY_PATH="$(tr ':' '\n' <<<"${LD_LIBRARY_PATH:-}" | sed '/\/ros_[^/]*\.libs$/d' | paste -sd ':')"
+fi
+
+"$EV_STACK_ROOT/scripts/prepare.sh" || return
+
+if [[ ":$PATH:" != *":$EV_STACK_ROOT/.venv/bin:"* ]]; then
+    PATH="$EV_STACK_ROOT/.venv/bin:$PATH"
+fi
+nounset_before="$(shopt -po nounset || true)" # what colcon generates does not bear `set -u`
+set +u
+# shellcheck disable=SC1091
+source "$EV_STACK_ROOT/install/local_setup.bash"
+eval "$nounset_before"
+unset nounset_before
+
+export EV_STACK_ROOT
+export EV_STACK_CONFIG="${EV_STACK_CONFIG:-$EV_STACK_ROOT/config}"
+
+# Discovery stays on this machine, unless the user says otherwise: by our profile where the middleware is Fast DDS 3
+# (from Kilted on), else by what ROS 2 itself offers.
+if [[ "${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}" == LOCALHOST && -z "${FASTDDS_DEFAULT_PROFILES_FILE:-}" ]]; then
+    if [[ "${ROS_DISTRO:-kilted}" > "jazzy" && "${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp}" == rmw_fastrtps* ]]; then
+        export FASTDDS_DEFAULT_PROFILES_FILE="$EV_STACK_ROOT/config/fastdds.xml"
+        export ROS_AUTOMATIC_DISCOVERY_RANGE=SYSTEM_DEFAULT
+    else
+        export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST
+    fi
+fi
+
+# One thread per process: faster to start, and sums are always added up in the same order.
+export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1
+export MPLBACKEND=Agg

@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# Set up and run the test suite.
+#
+#     scripts/test.sh                    all tests
+#     scripts/test.sh -k lockstep -x     any options of pytest; paths count from the top of the repository
+#     scripts/test.sh --cov              with coverage
+set -euo pipefail
+
+if [[ "${1:-}" == "--help" ]]; then
+    sed -n '2,/^set /s/^# \{0,1\}//p' "$0"
+    exit 0
+fi
+
+# shellcheck source=scripts/setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+cd "$EV_STACK_ROOT"
+exec python -m pytest "$@"

@@ -1,0 +1,1 @@
+"""The control laws: electronic differential, power steering, torque vectoring, anti-slip regulation."""

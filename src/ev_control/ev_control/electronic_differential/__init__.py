@@ -1,0 +1,1 @@
+"""Electronic differentials: how the torque of the driver is split between the wheels."""

@@ -1,0 +1,62 @@
+"""Power steering by the torque difference of two front drives (Shchur 2019, eq 4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_control.electronic_differential.torque_split import (
+    BrakeSplitParameters,
+    TorqueSplit,
+    require_driven_front_wheels,
+    torque_difference_per_steering_moment,
+)
+from ev_msgs_py.methods import method
+from ev_msgs_py.parameters import group, parameter
+from ev_msgs_py.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_msgs_py.vehicle import Vehicle
+
+
+@dataclass(frozen=True, slots=True)
+class PowerSteeringParameters:
+    """Assistance and the virtual spring and damper, all at the steering wheel."""
+
+    gamma: float = parameter(
+        5.0, unit="1", low=0.0, high=50.0, about="amplification of the hand torque", source="Shchur 2019, fig. 1"
+    )
+    k_ck: float = parameter(
+        0.051, unit="N m/rad", low=0.0, high=10.0, about="stiffness of the virtual spring", source="Shchur 2019, eq 7"
+    )
+    b_ck: float = parameter(
+        0.062, unit="N m s/rad", low=0.0, high=10.0, about="virtual damping", source="Shchur 2019, eq 7"
+    )
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+
+
+@dataclass(slots=True)
+class PowerSteeringState:
+    """Nothing lasts between steps."""
+
+
+@method("electronic_differential", "power_steering")
+class PowerSteering:
+    """Split the drive torque so that the difference of the front wheels assists and damps the steering.
+
+    Delta M = M_R - M_L = (2 r_k i / d) (gamma M_b - k_ck alpha - b_ck alpha'), with the hand torque M_b [N m] and the
+    steering-wheel angle alpha [rad] as the column measures them, left positive. Shchur (2019), eq 4. ValueError unless
+    both front wheels are driven.
+    """
+
+    parameters = PowerSteeringParameters
+
+    def __init__(self, parameters: PowerSteeringParameters, vehicle: Vehicle, period: float) -> None:
+        require_driven_front_wheels(vehicle, "power_steering")
+        self._p = parameters
+        self._split = TorqueSplit(parameters.brake, vehicle)
+        self._lever = torque_difference_per_steering_moment(vehicle) * vehicle.steering_ratio
+        self.state = PowerSteeringState()
+
+    def step(self, driver: DriverCommand, column: SteeringColumnState) -> WheelTorqueRequest:
+        """Equal wheel torques [N m] with the difference of eq 4."""
+        p = self._p
+        difference = self._lever * (p.gamma * column.hand_torque - p.k_ck * column.angle - p.b_ck * column.rate)
+        return self._split.request(driver, difference)

@@ -1,0 +1,101 @@
+"""The torque difference of two front drives turns the road wheels to the steering wheel's angle (Shchur 2019)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_control.electronic_differential.torque_split import (
+    BrakeSplitParameters,
+    TorqueSplit,
+    require_driven_front_wheels,
+    torque_difference_per_steering_moment,
+)
+from ev_msgs_py.methods import method
+from ev_msgs_py.parameters import group, parameter
+from ev_msgs_py.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_msgs_py.vehicle import Vehicle
+
+
+@dataclass(frozen=True, slots=True)
+class SteerByWireParameters:
+    """The wanted motion of the road wheels and the law's own idea of the steering system; the paper gives no law."""
+
+    natural_frequency: float = parameter(
+        8.0, unit="rad/s", low=0.1, high=100.0, about="natural frequency of the servo, w_0", source="assumption"
+    )
+    damping_ratio: float = parameter(
+        0.9, unit="1", low=0.1, high=5.0, about="damping ratio of the servo, D", source="assumption"
+    )
+    disturbance_rate: float = parameter(
+        2.0,
+        unit="1/s",
+        low=0.0,
+        high=100.0,
+        about="rate at which the integral action removes the effect of disturbances, p; 0 for no integral action",
+        source="assumption",
+    )
+    max_torque_difference: float = parameter(
+        150.0, unit="N m", low=0.0, high=10000.0, about="limit of |M_R - M_L|", source="assumption"
+    )
+    inertia: float = parameter(
+        2.8, unit="kg m^2", low=0.001, high=1000.0, about="inertia of the steering system, J_p", source="Shchur 2019"
+    )
+    damping: float = parameter(
+        7.5, unit="N m s/rad", low=0.0, high=10000.0, about="viscous friction, b_p", source="Shchur 2019"
+    )
+    stiffness: float = parameter(
+        65.0, unit="N m/rad", low=0.0, high=100000.0, about="restoring stiffness, k_p", source="Shchur 2019"
+    )
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+
+
+@dataclass(slots=True)
+class SteerByWireState:
+    """Integral part of the steering moment [N m]."""
+
+    integral: float = 0.0
+
+
+@method("electronic_differential", "steer_by_wire")
+class SteerByWire:
+    """Turn the road wheels to the steering-wheel angle over i by the torque difference of the front wheels alone.
+
+    The steer-by-wire concept in the introduction of Shchur (2019): M_b = 0 in eq 3, which leaves
+    J_p d'' + b_p d' + k_p d = u with u = d_track/(2 r_k) (M_R - M_L), d the road-wheel angle. The law
+
+        u = J_p w_0^2 d* - K d - B d' + J_p p w_0^2 integral(d* - d),    d* = alpha/i,
+        K = J_p (w_0^2 + 2 D w_0 p) - k_p,    B = J_p (2 D w_0 + p) - b_p
+
+    puts the poles at s = -p and at those of s^2 + 2 D w_0 s + w_0^2. The zero of the reference path cancels the pole
+    at -p, so d follows d* with the latter two alone, while the integral removes what eq 3 does not know. The
+    integral holds while the torque is limited. For a by_wire steering column; left positive. ValueError unless both
+    front wheels are driven.
+    """
+
+    parameters = SteerByWireParameters
+
+    def __init__(self, parameters: SteerByWireParameters, vehicle: Vehicle, period: float) -> None:
+        require_driven_front_wheels(vehicle, "steer_by_wire")
+        p = parameters
+        w_0, double_damping = p.natural_frequency, 2 * p.damping_ratio * p.natural_frequency
+        self._split = TorqueSplit(p.brake, vehicle)
+        self._ratio = vehicle.steering_ratio
+        self._difference_per_moment = torque_difference_per_steering_moment(vehicle)
+        self._max_moment = p.max_torque_difference / self._difference_per_moment
+        self._reference_gain = p.inertia * w_0**2
+        self._angle_gain = p.inertia * (w_0**2 + double_damping * p.disturbance_rate) - p.stiffness
+        self._rate_gain = p.inertia * (double_damping + p.disturbance_rate) - p.damping
+        self._integral_step = self._reference_gain * p.disturbance_rate * period
+        self.state = SteerByWireState()
+
+    def step(self, driver: DriverCommand, column: SteeringColumnState) -> WheelTorqueRequest:
+        """Equal wheel torques [N m] with the difference that turns the road wheels."""
+        s, limit = self.state, self._max_moment
+        wanted, angle = column.angle / self._ratio, column.road_wheel_angle
+        change = self._integral_step * (wanted - angle)
+        free = self._reference_gain * wanted - self._angle_gain * angle - self._rate_gain * column.road_wheel_rate
+        moment = free + s.integral + change
+        if abs(moment) <= limit or moment * change < 0.0:
+            s.integral += change
+        moment = min(max(moment, -limit), limit)
+        return self._split.request(driver, self._difference_per_moment * moment)

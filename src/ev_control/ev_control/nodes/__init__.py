@@ -1,0 +1,1 @@
+"""The executables of ev_control, one module each."""

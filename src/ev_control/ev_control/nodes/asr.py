@@ -1,0 +1,8 @@
+"""The node executable of the role asr."""
+
+from ev_msgs_py.run_role import run_role
+
+
+def main() -> None:
+    """ros2 run ev_control asr"""
+    run_role("asr")

@@ -1,0 +1,136 @@
+"""What a node is told by parameters, resolved the same way for the node and for the offline runner."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ev_msgs_py import stamps
+from ev_msgs_py.methods import Method, create, find_method, methods_of
+from ev_msgs_py.parameters import (
+    Entry,
+    ParameterError,
+    Spec,
+    build,
+    entries,
+    flatten,
+    group,
+    parameter,
+    unknown_name,
+)
+from ev_msgs_py.roles import ROLES
+from ev_msgs_py.signals import Instant
+from ev_msgs_py.vehicle import Vehicle
+
+
+@dataclass(frozen=True, slots=True)
+class CommonParameters:
+    """Parameters that every node of the graph has."""
+
+    control_period: float = parameter(
+        0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
+    )
+    mode: str = parameter(
+        "lockstep",
+        choices=("lockstep", "realtime"),
+        about="lockstep: a step when all inputs are there; realtime: a step when the wall clock says so",
+        read_only=True,
+    )
+    seed: int = parameter(0, low=0, high=2**31 - 1, about="seed of everything random in the node", read_only=True)
+    vehicle: Vehicle = group(Vehicle)
+
+
+_METHOD = "method"
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """A role, the method that plays it and all their parameters; `unused` belong to other methods of the role."""
+
+    role: str
+    method: Method
+    parameters: Any
+    common: CommonParameters
+    extra: Any
+    unused: tuple[str, ...] = ()
+
+    @property
+    def period(self) -> int:
+        """The control period in nanoseconds."""
+        return stamps.from_seconds(self.common.control_period)
+
+    def create(self) -> Any:
+        """A new object of the method, at rest."""
+        return create(self.method, self.parameters, self.common.vehicle, self.common.control_period)
+
+    def entries(self) -> tuple[Entry, ...]:
+        """Every parameter of the node with its present value as default."""
+        fixed = [dataclasses.replace(e, spec=dataclasses.replace(e.spec, read_only=True)) for e in entries(self.common)]
+        extra = entries(self.extra) if self.extra is not None else ()
+        return (_method_entry(self.role, self.method.name), *fixed, *extra, *entries(self.parameters))
+
+    def values(self) -> dict[str, Any]:
+        """Dotted names and present values of every parameter of the node."""
+        return {entry.name: entry.default for entry in self.entries()}
+
+    def changed(self, values: Mapping[str, Any]) -> Configuration:
+        """The same configuration with other values; ParameterError if one is refused, and nothing changes then."""
+        return configure(self.role, {**self.values(), **values}, type(self.extra) if self.extra is not None else None)
+
+
+def _method_entry(role: str, name: str) -> Entry:
+    spec = Spec(f"how the {role} works", choices=tuple(methods_of(role)), read_only=True)
+    return Entry(_METHOD, str, False, name, spec)
+
+
+def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -> Configuration:
+    """The configuration of a role from dotted parameter names and values; what is not named keeps its default.
+
+    `extra` is a dataclass of further parameters that only this node has. Raises ParameterError for unknown names and
+    refused values. A value for another method of the same role is checked and then listed as unused, so that one
+    scenario file can serve several methods.
+    """
+    rest = dict(values)
+    name = rest.pop(_METHOD, ROLES[role].default_method)
+    method = find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false
+    common = build(CommonParameters, _taken(rest, CommonParameters))
+    further = build(extra, _taken(rest, extra)) if extra is not None else None
+    parameters = build(method.parameters, _taken(rest, method.parameters))
+    for other in methods_of(role).values():
+        build(other.parameters, {k: v for k, v in rest.items() if k in flatten(other.parameters())})
+    elsewhere = {name for other in methods_of(role).values() for name in flatten(other.parameters())}
+    for name in rest:
+        if name not in elsewhere:
+            known = [_METHOD, *flatten(common), *flatten(parameters), *(flatten(further) if further else ())]
+            raise unknown_name(f"parameter of {role}", name, known)
+    load_files = getattr(method.factory, "load_files", None)
+    if load_files is not None:
+        parameters = load_files(parameters)
+    return Configuration(role, method, parameters, common, further, tuple(sorted(rest)))
+
+
+def _taken(values: dict[str, Any], of: type) -> dict[str, Any]:
+    """Take the values that belong to a parameter dataclass out of a dictionary."""
+    return {name: values.pop(name) for name in flatten(of()) if name in values}
+
+
+def check_graph(configurations: Mapping[str, Configuration]) -> None:
+    """ParameterError if the configured nodes do not fit together.
+
+    Nodes share one control period and one vehicle, and what a method reads must be written by the others.
+    """
+    for name in ("control_period", "vehicle"):
+        values = {role: getattr(configuration.common, name) for role, configuration in configurations.items()}
+        if len(set(values.values())) > 1:
+            raise ParameterError(f"{name} differs between nodes: {values}; allowed is one for all")
+    written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
+    for configuration in configurations.values():
+        for signal in configuration.method.reads:
+            if signal is not Instant and signal not in written:
+                names = ", ".join(sorted(c.method.name for c in configurations.values()))
+                raise ParameterError(
+                    f"{configuration.role} method {configuration.method.name} reads {signal.__name__}, "
+                    f"which none of the chosen methods writes ({names})"
+                )

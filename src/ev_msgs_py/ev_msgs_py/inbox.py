@@ -1,0 +1,86 @@
+"""Stamped inputs of one node, collected until a step has all of them (docs/lockstep.md)."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Any
+
+_KEPT_AHEAD = 8  # incomplete steps that a node keeps at most
+
+
+class Arrival(Enum):
+    """What a message turned out to be."""
+
+    NEW = "it is kept for its step"
+    REPEATED = "it is known already: somebody misses our answer"
+    OLD = "its step is over and answered, and so is the next"
+    GAP = "it is too far ahead, or between two steps: it cannot belong to this run of steps"
+    RESTART = "time went back to zero: a new run begins"
+
+
+class Inbox:
+    """Collects one message of each kind per stamp.
+
+    `reads` are the signal types of one step, `period` is the step in nanoseconds. A node that has not stepped yet
+    takes any stamp as its first; from then on steps follow each other without a gap, unless `may_skip` (realtime,
+    where the master does not wait). A message may run ahead of the next step by one more step, because the writers
+    do not wait for each other within a step. Stamp zero of one of the `heralds` after other stamps begins a new run.
+    """
+
+    def __init__(
+        self, reads: tuple[type, ...], heralds: frozenset[type], period: int, may_skip: bool = False
+    ) -> None:
+        self.reads = reads
+        self._heralds = heralds
+        self.period = period
+        self.last: int | None = None
+        self._may_skip = may_skip
+        self._pending: dict[int, dict[type, Any]] = {}
+
+    def offer(self, kind: type, stamp: int, signal: Any) -> Arrival:
+        """Judge a message and keep it if it is new."""
+        if self.last is not None:
+            ahead = stamp - self.last
+            if stamp == 0 and ahead < 0 and kind in self._heralds:
+                self.expect(0)
+                self._keep(kind, stamp, signal)
+                return Arrival.RESTART
+            if ahead <= 0:
+                return Arrival.OLD if ahead else Arrival.REPEATED
+            if ahead % self.period or (ahead > 2 * self.period and not self._may_skip):
+                return Arrival.GAP
+        return self._keep(kind, stamp, signal)
+
+    def _keep(self, kind: type, stamp: int, signal: Any) -> Arrival:
+        step = self._pending.setdefault(stamp, {})
+        if kind in step:
+            return Arrival.REPEATED
+        step[kind] = signal
+        if len(self._pending) > _KEPT_AHEAD:
+            del self._pending[min(self._pending)]
+        return Arrival.NEW
+
+    def expect(self, stamp: int) -> None:
+        """Forget everything; the next step is the one of this stamp."""
+        self.last = stamp - self.period
+        self._pending.clear()
+
+    def complete(self) -> int | None:
+        """Stamp of the newest step that has all its inputs, None if there is none."""
+        for stamp in sorted(self._pending, reverse=True):
+            if len(self._pending[stamp]) == len(self.reads):
+                return stamp
+        return None
+
+    def take(self, stamp: int) -> dict[type, Any]:
+        """The inputs of a complete step; older ones are forgotten."""
+        inputs = self._pending.pop(stamp)
+        for old in [s for s in self._pending if s < stamp]:
+            del self._pending[old]
+        self.last = stamp
+        return inputs
+
+    def missing(self) -> tuple[type, ...]:
+        """The signal types that the next step still waits for, in order of `reads`; all before the first step."""
+        held = {} if self.last is None else self._pending.get(self.last + self.period, {})
+        return tuple(kind for kind in self.reads if kind not in held)

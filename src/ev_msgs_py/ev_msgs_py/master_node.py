@@ -1,0 +1,209 @@
+"""The master of time: publishes the state of each instant, waits for all answers, integrates to the next instant."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from rclpy.clock import Clock as RosClock
+from rclpy.clock import ClockType
+from rclpy.subscription import Subscription
+from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Trigger
+
+from ev_msgs_py import stamps
+from ev_msgs_py.inbox import Arrival
+from ev_msgs_py.master_parameters import RECORDER_LAG, MasterParameters
+from ev_msgs_py.roles import MASTER, RECORDER_WRITES, ROLES
+from ev_msgs_py.signals import WheelTorqueCommand
+from ev_msgs_py.stepped_node import QUALITY, SteppedNode
+from ev_msgs_py.stepper import Answer
+from ev_msgs_py.topics import Topic
+from ev_msgs_py.wheels import NO_WHEELS
+
+_RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
+
+
+class MasterNode(SteppedNode):
+    """Plays the plant and drives the graph through time; services pause, resume, step and reset."""
+
+    extra_parameters = MasterParameters
+
+    def __init__(self, **node_arguments: Any) -> None:
+        super().__init__(MASTER, **node_arguments)
+        self._clock_message = Clock()
+        self._clock_publisher = self.create_publisher(Clock, "/clock", QUALITY)
+        self._recorded = -1  # stamp up to which the recorder holds everything
+        self._paused = False
+        self._steps_granted = 0
+        self._newest: dict[type, tuple[int, Any]] = {}
+        self.overruns = 0  # realtime steps that came more than one period late
+        for name, handler in (
+            ("pause", self._on_pause),
+            ("resume", self._on_resume),
+            ("step", self._on_step),
+            ("reset", self._on_reset),
+        ):
+            self.create_service(Trigger, f"~/{name}", handler)
+        # For rclpy's own executors; `spinning.spin` calls idle() by itself. The clock is the wall's, not /clock.
+        self.create_timer(_RETRY_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
+        self._begin()
+
+    @property
+    def time_parameters(self) -> MasterParameters:
+        """How time runs, as the parameters say now."""
+        return self.configuration.extra
+
+    @property
+    def now(self) -> int:
+        """Stamp of the present instant, in nanoseconds."""
+        return self.stepper.answer.stamp
+
+    def also_reads(self, reads: tuple[type, ...]) -> tuple[type, ...]:
+        """Besides its inputs the master follows the recorder, if it shall wait for it."""
+        return (*reads, RECORDER_WRITES) if self.configuration.extra.await_recorder else reads
+
+    def awaits(self) -> list[Subscription]:
+        """The missing input, or the recorder if only that is behind."""
+        if self.stepper.inbox.complete() is not None and not self._recorder_keeps_up():
+            return [self.signal_subscriptions[RECORDER_WRITES]]
+        return super().awaits()
+
+    def wake_up_within(self) -> float:
+        """Seconds until the next instant is due, at most the period of retries."""
+        if self.realtime or self.time_parameters.real_time_factor > 0:
+            return min(max(self._due() - time.monotonic(), 0.0), _RETRY_PERIOD)
+        return _RETRY_PERIOD
+
+    def receive(self, topic: Topic, message: Any) -> None:
+        """Take an input, or note how far the recorder is."""
+        if topic.signal is RECORDER_WRITES:
+            self._recorded = max(self._recorded, stamps.read(message.stamp))
+            self._advance_where_due()
+        elif self.realtime:
+            signal = self.decoded(topic, message)
+            if signal is not None:
+                self._newest[topic.signal] = (stamps.read(message.header.stamp), signal)
+        else:
+            super().receive(topic, message)
+
+    def arrived(self, topic: Topic, stamp: int, arrival: Arrival) -> None:
+        """Integrate when all inputs are there; an input that is known already needs no answer from the master."""
+        if arrival is Arrival.NEW:
+            self._advance_where_due()
+
+    def idle(self) -> None:
+        """Advance if time is due, publish the state again if answers are late, and name the nodes that are silent."""
+        self._advance_where_due()
+        wall = time.monotonic()
+        under_way = self.realtime and self._has_inputs_to_hold()
+        if self.done or self._paused or under_way or wall - self._published < _RETRY_PERIOD:
+            return
+        if self.stepper.inbox.complete() is None or not self._recorder_keeps_up():
+            self._publish(self.stepper.answer)
+            if wall - self._reached > self.time_parameters.answer_timeout and not self._named_silent:
+                self._named_silent = True
+                self._name_the_silent()
+
+    def _begin(self) -> None:
+        self._recorded = -1
+        self._newest.clear()
+        self._named_silent = False
+        self._publish(self.stepper.begin_run())
+        self._reached = self._published
+        self._pace_from_here()
+
+    def _publish(self, answer: Answer) -> None:
+        stamps.write(self._clock_message.clock, answer.stamp)
+        self.publish(answer)
+        self._clock_publisher.publish(self._clock_message)
+        self._published = time.monotonic()
+
+    def _due(self) -> float:
+        """Wall time at which the next instant is due."""
+        factor = 1.0 if self.realtime else self.time_parameters.real_time_factor
+        ahead = stamps.to_seconds(self.now + self.stepper.period - self._start_stamp)
+        return self._start_wall + ahead / factor
+
+    def _recorder_keeps_up(self) -> bool:
+        if not self.time_parameters.await_recorder:
+            return True
+        last = self.now if self._at_end() or self.now == 0 else self.now - RECORDER_LAG * self.stepper.period
+        return self._recorded >= last
+
+    def _at_end(self) -> bool:
+        end = stamps.from_seconds(self.time_parameters.duration)
+        return 0 < end < self.now + self.stepper.period
+
+    def _may_advance(self) -> bool:
+        if self._paused and not self._steps_granted:
+            return False
+        if self.realtime:
+            return self._has_inputs_to_hold() and time.monotonic() >= self._due()
+        if self.stepper.inbox.complete() is None or not self._recorder_keeps_up():
+            return False
+        return self.time_parameters.real_time_factor == 0 or time.monotonic() >= self._due()
+
+    def _has_inputs_to_hold(self) -> bool:
+        """Realtime begins when everything but the torque command, which may be zero, has been heard once."""
+        held = all(kind in self._newest for kind in self.stepper.reads if kind is not WheelTorqueCommand)
+        if not held:
+            self._pace_from_here()
+        return held
+
+    def _advance_where_due(self) -> None:
+        while not self.done and self._may_advance():
+            if self._at_end():
+                self.done = True
+                return
+            self._steps_granted = max(self._steps_granted - 1, 0)
+            overrun = self.realtime and time.monotonic() - self._due() > self.stepper.period / stamps.NANOSECONDS
+            self._publish(self._held_step() if self.realtime else self.stepper.step())
+            self._reached, self._named_silent = self._published, False
+            if overrun:
+                self.overruns += 1
+                self._pace_from_here()  # time that is lost stays lost: a burst of late steps would be no real time
+
+    def _held_step(self) -> Answer:
+        """One step with the newest inputs; without a torque command that is fresh enough the torque is zero."""
+        inputs = {kind: signal for kind, (_, signal) in self._newest.items()}
+        sent, _ = self._newest.get(WheelTorqueCommand, (None, None))
+        age_limit = stamps.from_seconds(self.time_parameters.command_timeout)
+        if sent is None or self.now - sent > age_limit:
+            inputs[WheelTorqueCommand] = WheelTorqueCommand(NO_WHEELS)
+        return self.stepper.step_with(self.now, inputs)
+
+    def _name_the_silent(self) -> None:
+        names = {name for name, space in self.get_node_names_and_namespaces() if space == self.get_namespace()}
+        gone = [role for role in ROLES if role not in names]
+        missing = [kind.__name__ for kind in self.stepper.inbox.missing()]
+        behind = ["the recorder"] if not missing else []
+        waiting = f"waiting for {', '.join(missing + behind)} at {stamps.to_seconds(self.now)} s"
+        where = f"not in the graph: {', '.join(gone)}" if gone else "all nodes are in the graph, one does not answer"
+        self.get_logger().error(f"{waiting} since {self.time_parameters.answer_timeout} s; {where}")
+
+    def _on_pause(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._paused, self._steps_granted = True, 0
+        return self._done(response, "paused")
+
+    def _on_resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._paused = False
+        self._pace_from_here()
+        return self._done(response, "running")
+
+    def _on_step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._paused = True
+        self._steps_granted += 1
+        self._pace_from_here()
+        return self._done(response, "one more step granted")
+
+    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._begin()
+        return self._done(response, "time is zero again,")
+
+    def _pace_from_here(self) -> None:
+        self._start_wall, self._start_stamp = time.monotonic(), self.now
+
+    def _done(self, response: Trigger.Response, text: str) -> Trigger.Response:
+        response.success, response.message = True, f"{text} at {stamps.to_seconds(self.now)} s"
+        return response

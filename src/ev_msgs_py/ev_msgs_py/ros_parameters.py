@@ -1,0 +1,71 @@
+"""Parameter dataclasses as ROS parameters: declared with description and range, refused with a reason."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from ev_msgs_py.parameters import Entry
+
+_TYPES = {
+    (float, False): ParameterType.PARAMETER_DOUBLE,
+    (float, True): ParameterType.PARAMETER_DOUBLE_ARRAY,
+    (int, False): ParameterType.PARAMETER_INTEGER,
+    (int, True): ParameterType.PARAMETER_INTEGER_ARRAY,
+    (bool, False): ParameterType.PARAMETER_BOOL,
+    (bool, True): ParameterType.PARAMETER_BOOL_ARRAY,
+    (str, False): ParameterType.PARAMETER_STRING,
+    (str, True): ParameterType.PARAMETER_STRING_ARRAY,
+}
+_NO_LIMIT = {float: 1e300, int: 2**62}
+_ROS_OWN = ("use_sim_time", "start_type_description_service")
+
+
+def overrides(node: Node) -> dict[str, Any]:
+    """What the command line and the parameter files say about a node that declares its overrides by itself."""
+    given = node.get_parameters_by_prefix("")
+    return {name: value.value for name, value in given.items() if not is_ros_own(name)}
+
+
+def is_ros_own(name: str) -> bool:
+    """Whether ROS itself declares a parameter of this name in every node."""
+    return name in _ROS_OWN or name.startswith("qos_overrides.")
+
+
+def declare(node: Node, entries: Sequence[Entry]) -> None:
+    """Declare parameters with type, description, unit and range; the values are the defaults of the entries."""
+    for name in overrides(node):
+        node.undeclare_parameter(name)  # declared by ROS from the overrides, without type and description
+    for entry in entries:
+        kind = Parameter.Type(_TYPES[entry.type, entry.is_array])
+        value = list(entry.default) if entry.is_array else entry.default
+        node.declare_parameter(
+            entry.name, Parameter(entry.name, kind, value).value, descriptor(entry), ignore_override=True
+        )
+
+
+def descriptor(entry: Entry) -> ParameterDescriptor:
+    """The descriptor that `ros2 param describe` shows."""
+    spec = entry.spec
+    unit = f" [{spec.unit}]" if spec.unit else ""
+    source = f" ({spec.source})" if spec.source else ""
+    result = ParameterDescriptor(
+        name=entry.name,
+        type=_TYPES[entry.type, entry.is_array],
+        description=f"{spec.about}{unit}{source}",
+        additional_constraints=f"allowed: {spec.allowed}",
+        read_only=spec.read_only,
+    )
+    if not entry.is_array and (spec.low is not None or spec.high is not None):
+        limit = _NO_LIMIT[entry.type]
+        low = entry.type(-limit if spec.low is None else spec.low)
+        high = entry.type(limit if spec.high is None else spec.high)
+        if entry.type is float:
+            result.floating_point_range = [FloatingPointRange(from_value=low, to_value=high, step=0.0)]
+        else:
+            result.integer_range = [IntegerRange(from_value=low, to_value=high, step=1)]
+    return result

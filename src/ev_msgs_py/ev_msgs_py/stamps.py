@@ -1,0 +1,27 @@
+"""Stamps as whole nanoseconds: the only representation of time in which steps can be compared exactly."""
+
+from __future__ import annotations
+
+from typing import Any
+
+NANOSECONDS = 1_000_000_000
+
+
+def from_seconds(seconds: float) -> int:
+    """Whole nanoseconds nearest to a time in seconds."""
+    return round(seconds * NANOSECONDS)
+
+
+def to_seconds(stamp: int) -> float:
+    """The float nearest to a stamp, in seconds."""
+    return stamp / NANOSECONDS
+
+
+def read(time: Any) -> int:
+    """The stamp in a builtin_interfaces/Time."""
+    return time.sec * NANOSECONDS + time.nanosec
+
+
+def write(time: Any, stamp: int) -> None:
+    """Put a stamp into a builtin_interfaces/Time."""
+    time.sec, time.nanosec = divmod(stamp, NANOSECONDS)

@@ -1,0 +1,132 @@
+"""The part of a node in lockstep, without ROS: stamped signals in, stamped signals out (docs/lockstep.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ev_msgs_py import stamps
+from ev_msgs_py.graph import sequence, writers
+from ev_msgs_py.inbox import Arrival, Inbox
+from ev_msgs_py.methods import Method
+from ev_msgs_py.roles import MASTER, ROLES, RoleKind
+from ev_msgs_py.signals import Instant
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a node says for one instant."""
+
+    stamp: int
+    signals: tuple[Any, ...]
+
+
+_WRITERS = writers(ROLES)
+_ORDER = {role: place for place, role in enumerate(sequence(ROLES))}
+
+
+def arrival_place(signal: type) -> int:
+    """Place of a signal's writer within one step: the higher, the later it arrives."""
+    return _ORDER[_WRITERS[signal]]
+
+
+def upstream_signals(role: str) -> frozenset[type]:
+    """The signals of the roles before this one within a step.
+
+    Repeated ones call for a repeated answer. That of a role behind would not only be useless: two nodes that read
+    each other would repeat their answers for ever.
+    """
+    return frozenset(signal for signal in _WRITERS if arrival_place(signal) < _ORDER[role])
+
+
+class Stepper:
+    """Steps the object of a method exactly once per stamp, as soon as all its inputs for that stamp are there.
+
+    `make` gives a new object of the method, at rest; `period` is the step in nanoseconds. An object that answers at
+    once answers with the stamp of its inputs. An object that integrates answers with the stamp of the next step, and
+    with its initial state for as long as it has not stepped.
+    """
+
+    def __init__(self, method: Method, make: Callable[[], Any], period: int, may_skip: bool = False) -> None:
+        self.reads = method.inputs
+        self.integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
+        self.upstream = upstream_signals(method.role)
+        # An integrating writer repeats its last two answers, so its stamp zero may be a late repetition.
+        heralds = frozenset(s for s in self.upstream if ROLES[_WRITERS[s]].kind is RoleKind.ANSWERS)
+        self.inbox = Inbox(self.reads, heralds | {*ROLES[MASTER].writes}, period, may_skip)
+        self.answer: Answer | None = None
+        self.period = period
+        self._before: Answer | None = None
+        self._signature = method.reads
+        self._make = make
+        self._at_rest = True
+        self.object = make()
+
+    @property
+    def is_fresh(self) -> bool:
+        """Whether it has not heard of any run yet."""
+        return self.answer is None and self.inbox.last is None
+
+    def offer(self, kind: type, stamp: int, signal: Any) -> Arrival:
+        """Take a message in; a message of a new run begins the object anew."""
+        arrival = self.inbox.offer(kind, stamp, signal)
+        if arrival is Arrival.RESTART:
+            self._begin_anew()
+        return arrival
+
+    def answers_to(self, kind: type, stamp: int, arrival: Arrival) -> Iterator[Answer]:
+        """What a message that has been taken in leads to: an answer, or recent answers again."""
+        if arrival is Arrival.REPEATED and kind in self.upstream:
+            yield from self._recent_answers()
+        if self.integrates and self._at_rest and (self.answer is None or stamp > self.answer.stamp):
+            self.answer = Answer(stamp, self.object.outputs())
+            yield self.answer
+        answer = self.step()
+        if answer is not None:
+            yield answer
+
+    def _recent_answers(self) -> tuple[Answer, ...]:
+        """What somebody may have missed: the last answer, and of an integrating object the one before.
+
+        An integrating object is one answer ahead, so the others may still wait for the one before.
+        """
+        return tuple(answer for answer in (self._before, self.answer) if answer is not None)
+
+    def _begin_anew(self) -> None:
+        self.object = self._make()
+        self.answer = self._before = None
+        self._at_rest = True
+
+    def begin_run(self) -> Answer:
+        """Begin anew at time zero; the answer is the initial state of an integrating object."""
+        self._begin_anew()
+        self.inbox.expect(0)
+        self.answer = Answer(0, self.object.outputs())
+        return self.answer
+
+    def step(self) -> Answer | None:
+        """One step if its inputs are complete, else None."""
+        stamp = self.inbox.complete()
+        if stamp is None:
+            return None
+        last = self.inbox.last
+        inputs = self.inbox.take(stamp)
+        # More than one period only where steps may be skipped: the inputs are held, so that time does not slip.
+        periods = 1 if last is None or not self.integrates else (stamp - last) // self.period
+        for _ in range(periods):
+            answer = self.step_with(stamp, inputs)
+        return answer
+
+    def step_with(self, stamp: int, inputs: Mapping[type, Any]) -> Answer:
+        """One step with these inputs."""
+        inputs = {**inputs, Instant: Instant(stamps.to_seconds(stamp))}
+        arguments = [inputs[kind] for kind in self._signature]
+        self._at_rest = False
+        if self.integrates:
+            self._before = self.answer
+            self.object.advance(*arguments)
+            self.answer = Answer(stamp + self.period, self.object.outputs())
+        else:
+            self.answer = Answer(stamp, (self.object.step(*arguments),))
+        return self.answer

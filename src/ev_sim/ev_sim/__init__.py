@@ -1,0 +1,1 @@
+"""The world around the control laws: plant, steering column, driver, recorder, scenario runner."""

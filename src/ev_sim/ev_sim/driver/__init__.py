@@ -1,0 +1,1 @@
+"""Drivers: what the pedals and the hands on the steering wheel do."""

@@ -1,0 +1,68 @@
+"""The averaged drive: two phases in series on a continuously adjustable voltage, without commutation.
+
+    2 L i' = u - 2 R i - 2 p psi omega,    M = 2 p psi i
+
+It is what the switched drive does between two commutations, averaged over the chopping of the converter (Pillay and
+Krishnan, Modeling, simulation, and analysis of permanent-magnet motor drives, part II, IEEE Trans. Ind. Appl. 25,
+1989). The converter is lossless, takes what the motor regenerates, and sets the voltage without delay.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from numba import njit
+
+from ev_msgs_py.parameters import ParameterError, group, parameter
+from ev_sim.drives.current_controller import CurrentControllerParameters, controlled_voltage
+from ev_sim.drives.motor import torque_constant
+
+
+@dataclass(frozen=True, slots=True)
+class AveragedDriveParameters:
+    """Averaged drive; all of it is assumed."""
+
+    sampling_period: float = parameter(
+        1e-4, unit="s", low=1e-6, high=1e-3, about="longest time between two samples of the current controller"
+    )
+    current_controller: CurrentControllerParameters = group(CurrentControllerParameters)
+
+    def __post_init__(self) -> None:
+        if self.sampling_period * self.current_controller.bandwidth > 1.0:
+            raise ParameterError(
+                f"current_controller.bandwidth: {self.current_controller.bandwidth!r} is refused, allowed is at most "
+                f"1 / sampling_period = {1 / self.sampling_period:g} rad/s, beyond which the sampled loop overshoots"
+            )
+
+
+@njit(cache=True)
+def advance_averaged(state, motor, averaged, torque_reference, speed, bus_voltage, duration):
+    """Advance the current under its control and set the outputs of `state`; see `drive.advance_drive`.
+
+    Implicit midpoint rule: electrical energy = copper loss + mechanical work + change of magnetic energy up to
+    rounding.
+    """
+    constant = torque_constant(motor)
+    current_reference = torque_reference / constant
+    emf = constant * speed
+    samples = max(1, math.ceil(duration / averaged.sampling_period - 1e-9))
+    period = duration / samples
+    half_decay = period * motor.resistance / (2.0 * motor.inductance)
+    current = state.current
+    charge = 0.0
+    energy = 0.0
+    for _ in range(samples):
+        voltage = controlled_voltage(
+            state, averaged.current_controller, motor, current_reference, current, speed, bus_voltage, period
+        )
+        drive = period * (voltage - emf) / (2.0 * motor.inductance)
+        next_current = (current * (1.0 - half_decay) + drive) / (1.0 + half_decay)
+        passed = period * (current + next_current) / 2.0
+        charge += passed
+        energy += voltage * passed
+        current = next_current
+    state.current = current
+    state.torque = constant * current
+    state.mean_torque = constant * charge / duration
+    state.electrical_power = energy / duration

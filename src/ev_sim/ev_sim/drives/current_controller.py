@@ -1,0 +1,43 @@
+"""PI control of the current through two phases in series, with anti-windup and EMF feedforward."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numba import njit
+
+from ev_msgs_py.parameters import parameter
+from ev_sim.drives.motor import torque_constant
+
+
+@dataclass(frozen=True, slots=True)
+class CurrentControllerParameters:
+    """Current controller; Shchur (2019) gives none, so its structure and its parameters are assumptions."""
+
+    bandwidth: float = parameter(
+        3000.0,
+        unit="rad/s",
+        low=1.0,
+        high=1e5,
+        about="bandwidth of the closed current loop; the zero of the controller cancels the pole -R/L of the motor",
+    )
+    emf_feedforward: float = parameter(
+        1.0, unit="1", low=0.0, high=1.0, about="share of the EMF that the controller adds from the measured speed"
+    )
+
+
+@njit(cache=True)
+def controlled_voltage(state, controller, motor, current_reference, current, speed, bus_voltage, sampling_period):
+    """Voltage across the two phases for the next sampling period, within -bus_voltage..bus_voltage [V].
+
+    Advances `state.voltage_integral`. Where the bus limits the voltage, the integral takes only as much of the error
+    as the motor has seen (back-calculation). Currents in A, shaft speed in rad/s.
+    """
+    proportional_gain = controller.bandwidth * 2.0 * motor.inductance
+    integral_gain = controller.bandwidth * 2.0 * motor.resistance
+    error = current_reference - current
+    emf = torque_constant(motor) * speed
+    wanted = proportional_gain * error + state.voltage_integral + controller.emf_feedforward * emf
+    voltage = min(max(wanted, -bus_voltage), bus_voltage)
+    state.voltage_integral += sampling_period * integral_gain * (error + (voltage - wanted) / proportional_gain)
+    return voltage

@@ -1,0 +1,95 @@
+"""Shows the running graph without the ros2 command: nodes, topics, who writes and reads them, and their rates."""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+import rclpy
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
+
+from ev_msgs_py.message_classes import message_class
+
+_OWN_NAME = "inspect_graph"
+_DISCOVERY_TIME = 1.0  # s that nodes have to answer before the graph is taken as complete
+_ROS_OWN = ("/parameter_events", "/rosout")
+
+
+def main(argv: list[str] | None = None) -> None:
+    """scripts/inspect.sh [--seconds S] [--echo TOPIC]"""
+    parser = argparse.ArgumentParser(prog="inspect.sh", description="Show the running graph: nodes, topics, rates.")
+    parser.add_argument("--seconds", type=float, default=2.0, help="how long rates are measured")
+    parser.add_argument("--echo", metavar="TOPIC", help="print one message of this topic and end")
+    given = parser.parse_args(argv)
+    rclpy.init()
+    try:
+        node = Node(_OWN_NAME, start_parameter_services=False)
+        _wait(_DISCOVERY_TIME)
+        if given.echo:
+            print(_one_message(node, given.echo))
+        else:
+            print(_graph(node, given.seconds))
+    except KeyboardInterrupt:
+        pass
+    finally:
+        rclpy.try_shutdown()
+
+
+def _wait(seconds: float) -> None:
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        time.sleep(0.05)
+
+
+def _topics(node: Node) -> dict[str, str]:
+    return {name: types[0] for name, types in sorted(node.get_topic_names_and_types()) if name not in _ROS_OWN}
+
+
+def _count(node: Node, topics: dict[str, str], seconds: float) -> dict[str, int]:
+    """Messages per topic within a time."""
+    counts = dict.fromkeys(topics, 0)
+    quality = QoSProfile(depth=1000)
+    subscriptions = {
+        name: node.create_subscription(message_class(kind), name, lambda message: None, quality, raw=True)
+        for name, kind in topics.items()
+    }
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        time.sleep(0.02)
+        for name, subscription in subscriptions.items():
+            while subscription.handle.take_message(subscription.msg_type, True) is not None:
+                counts[name] += 1
+    return counts
+
+
+def _graph(node: Node, seconds: float) -> str:
+    nodes = sorted(f"{space.rstrip('/')}/{name}" for name, space in node.get_node_names_and_namespaces())
+    nodes = [name for name in nodes if not name.endswith(f"/{_OWN_NAME}")]
+    if not nodes:
+        return "no nodes are running in this domain (ROS_DOMAIN_ID says which)"
+    topics = _topics(node)
+    writers = {name: _names(node.get_publishers_info_by_topic(name)) for name in topics}
+    readers = {name: _names(node.get_subscriptions_info_by_topic(name)) for name in topics}
+    counts = _count(node, topics, seconds)
+    lines = ["nodes", *(f"  {name}" for name in nodes), "", "topics"]
+    for name, kind in topics.items():
+        lines.append(f"  {name}  {kind}  {counts[name] / seconds:.1f} Hz")
+        lines.append(f"    {', '.join(writers[name]) or 'nobody'} -> {', '.join(readers[name]) or 'nobody'}")
+    return "\n".join(lines)
+
+
+def _names(ends: list) -> list[str]:
+    return sorted({end.node_name for end in ends} - {_OWN_NAME})
+
+
+def _one_message(node: Node, topic: str) -> str:
+    topics = _topics(node)
+    if topic not in topics:
+        return f"no topic {topic!r}; known: {', '.join(topics) or 'none'}"
+    kind = message_class(topics[topic])
+    subscription = node.create_subscription(kind, topic, lambda message: None, 10, raw=True)
+    while (taken := subscription.handle.take_message(kind, True)) is None:
+        time.sleep(0.01)
+    return str(deserialize_message(taken[0], kind))

@@ -1,0 +1,1 @@
+"""The executables of ev_sim, one module each."""

@@ -1,0 +1,128 @@
+"""The recorder node: a bag of everything while the run lasts, signals.npz at its end."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.clock import Clock as RosClock
+from rclpy.clock import ClockType
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.subscription import Subscription
+from rosgraph_msgs.msg import Clock
+
+from ev_msgs_py import ros_parameters, stamps
+from ev_msgs_py.message_classes import message_class
+from ev_msgs_py.parameters import ParameterError, build, entries
+from ev_msgs_py.roles import RECORDER_WRITES
+from ev_msgs_py.run_role import run_node
+from ev_msgs_py.signals import RecorderProgress
+from ev_msgs_py.stepped_node import QUALITY, SignalWriter
+from ev_msgs_py.topics import TOPICS, Topic
+from ev_sim.recording.cdr_template import stamp_of
+from ev_sim.recording.recorder_parameters import RecorderParameters
+from ev_sim.recording.recording import save
+from ev_sim.recording.run_recorder import RunRecorder
+
+_POLL_PERIOD = 0.004  # s; several steps are taken in one go, which costs less than waking up for each message
+_CHECKPOINT_PERIOD = 0.5  # s; a recorder that is killed loses no more than that
+
+
+class RecorderNode(Node):
+    """Records all topics of the contract and tells the master of time how far it is."""
+
+    def __init__(self, **node_arguments: Any) -> None:
+        super().__init__("recorder", automatically_declare_parameters_from_overrides=True, **node_arguments)
+        self.done = False
+        p = build(RecorderParameters, ros_parameters.overrides(self))
+        ros_parameters.declare(self, entries(p))
+        self._directory = Path(p.directory)
+        bag = self._directory / "bag" if p.bag else None
+        if bag is not None and bag.exists():
+            raise ParameterError(f"parameter directory: {p.directory!r} is refused, allowed is one without a bag")
+        self._directory.mkdir(parents=True, exist_ok=True)
+        topics = [topic for topic in TOPICS.values() if topic.name in p.topics]
+        names = [self.resolve_topic_name(topic.name) for topic in topics]
+        period = stamps.from_seconds(p.control_period)
+        self._last = stamps.from_seconds(p.duration) // period * period
+        self._recorder = RunRecorder(topics, names, period, bag, may_skip=p.mode == "realtime")
+        self._told = -1
+        self._clock = -1
+        self._wrote = False
+        self._next_checkpoint = 0.0
+        self._all_subscriptions = [self._subscribe(index, topic) for index, topic in enumerate(topics)]
+        self._all_subscriptions.append(self.create_subscription(Clock, "/clock", self._on_clock, QUALITY, raw=True))
+        self._all_subscriptions.append(
+            self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, QUALITY, raw=True)
+        )
+        self._progress = SignalWriter(self, TOPICS[RECORDER_WRITES])
+        self.create_timer(_POLL_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
+
+    def _subscribe(self, index: int, topic: Topic) -> Subscription:
+        def receive(message: bytes) -> None:
+            self._recorder.add(index, message)
+
+        kind = message_class(topic.codec.message_type)
+        return self.create_subscription(kind, topic.name, receive, QUALITY, raw=True)
+
+    def _on_clock(self, message: bytes) -> None:
+        stamp = stamp_of(message)
+        if stamp > self._clock:  # the master repeats the stamp where it repeats the state
+            self._clock = stamp
+            self._recorder.add_beside("/clock", "rosgraph_msgs/msg/Clock", message, stamp)
+
+    def _on_diagnostics(self, message: bytes) -> None:
+        stamp = max(self._clock, 0)
+        self._recorder.add_beside("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", message, stamp)
+
+    def poll(self) -> bool:
+        """Take every message that has arrived; False, so that the node rests before it looks again."""
+        for subscription in self._all_subscriptions:
+            handle = subscription.handle
+            while (taken := handle.take_message(subscription.msg_type, True)) is not None:
+                subscription.callback(taken[0])
+        return False
+
+    def awaits(self) -> list[Subscription]:
+        """No message is worth waking up for: they are taken many at a time."""
+        return []
+
+    def wake_up_within(self) -> float:
+        """Seconds of rest between two polls."""
+        return _POLL_PERIOD
+
+    def idle(self) -> None:
+        """Tell how far the recording is, and end it when it is complete."""
+        held = self._recorder.held
+        if held > self._told:
+            self._progress.write(held, RecorderProgress())
+            self._told = held
+        if self._recorder.loss:
+            raise RuntimeError(f"the recording has a gap: {self._recorder.loss}")
+        if 0 < self._last <= held:
+            self._progress.publisher.wait_for_all_acked(Duration(seconds=2.0))
+            self.finish()
+            self.done = True
+        if time.monotonic() >= self._next_checkpoint:
+            self._recorder.checkpoint()
+            self._next_checkpoint = time.monotonic() + _CHECKPOINT_PERIOD
+
+    def finish(self) -> None:
+        """Write signals.npz with all complete steps and close the bag."""
+        if not self._wrote:
+            self._wrote = True
+            self._recorder.close()
+            save(self._recorder.recording(), self._directory / "signals.npz")
+
+    def destroy_node(self) -> None:
+        """Leave nothing unwritten behind."""
+        self.finish()
+        super().destroy_node()
+
+
+def main() -> None:
+    """ros2 run ev_sim recorder"""
+    run_node("recorder", RecorderNode)

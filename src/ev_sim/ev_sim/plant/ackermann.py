@@ -1,0 +1,69 @@
+"""Ackermann-Jeantaud steering: where each wheel goes when the car turns about one centre (Shchur 2019, eqs 8 to 12).
+
+The centre of the turn lies on the line of the rear axle. The equations are multiplied through with sin(delta), so
+they hold in straight running, and delta < 0 mirrors delta > 0: eq 11 as printed has lost the sign of delta and would
+turn the front wheels backwards in a right turn. They are also continuous where the inner wheel stands across the car
+(L/tan(delta) = d/2) and at 90 deg, where arctan would jump: the wheel angle then passes beyond 90 deg.
+
+Everywhere: delta is the mean road-wheel angle, left positive [rad], |delta| < pi; lengths in m, above zero.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+
+@njit(cache=True)
+def front_wheel_angles(road_wheel_angle, wheelbase, front_track):
+    """Angles of the left and the right front wheel, left positive [rad] (eq 8)."""
+    ahead = wheelbase * math.sin(road_wheel_angle)
+    to_centre = wheelbase * math.cos(road_wheel_angle)
+    offset = math.sin(road_wheel_angle) * front_track / 2.0
+    return math.atan2(ahead, to_centre - offset), math.atan2(ahead, to_centre + offset)
+
+
+@njit(cache=True)
+def path_curvature(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
+    """Curvature 1/R of the path of the centre of mass, positive to the left [1/m] (eq 11 with the sign of delta)."""
+    return math.sin(road_wheel_angle) / _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle)
+
+
+@njit(cache=True)
+def course_offset(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
+    """Angle from the car's x axis to the path of its centre of mass, left positive [rad]; from fig 2.
+
+    It is the sideslip angle of a car that rolls forwards.
+    """
+    return math.atan2(
+        centre_of_mass_to_rear_axle * math.sin(road_wheel_angle), wheelbase * math.cos(road_wheel_angle)
+    )
+
+
+@njit(cache=True)
+def wheel_speed_ratios(road_wheel_angle, wheelbase, front_track, rear_track, centre_of_mass_to_rear_axle):
+    """Speeds V_j of the rolling wheels over the speed V of the centre of mass, in the order of Wheels (eqs 8 to 10).
+
+    The rear wheels roll on radii L/tan(delta) -+ d/2; the inner one rolls backwards where the centre of the turn lies
+    between them.
+    """
+    ahead = wheelbase * math.sin(road_wheel_angle)
+    to_centre = wheelbase * math.cos(road_wheel_angle)
+    front_offset = math.sin(road_wheel_angle) * front_track / 2.0
+    rear_offset = math.sin(road_wheel_angle) * rear_track / 2.0
+    radius = _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle)
+    return (
+        math.hypot(ahead, to_centre - front_offset) / radius,
+        math.hypot(ahead, to_centre + front_offset) / radius,
+        (to_centre - rear_offset) / radius,
+        (to_centre + rear_offset) / radius,
+    )
+
+
+@njit(cache=True)
+def _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
+    """|R sin(delta)|, which stays finite in straight running [m] (eq 11)."""
+    return math.hypot(
+        wheelbase * math.cos(road_wheel_angle), centre_of_mass_to_rear_axle * math.sin(road_wheel_angle)
+    )

@@ -1,0 +1,111 @@
+"""Keeps a whole run: every message in a bag as it came, every number in an array."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ev_msgs_py import stamps
+from ev_msgs_py.roles import MASTER, ROLES
+from ev_msgs_py.topics import QUEUE_DEPTH, Topic
+from ev_sim.recording.cdr_template import CdrTemplate, stamp_of
+from ev_sim.recording.durable_bag import DurableBag
+from ev_sim.recording.recording import Recording
+
+
+class RunRecorder:
+    """Collects the serialized messages of the recorded topics, one per topic and step.
+
+    `names` are the full topic names by which the bag knows the topics; `period` is the step in nanoseconds. Without a
+    `bag` directory only the arrays are kept. With `may_skip` (realtime) a step that never comes holds the one before,
+    and the run is as far as its master; without, it is as far as its slowest topic, and a missing step is a loss.
+    """
+
+    def __init__(
+        self, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path | None, may_skip: bool = False
+    ) -> None:
+        self._topics = tuple(topics)
+        self._period = period
+        self._may_skip = may_skip
+        self._messages: list[list[bytes]] = [[] for _ in topics]
+        paces = [i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes]
+        self._pacing = [self._messages[i] for i in paces] if may_skip else self._messages
+        self._bag = DurableBag(bag) if bag is not None else None
+        self._handles = [
+            self._bag.add_topic(name, topic.codec.message_type, depth=QUEUE_DEPTH) if self._bag is not None else None
+            for topic, name in zip(topics, names, strict=True)
+        ]
+        self._beside: dict[str, object] = {}
+        self.loss = ""
+
+    def add(self, index: int, message: bytes) -> None:
+        """Keep a message of the topic with this index; one that repeats an earlier stamp adds nothing."""
+        kept = self._messages[index]
+        step = stamp_of(message) // self._period
+        if step < len(kept):
+            return
+        if step > len(kept):
+            if self._may_skip:
+                kept.extend([kept[-1] if kept else message] * (step - len(kept)))
+            else:
+                if kept:  # before its first message a topic is not connected yet; the master repeats the first step
+                    self._note_loss(index, len(kept), step)
+                return
+        kept.append(message)
+        if self._bag is not None:
+            self._bag.write(self._handles[index], step * self._period, message)
+
+    def _note_loss(self, index: int, due: int, came: int) -> None:
+        first, last = (stamps.to_seconds(step * self._period) for step in (due, came))
+        self.loss = f"{self._topics[index].name} at {first} s did not come, but {last} s did"
+
+    def add_beside(self, name: str, message_type: str, message: bytes, stamp: int) -> None:
+        """Put a message that is no signal of the contract, such as /clock, into the bag only."""
+        if self._bag is None:
+            return
+        if name not in self._beside:
+            self._beside[name] = self._bag.add_topic(name, message_type)
+        self._bag.write(self._beside[name], stamp, message)
+
+    @property
+    def held(self) -> int:
+        """Stamp up to which the run is held, in nanoseconds; negative before the first step is complete."""
+        return (min(map(len, self._pacing)) - 1) * self._period
+
+    def checkpoint(self) -> None:
+        """Bring what was written so far to the disk, for times when no message comes."""
+        if self._bag is not None:
+            self._bag.checkpoint()
+
+    def recording(self) -> Recording:
+        """All complete steps as arrays; a topic that said nothing at all is left out."""
+        steps = self.held // self._period + 1
+        channels = {}
+        for topic, messages in zip(self._topics, self._messages, strict=True):
+            if messages:
+                kept = messages[:steps] + messages[-1:] * (steps - len(messages))
+                channels.update(zip(topic.channels, CdrTemplate(topic).numbers(kept).T, strict=True))
+        time = np.array([stamps.to_seconds(step * self._period) for step in range(steps)])
+        return Recording(time, channels)
+
+    def close(self) -> None:
+        """Finish the bag."""
+        if self._bag is not None:
+            self._bag.close()
+
+
+def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path) -> None:
+    """The bag of a run that had no messages: the same bytes that the nodes would have sent."""
+    count = len(recording.time)
+    stamp = np.arange(count) * period
+    with DurableBag(bag, checkpoint_period=float("inf")) as written:
+        handles, messages = [], []
+        for topic, name in zip(topics, names, strict=True):
+            handles.append(written.add_topic(name, topic.codec.message_type, depth=QUEUE_DEPTH))
+            rows = np.stack([recording.channels[channel] for channel in topic.channels], axis=1)
+            messages.append(CdrTemplate(topic).serialize(stamp, rows))
+        for step in range(count):
+            for handle, column in zip(handles, messages, strict=True):
+                written.write(handle, step * period, column[step])

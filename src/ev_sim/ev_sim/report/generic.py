@@ -1,0 +1,61 @@
+"""Report on any scenario: speed, torques, steering angle and wheel speeds of each run."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_sim.recording.recording import Recording
+from ev_sim.report import quantities
+from ev_sim.report.metric import Metric, metric
+from ev_sim.report.panels import Curve, Panel, panel
+from ev_sim.report.samples import Parameters, Runs, channel
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+    """Speeds and largest torque and angle of each run; the name of the run stands in front if there are several."""
+    return {
+        f"{name}_{key}" if len(runs) > 1 else key: value
+        for name, run in runs.items()
+        for key, value in _metrics(run).items()
+    }
+
+
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+    """One sheet for each run."""
+    from ev_sim.report.drawing import sheet  # matplotlib is slow to import
+
+    return {
+        f"overview_{name}" if len(runs) > 1 else "overview": sheet(_panels(run), "time [s]")
+        for name, run in runs.items()
+    }
+
+
+def _metrics(run: Recording) -> dict[str, Metric]:
+    return {
+        "final_speed": metric(lambda: quantities.speed(run)[-1], "m/s"),
+        "maximum_speed": metric(lambda: quantities.speed(run).max(), "m/s"),
+        "maximum_total_drive_torque": metric(lambda: np.abs(quantities.total_drive_torque(run)).max(), "N m"),
+        "maximum_road_wheel_angle": metric(lambda: np.abs(channel(run, quantities.ROAD_WHEEL_ANGLE)).max(), "rad"),
+    }
+
+
+def _panels(run: Recording) -> list[Panel]:
+    def wheels(quantity: str) -> list[Curve]:
+        return [Curve(run.time, channel(run, f"{quantity}.{name}"), name.replace("_", " ")) for name in WHEEL_NAMES]
+
+    def steering_angle() -> list[Curve]:
+        return [Curve(run.time, np.degrees(channel(run, quantities.ROAD_WHEEL_ANGLE)))]
+
+    return [
+        panel("Speed", "speed [m/s]", lambda: [Curve(run.time, quantities.speed(run))]),
+        panel("Steering angle", "angle [deg]", steering_angle),
+        panel("Drive torques", "torque [N m]", lambda: wheels("wheel_states.effort")),
+        panel("Wheel speeds", "speed [rad/s]", lambda: wheels("wheel_states.velocity")),
+    ]

@@ -1,0 +1,34 @@
+"""Which report a scenario gets."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Protocol
+
+from ev_msgs_py.vehicle import Vehicle
+from ev_sim.report.metric import Metric
+from ev_sim.report.samples import Parameters, Runs
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+REPORTS = {
+    "shchur2019": "ev_sim.report.shchur2019",
+    "shchur2019_steps": "ev_sim.report.shchur2019_steps",
+}
+GENERIC = "ev_sim.report.generic"
+
+
+class Report(Protocol):
+    """A module that makes numbers and figures of the runs of a scenario."""
+
+    def metrics(self, runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+        """Metrics by name, in the order of the table."""
+
+    def figures(self, runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+        """Figures by the name of their file without suffix."""
+
+
+def report_for(scenario: str) -> Report:
+    """The report of a scenario, or the generic one if it has none of its own."""
+    return import_module(REPORTS.get(scenario, GENERIC))

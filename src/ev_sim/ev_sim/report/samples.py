@@ -1,0 +1,61 @@
+"""Reading recorded samples for a metric: what is not there is NotMeasured, never a guess."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ev_sim.recording.recording import Recording
+from ev_sim.report.metric import NotMeasured
+
+Runs = Mapping[str, Recording]  # name of the run -> its signals
+Parameters = Mapping[str, Mapping[str, Any]]  # node -> dotted parameter name -> value
+
+
+def run_named(runs: Runs, name: str) -> Recording:
+    """The run of a scenario; NotMeasured if it was not driven."""
+    if name not in runs:
+        raise NotMeasured(f"there is no run {name}")
+    return runs[name]
+
+
+def channel(recording: Recording, name: str) -> np.ndarray:
+    """The samples of a channel, (n,); NotMeasured if the channel is missing, empty or not finite."""
+    if name not in recording.channels:
+        raise NotMeasured(f"{name} was not recorded")
+    values = recording.channels[name]
+    if not len(values):
+        raise NotMeasured("the run has no samples")
+    if not np.isfinite(values).all():
+        raise NotMeasured(f"{name} is not finite at {recording.time[~np.isfinite(values)][0]:g} s")
+    return values
+
+
+def mean_between(recording: Recording, values: np.ndarray, start: float, end: float) -> float:
+    """Mean over start <= time < end [s]; NotMeasured if the run does not cover the window.
+
+    The end is left out because at this instant the driver already answers to what comes next.
+    """
+    time = recording.time
+    if not len(time):
+        raise NotMeasured("the run has no samples")
+    # Stamps are multiples of the period: rounding must not move a sample over the edge of the window.
+    rounding = 1e-9
+    if time[0] > start + rounding or time[-1] < end - rounding:
+        raise NotMeasured(
+            f"the run lasts from {time[0]:g} s to {time[-1]:g} s, the window from {start:g} s to {end:g} s"
+        )
+    inside = (time >= start - rounding) & (time < end - rounding)
+    if not inside.any():
+        raise NotMeasured(f"there is no sample from {start:g} s to {end:g} s")
+    return float(values[inside].mean())
+
+
+def last(recording: Recording, window: float) -> tuple[float, float]:
+    """Start and end of the last `window` seconds of the run [s]."""
+    if not len(recording.time):
+        raise NotMeasured("the run has no samples")
+    end = float(recording.time[-1])
+    return end - window, end

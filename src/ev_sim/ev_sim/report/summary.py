@@ -1,0 +1,96 @@
+"""summary.json: what was run, with what, on what, and what came out."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from ev_msgs_py.parameters import flatten
+from ev_msgs_py.vehicle import Vehicle
+from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.recording import combined_hash, signal_hash
+from ev_sim.report.metric import Metric
+from ev_sim.report.samples import Parameters, Runs
+
+PACKAGES = ("numpy", "scipy", "numba", "rclpy")
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Everything that summary.json says.
+
+    `methods`: role -> method. `mode`: offline, in-process, processes or realtime, with what it was asked for.
+    `wall_time` [s] is that of driving, without start, report and figures. `not_reproducible`: why another run may
+    give other numbers, empty if it may not.
+    """
+
+    scenario: str
+    mode: str
+    seed: int
+    methods: Mapping[str, str]
+    parameters: Parameters
+    vehicle: Vehicle
+    runs: Runs
+    metrics: Mapping[str, Metric]
+    wall_time: float
+    not_reproducible: tuple[str, ...] = ()
+
+    @property
+    def simulated_time(self) -> float:
+        """Simulated time of all runs together [s]."""
+        return sum(run.duration for run in self.runs.values())
+
+    def as_json(self) -> dict[str, Any]:
+        """The content of summary.json; its keys always come in the same order."""
+        return {
+            "scenario": self.scenario,
+            "mode": self.mode,
+            "seed": self.seed,
+            "methods": dict(sorted(self.methods.items())),
+            "metrics": {name: metric.as_json() for name, metric in self.metrics.items()},
+            "signal_hash": combined_hash(self.runs),
+            "reproducible": not self.not_reproducible,
+            "not_reproducible": list(self.not_reproducible),
+            "runs": {
+                name: {
+                    "signal_hash": signal_hash(run),
+                    "samples": len(run.time),
+                    "channels": len(run.channels),
+                    "simulated_time": run.duration,
+                }
+                for name, run in sorted(self.runs.items())
+            },
+            "simulated_time": self.simulated_time,
+            "wall_time": self.wall_time,
+            "real_time_factor": self.simulated_time / self.wall_time if self.wall_time > 0 else None,
+            "vehicle": flatten(self.vehicle),
+            "parameters": {node: dict(sorted(values.items())) for node, values in sorted(self.parameters.items())},
+            "versions": versions(),
+        }
+
+
+def versions() -> dict[str, str | None]:
+    """Versions of Python and of the packages that compute or carry numbers; None for what is not installed."""
+    return {"python": platform.python_version(), **{name: _version(name) for name in PACKAGES}}
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def write_summary(path: Path | str, summary: Summary) -> None:
+    """Write summary.json, as a whole or not at all; floats have as many digits as they need to be read back exactly.
+
+    ValueError for NaN or infinity, which JSON does not know.
+    """
+    text = json.dumps(summary.as_json(), indent=2, allow_nan=False, ensure_ascii=False)
+    with atomic_file(path) as file:
+        file.write(text.encode() + b"\n")

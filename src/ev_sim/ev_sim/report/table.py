@@ -1,0 +1,78 @@
+"""The table of metrics as plain text."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import sys
+import textwrap
+from collections.abc import Mapping
+from typing import TextIO
+
+from ev_sim.report.metric import Metric
+
+COLUMNS = ("metric", "value", "unit", "published", "band", "verdict")
+NARROW = ("metric", "value", "unit", "published", "verdict")
+WIDTH_OF_A_PIPE = 120
+_NUMERIC = ("value", "published")
+
+
+def print_table(metrics: Mapping[str, Metric], file: TextIO | None = None) -> None:
+    """Print the table of metrics, in a narrow terminal without the bands and without the angles in degrees."""
+    width = shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns
+    print(table(metrics, width), file=file or sys.stdout)
+
+
+def table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) -> str:
+    """Name, value, unit, published value, band and verdict of each metric in aligned columns.
+
+    Angles stand in rad with deg beside. Assumptions and reasons are numbered and follow below the table.
+    """
+    notes: list[str] = []
+    rows = [_row(name, metric, notes) for name, metric in metrics.items()]
+    lines = _aligned(COLUMNS, rows)
+    if max(map(len, lines)) > width:
+        rows = [{**row, "value": row["value in rad"]} for row in rows]
+        lines = _aligned(NARROW, rows)
+    for number, note in enumerate(notes, start=1):
+        indent = f"[{number}] "
+        lines += textwrap.wrap(note, max(width, 40), initial_indent=indent, subsequent_indent=" " * len(indent))
+    return "\n".join(lines)
+
+
+def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
+    reference = metric.reference
+    value = _number(metric.value)
+    return {
+        "metric": name,
+        "value": f"{value} ({math.degrees(metric.value):.2f} deg)" if metric.unit == "rad" and metric.value else value,
+        "value in rad": value,
+        "unit": metric.unit,
+        "published": _number(reference.value) if reference else "-",
+        "band": f"{_number(reference.band[0])} .. {_number(reference.band[1])}" if reference else "-",
+        "verdict": _judgement(metric, notes),
+    }
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.5g}"
+
+
+def _judgement(metric: Metric, notes: list[str]) -> str:
+    """The judgement, with the number of the note that completes it."""
+    if not metric.note:
+        return metric.judgement
+    note = f"assumption: {metric.note}" if metric.judgement == "reproduced" else metric.note
+    if note not in notes:
+        notes.append(note)
+    return f"{metric.judgement} [{notes.index(note) + 1}]"
+
+
+def _aligned(columns: tuple[str, ...], rows: list[dict[str, str]]) -> list[str]:
+    widths = [max(len(column), *(len(row[column]) for row in rows), 0) for column in columns]
+    table = [{column: column for column in columns}, {c: "-" * w for c, w in zip(columns, widths, strict=True)}, *rows]
+    return ["  ".join(_cell(row[c], c, w) for c, w in zip(columns, widths, strict=True)).rstrip() for row in table]
+
+
+def _cell(text: str, column: str, width: int) -> str:
+    return text.rjust(width) if column in _NUMERIC else text.ljust(width)

@@ -1,0 +1,122 @@
+"""Run a scenario from the command line: drive its runs, write what they leave behind, print the metrics."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from ev_msgs_py.methods import all_methods
+from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.roles import MASTER
+from ev_msgs_py.shape import SignalError
+from ev_sim.recording.recording import save
+from ev_sim.recording.run_recorder import write_bag
+from ev_sim.report.drawing import save_figures
+from ev_sim.report.registry import report_for
+from ev_sim.report.summary import Summary, write_summary
+from ev_sim.report.table import print_table
+from ev_sim.scenario.command_line import arguments, overrides
+from ev_sim.scenario.node_parameters import node_parameters, recorded_topics, write_parameter_file
+from ev_sim.scenario.offline import run_offline
+from ev_sim.scenario.outcome import Outcome, Progress, RunFailed
+from ev_sim.scenario.output_folder import OutputFolder
+from ev_sim.scenario.progress_bar import progress_bar
+from ev_sim.scenario.scenario import Run, Scenario, describe_scenario, load_scenario, scenario_names
+
+_INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
+
+
+def main(argv: list[str] | None = None) -> None:
+    """scripts/run.sh SCENARIO [options]"""
+    given = arguments(argv)
+    try:
+        if given.list:
+            print_list()
+        else:
+            run_scenario(given)
+    except (ParameterError, SignalError, RunFailed, FileNotFoundError) as error:
+        sys.exit(f"error: {error}")
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
+        sys.exit(_INTERRUPTED)
+
+
+def print_list() -> None:
+    """Scenarios and methods, one line each."""
+    print("scenarios")
+    for name in scenario_names():
+        print(f"  {name:24} {describe_scenario(name)}")
+    for role, methods in all_methods().items():
+        print(f"methods of {role}")
+        for name, method in methods.items():
+            print(f"  {name:24} {method.about}")
+
+
+def run_scenario(given: argparse.Namespace) -> None:
+    """Drive all runs of a scenario and report; see `main` for what is raised."""
+    scenario = load_scenario(given.scenario, overrides(given))
+    folder = OutputFolder(given.out or Path("results") / scenario.name, scenario)
+    outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
+    summary = _summary(scenario, outcomes, given)
+    save_figures(report_for(scenario.name).figures(summary.runs, summary.vehicle), folder.directory)
+    write_summary(folder.directory / "summary.json", summary)
+    print_table(summary.metrics)
+    for reason in summary.not_reproducible:
+        print(f"not reproducible: {reason}")
+    content = summary.as_json()
+    print(f"signal hash {content['signal_hash']}")
+    print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
+    print(f"figures, signals and summary: {folder.directory}")
+
+
+def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
+    with progress_bar(run.name, run.duration) as progress:
+        if given.offline:
+            return _drive_offline(run, directory, not given.no_record, progress)
+        if given.in_process:
+            from ev_sim.scenario.in_process import run_in_process
+
+            return run_in_process(run, directory, not given.no_record, progress)
+        from ev_sim.scenario.processes import run_in_processes
+
+        return run_in_processes(run, directory, not given.no_record, progress)
+
+
+def _drive_offline(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
+    write_parameter_file(directory / "parameters.yaml", run, node_parameters(run, directory, bag))
+    start = time.monotonic()
+    recording = run_offline(run.configurations, run.duration, progress)
+    wall_time = time.monotonic() - start
+    save(recording, directory / "signals.npz")
+    if bag:
+        topics = recorded_topics(run)
+        names = [f"{run.namespace}/{topic.name}" for topic in topics]
+        write_bag(recording, topics, names, run.period, directory / "bag")
+    return Outcome(recording, wall_time)
+
+
+def _summary(scenario: Scenario, outcomes: dict[str, Outcome], given: argparse.Namespace) -> Summary:
+    runs = {name: outcome.recording for name, outcome in outcomes.items()}
+    nodes = {
+        role if len(scenario.runs) == 1 else f"{run.name}/{role}": configuration
+        for run in scenario.runs
+        for role, configuration in run.configurations.items()
+    }
+    first = scenario.runs[0].configurations
+    by_role = {role: configuration.values() for role, configuration in first.items()}
+    vehicle = first[MASTER].common.vehicle
+    way = "offline" if given.offline else "in-process" if given.in_process else "processes"
+    return Summary(
+        scenario=scenario.name,
+        mode=f"{way}, realtime" if given.realtime else way,
+        seed=first[MASTER].common.seed,
+        methods={node: configuration.method.name for node, configuration in nodes.items()},
+        parameters={node: configuration.values() for node, configuration in nodes.items()},
+        vehicle=vehicle,
+        runs=runs,
+        metrics=report_for(scenario.name).metrics(runs, vehicle, by_role),
+        wall_time=sum(outcome.wall_time for outcome in outcomes.values()),
+        not_reproducible=tuple(reason for outcome in outcomes.values() for reason in outcome.not_reproducible),
+    )

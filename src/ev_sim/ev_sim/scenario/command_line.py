@@ -1,0 +1,81 @@
+"""The command line of scripts/run.sh."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from ev_msgs_py.parameters import ParameterError
+from ev_sim.scenario.scenario import Overrides
+
+_EVERY_NODE = "*"
+
+
+def arguments(argv: list[str] | None = None) -> argparse.Namespace:
+    """Parse the command line; argparse ends the process with status 2 for words it does not know."""
+    parser = argparse.ArgumentParser(
+        prog="run.sh", description="Run a scenario: every node its own process over DDS, unless told otherwise."
+    )
+    parser.add_argument("scenario", nargs="?", help="name of a scenario; --list shows them")
+    way = parser.add_mutually_exclusive_group()
+    way.add_argument("--offline", action="store_true", help="no DDS, one process")
+    way.add_argument("--in-process", action="store_true", help="all nodes in one process, over DDS")
+    parser.add_argument("--realtime", action="store_true", help="by the wall clock instead of in lockstep")
+    parser.add_argument("--method", action="append", default=[], metavar="NODE=NAME", help="method of a node")
+    parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
+    parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
+    parser.add_argument("--duration", type=float, metavar="S", help="simulated time of every run")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/SCENARIO")
+    parser.add_argument("--no-record", action="store_true", help="no bag; signals, metrics and figures all the same")
+    parser.add_argument("--list", action="store_true", help="show scenarios and methods, one line each")
+    given = parser.parse_args(argv)
+    if not given.list and given.scenario is None:
+        parser.error("which scenario? --list shows them")
+    if given.offline and given.realtime:
+        parser.error("--realtime needs DDS: leave out --offline")
+    return given
+
+
+def overrides(given: argparse.Namespace) -> Overrides:
+    """What the command line says beyond the files; ParameterError, in one line, for words without NODE, name or =."""
+    values: list[tuple[str, str, Any]] = []
+    for word in given.method:
+        node, name = _split(word, "=", "--method", "NODE=NAME")
+        values.append((node, "method", name))
+    for word in given.set:
+        place, value = _split(word, "=", "--set", "NODE.PARAM=VALUE")
+        node, parameter = _split(place, ".", "--set", "NODE.PARAM=VALUE")
+        values.append((node, parameter, _parsed(value)))
+    if given.seed is not None:
+        values.append((_EVERY_NODE, "seed", given.seed))
+    if given.realtime:
+        values.append((_EVERY_NODE, "mode", "realtime"))
+    return Overrides(given.params, values, given.duration)
+
+
+def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:
+    left, found, right = word.partition(mark)
+    if not (left and found and right):
+        raise ParameterError(f"{option} {word!r} is refused, allowed is {form}")
+    return left, right
+
+
+def _parsed(text: str) -> Any:
+    """A value as a parameter file would read it."""
+    try:
+        value = yaml.safe_load(text)
+    except yaml.YAMLError:
+        raise ParameterError(f"--set: {text!r} is no YAML value") from None
+    return _as_number(value) if isinstance(value, str) else value
+
+
+def _as_number(text: str) -> float | str:
+    """YAML 1.1 takes 1e-3 for a text; nobody means that."""
+    try:
+        return float(text)
+    except ValueError:
+        return text

@@ -1,0 +1,69 @@
+"""All nodes of a run in this process, talking over DDS as they always do."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import rclpy
+from rclpy.parameter import Parameter
+
+from ev_msgs_py.run_role import make_node
+from ev_msgs_py.spinning import spin
+from ev_sim.nodes.recorder import RecorderNode
+from ev_sim.recording.recording import load
+from ev_sim.scenario.domain import free_domain
+from ev_sim.scenario.node_parameters import RECORDER, node_parameters, write_parameter_file
+from ev_sim.scenario.observer import Observer
+from ev_sim.scenario.outcome import Outcome, Progress, RunFailed, not_reproducible
+from ev_sim.scenario.scenario import Run
+
+_LOOK_PERIOD = 0.1  # s of wall time between looks at simulated time
+
+
+def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
+    """Drive a run to its end; everything that the recorder writes is in `directory` then.
+
+    RunFailed if ROS was shut down before the end.
+    """
+    parameters = node_parameters(run, directory, bag)
+    write_parameter_file(directory / "parameters.yaml", run, parameters)
+    with free_domain() as domain:
+        context = rclpy.Context()
+        rclpy.init(context=context, domain_id=domain)
+        try:
+            observer = Observer(context, run.namespace)
+            nodes = [_node(name, run.namespace, values, context) for name, values in parameters.items()]
+            recorder = nodes[-1]
+            next_look = 0.0
+
+            def finished() -> bool:
+                nonlocal next_look
+                if time.monotonic() >= next_look:
+                    observer.look()
+                    progress(observer.time)
+                    next_look = time.monotonic() + _LOOK_PERIOD
+                return recorder.done
+
+            start = time.monotonic()
+            spin(nodes, finished)
+            wall_time = time.monotonic() - start
+            if not recorder.done:
+                raise RunFailed(f"stopped at {observer.time} s of simulated time")
+            observer.look()
+            progress(run.duration)
+            for node in nodes:
+                node.destroy_node()
+        finally:
+            context.try_shutdown()
+    return Outcome(load(directory / "signals.npz"), wall_time, not_reproducible(run, observer.reports))
+
+
+def _node(name: str, namespace: str, values: dict, context: rclpy.Context) -> object:
+    arguments = {
+        "context": context,
+        "namespace": namespace,
+        "parameter_overrides": [Parameter(key, value=value) for key, value in values.items()],
+    }
+    return RecorderNode(**arguments) if name == RECORDER else make_node(name, **arguments)
+

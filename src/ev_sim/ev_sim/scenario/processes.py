@@ -1,0 +1,146 @@
+"""Every node of a run as its own process: started, watched, stopped, and nothing left behind."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import rclpy
+
+from ev_msgs_py.roles import MASTER
+from ev_sim.recording.recording import load
+from ev_sim.scenario.domain import free_domain
+from ev_sim.scenario.node_parameters import RECORDER, node_parameters, write_parameter_file
+from ev_sim.scenario.observer import Observer
+from ev_sim.scenario.outcome import Outcome, Progress, RunFailed, not_reproducible
+from ev_sim.scenario.scenario import Run
+
+EXECUTABLES = {
+    MASTER: ("ev_sim", "plant"),
+    "steering_column": ("ev_sim", "steering_column"),
+    "driver": ("ev_sim", "driver"),
+    "electronic_differential": ("ev_control", "electronic_differential"),
+    "asr": ("ev_control", "asr"),
+    RECORDER: ("ev_sim", "recorder"),
+}
+_LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
+_PATIENCE = 2.0  # s for a process to stop when it is asked to
+
+
+@dataclass
+class NodeProcess:
+    """One node, its process and the file with what it printed."""
+
+    name: str
+    process: subprocess.Popen
+    log: Path
+
+    def failure(self) -> str:
+        """One line on how the process ended."""
+        code = self.process.returncode
+        how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with status {code}"
+        lines = self.log.read_text(errors="replace").strip().splitlines()
+        said = f": {lines[-1]}" if lines and code > 0 else ""
+        return f"node {self.name} {how}{said}"
+
+
+def run_in_processes(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
+    """Drive a run to its end, every node as its own process over DDS; the recorder writes into `directory`.
+
+    RunFailed, with a line that names the node, if one ends before the run does; all others are stopped then.
+    """
+    parameters = node_parameters(run, directory, bag)
+    file = directory / "parameters.yaml"
+    write_parameter_file(file, run, parameters)
+    with free_domain() as domain:
+        context = rclpy.Context()
+        rclpy.init(context=context, domain_id=domain)
+        observer = Observer(context, run.namespace)
+        nodes: list[NodeProcess] = []
+        try:
+            for name in parameters:
+                nodes.append(_start(name, run, file, directory / "log", domain))
+            return _watch(run, nodes, observer, directory, progress)
+        finally:
+            _stop(nodes)
+            observer.destroy_node()
+            context.try_shutdown()
+
+
+def command(name: str) -> list[str]:
+    """How the node of a role is started: by `ros2 run` where there is one, else what that would start.
+
+    RunFailed if the workspace is not built or not sourced.
+    """
+    package, executable = EXECUTABLES[name]
+    if shutil.which("ros2") is not None and "ROS_DISTRO" in os.environ:
+        return ["ros2", "run", package, executable]
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        path = Path(prefix) / "lib" / package / executable
+        if path.exists():
+            return [str(path)]
+    raise RunFailed(f"executable {package} {executable} is not found: source install/local_setup.bash of the workspace")
+
+
+def _start(name: str, run: Run, parameters: Path, logs: Path, domain: int) -> NodeProcess:
+    logs.mkdir(exist_ok=True)
+    log = logs / f"{name}.log"
+    arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
+    environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    with log.open("wb") as output:
+        process = subprocess.Popen(
+            [*command(name), *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            env=environment,
+            start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
+        )
+    return NodeProcess(name, process, log)
+
+
+def _watch(run: Run, nodes: list[NodeProcess], observer: Observer, directory: Path, progress: Progress) -> Outcome:
+    """Look at processes and time until plant and recorder have come to their end by themselves."""
+    started = None
+    ending = {MASTER, RECORDER}
+    while ending:
+        time.sleep(_LOOK_PERIOD)
+        observer.look()
+        progress(observer.time)
+        if started is None and observer.time > 0:
+            started = time.monotonic()
+        for node in nodes:
+            code = node.process.poll()
+            if code == 0 and node.name in (MASTER, RECORDER):
+                ending.discard(node.name)
+            elif code is not None:
+                raise RunFailed(f"{node.failure()}, at {observer.time:g} s of simulated time")
+    wall_time = time.monotonic() - (started if started is not None else time.monotonic())
+    progress(run.duration)
+    return Outcome(load(directory / "signals.npz"), wall_time, not_reproducible(run, observer.reports))
+
+
+def _stop(nodes: list[NodeProcess]) -> None:
+    """Ask all processes to stop, then make them, with whatever they have started."""
+    for node in nodes:
+        if node.process.poll() is None:
+            _signal(node, signal.SIGINT)
+    deadline = time.monotonic() + _PATIENCE
+    for node in nodes:
+        with suppress(subprocess.TimeoutExpired):
+            node.process.wait(max(deadline - time.monotonic(), 0.0))
+    for node in nodes:
+        _signal(node, signal.SIGKILL)
+        node.process.wait()
+
+
+def _signal(node: NodeProcess, kind: signal.Signals) -> None:
+    with suppress(ProcessLookupError):
+        os.killpg(node.process.pid, kind)

@@ -1,0 +1,57 @@
+"""The steered road wheels: parameters of eq 3 of Shchur (2019), and what of them is common to all columns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.parameters import parameter
+from ev_sim.steering_column.friction_oscillator import FrictionOscillator
+
+
+@dataclass(frozen=True, slots=True)
+class RoadWheelParameters:
+    """The steering system at the road wheels (eq 3 without the drives)."""
+
+    inertia: float = parameter(
+        2.8, unit="kg m^2", low=0.001, high=1000.0, about="inertia of the steering system, J_p", source="Shchur 2019"
+    )
+    damping: float = parameter(
+        7.5, unit="N m s/rad", low=0.0, high=10000.0, about="viscous friction, b_p", source="Shchur 2019"
+    )
+    stiffness: float = parameter(
+        65.0, unit="N m/rad", low=0.001, high=100000.0, about="restoring stiffness, k_p", source="Shchur 2019"
+    )
+    dry_friction: float = parameter(
+        0.0,
+        unit="N m",
+        low=0.0,
+        high=1000.0,
+        about="dry friction, M_c, the same at rest and in motion; the paper gives no value, 0 reproduces eqs 6 and 7",
+        source="Shchur 2019, eq 3",
+    )
+    max_angle: float = parameter(
+        2.0,
+        unit="rad",
+        low=0.01,
+        high=3.14,
+        about="road-wheel angle of the end stops; the paper has none, 2 lies outside its runs, a car has about 0.7",
+        source="assumption",
+    )
+
+    def oscillator(self, period: float) -> FrictionOscillator:
+        """The motion of the road wheels (eq 3), exact over a period [s]."""
+        return FrictionOscillator(self.inertia, self.damping, self.stiffness, self.dry_friction, self.max_angle, period)
+
+
+@dataclass(frozen=True, slots=True)
+class DrivenRoadWheelParameters(RoadWheelParameters):
+    """The steering system at the road wheels, on which the difference of the drive forces acts (eq 3)."""
+
+    wheel_inertia: float = parameter(
+        0.0,
+        unit="kg m^2",
+        low=0.0,
+        high=100.0,
+        about="inertia of one wheel with its drive, J_k in eq 3; 0 neglects that term as the paper does",
+        source="Shchur 2019, eqs 1 and 3",
+    )
