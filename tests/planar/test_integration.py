@@ -86,12 +86,12 @@ def test_braked_to_rest_on_a_slope_the_car_stays():
 
 
 def test_without_brakes_the_car_rolls_down():
-    """a = g sin(atan 0.2) - f g cos(..) over the mass with four wheels: 1 + 4 J/(m r^2)."""
+    """The acceleration is g sin(atan 0.2) - f g cos(..) over the mass with four wheels: 1 + 4 J/(m r^2)."""
     car = plant(dataclasses.replace(CAR, drag_coefficient=0.0), road__grade=(0.2,))
     for _ in range(300):
         car.advance(command(), STRAIGHT)
     slope = np.hypot(1.0, 0.2)
-    expected = -9.80665 * (0.2 - 0.015) / slope / (1.0 + 4 * 1.0 / (1400 * 0.294**2))
+    expected = -9.81 * (0.2 - 0.015) / slope / (1.0 + 4 * 1.0 / (1400 * 0.294**2))
     assert car.outputs()[2].longitudinal_acceleration == pytest.approx(expected, rel=2e-3)
 
 
@@ -134,7 +134,7 @@ def test_locked_wheel_stays_locked_and_stops_the_car():
     for _ in range(100):
         car.advance(command(brake=(4000.0,) * 4), STRAIGHT)
     assert np.all(car.state[WHEEL_SPEED : WHEEL_SPEED + 4] == 0.0)
-    assert car.outputs()[2].longitudinal_acceleration == pytest.approx(-0.506 * 9.80665, rel=1e-3)
+    assert car.outputs()[2].longitudinal_acceleration == pytest.approx(-0.506 * 9.81, rel=1e-3)
     for _ in range(900):
         car.advance(command(brake=(4000.0,) * 4), STRAIGHT)
     assert abs(car.state[VX]) < 1e-6

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -28,7 +29,7 @@ def test_burckhardt_peaks(surface, friction, slip):
 def test_ice_has_no_peak():
     ice = SURFACES["ice"]
     use = [burckhardt.friction(slip, ice.c1, ice.c2, ice.c3, 0.0) for slip in np.linspace(0, 1, 50)]
-    assert all(b >= a for a, b in zip(use, use[1:], strict=False))
+    assert all(b >= a for a, b in pairwise(use))
 
 
 def test_rational_peak():
@@ -49,10 +50,14 @@ def test_magic_formula_slope():
 
 @pytest.mark.parametrize("curve", CURVES)
 def test_secant_is_finite_and_never_negative(curve):
-    tyre = {"rational": (0.8, 0.2, 0, 0), "two_exponential": (0.35, 0.05, 0.15, 0), "magic_formula": (10, 1.6, 0.9, 0.5),
-            "linear": (20, 0, 0, 0)}.get(curve, (0.0, 0.0, 0.0, 0.0))  # fmt: skip
+    tyre = {
+        "rational": (0.8, 0.2, 0.0, 0.0),
+        "two_exponential": (0.35, 0.05, 0.15, 0.0),
+        "magic_formula": (10.0, 1.6, 0.9, 0.5),
+        "linear": (20.0, 0.0, 0.0, 0.0),
+    }.get(curve, (0.0, 0.0, 0.0, 0.0))
     for surface in SURFACES:
-        c = coefficients(curve, tuple(float(v) for v in tyre), surface)
+        c = coefficients(curve, tyre, surface)
         values = [secant(CURVES.index(curve), slip, *c[:4]) for slip in (0.0, 1e-12, 1e-3, 0.1, 1.0, 2.0, 3.0)]
         assert all(math.isfinite(value) and value >= 0.0 for value in values)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 from ev_msgs_py.parameters import ParameterError, group, parameter
 
@@ -118,7 +119,7 @@ class Motor:
             raise ParameterError("map_efficiency needs one element for each pair of map_speed and map_torque")
         for name in ("map_speed", "map_torque"):
             axis = getattr(self, name)
-            if len(axis) == 1 or any(b <= a for a, b in zip(axis, axis[1:], strict=False)):
+            if len(axis) == 1 or any(b <= a for a, b in pairwise(axis)):
                 raise ParameterError(f"{name} needs at least two elements and must rise")
 
 
@@ -133,7 +134,7 @@ class Driveline:
         "differential; clutch: one motor, whose torque clutches share out as commanded",
     )
     preload: float = parameter(
-        50.0, unit="N m", low=0.0, high=1e4, about="locking torque of the limited-slip differential without drive torque"
+        50.0, unit="N m", low=0.0, high=1e4, about="locking torque of the limited-slip differential at no drive torque"
     )
     locking_ratio: float = parameter(
         0.3, unit="1", low=0.0, high=1.0, about="locking torque over drive torque of the limited-slip differential"
@@ -225,7 +226,7 @@ class Vehicle:
         False, about="serve brake torques by the motors first, as far as their generator limits reach"
     )
     blend_fade_speed: float = parameter(
-        10.0, unit="rad/s", low=0.1, high=1e3, about="wheel speed below which the motors hand braking back to the brakes"
+        10.0, unit="rad/s", low=0.1, high=1e3, about="wheel speed below which motors hand braking back to the brakes"
     )
     tyre: Tyre = group(Tyre)
     motor: Motor = group(Motor)

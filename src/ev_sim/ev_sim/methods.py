@@ -2,6 +2,7 @@
 
 import ev_sim.driver.speed_profile
 import ev_sim.plant.kinematic
+import ev_sim.plant.planar.plant
 import ev_sim.steering_column.by_wire
 import ev_sim.steering_column.manual
 import ev_sim.steering_column.powered  # noqa: F401

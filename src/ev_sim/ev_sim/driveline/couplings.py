@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import tanh
 
 import numpy as np
+
 from ev_sim.compiled import compiled
 
 COUPLINGS = ("individual", "open", "limited_slip", "clutch")
@@ -17,7 +18,7 @@ CLUTCH = COUPLINGS.index("clutch")
 
 @compiled
 def shaft_speeds(coupling: int, wheel_speed: np.ndarray, driven: np.ndarray, shaft: np.ndarray) -> None:
-    """Speed of the shaft that turns each wheel's motor, at the wheel side of the gear [rad/s], into `shaft`, shape (4,).
+    """Speed of the shaft of each wheel's motor, at the wheel side of the gear [rad/s], into `shaft`, shape (4,).
 
     A differential turns at the mean of its wheels. Slipping clutches only pass torque from a faster to a slower
     shaft, so the one shaft before them turns with the fastest driven wheel. A motor of an axle or of the whole car

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from ev_sim.compiled import compiled
 
+from ev_sim.compiled import compiled
 from ev_sim.surfaces.lookup import segment_at
 
 

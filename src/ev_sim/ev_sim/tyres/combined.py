@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import sqrt
 
 from ev_sim.compiled import compiled
-
 from ev_sim.tyres.curve import secant
 
 COMBINATIONS = ("slip_vector", "uncoupled")

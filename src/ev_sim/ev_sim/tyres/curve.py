@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from ev_sim.compiled import compiled
-
 from ev_sim.tyres import burckhardt, linear, magic_formula, rational, two_exponential
 
 CURVES = ("burckhardt", "rational", "two_exponential", "magic_formula", "linear")

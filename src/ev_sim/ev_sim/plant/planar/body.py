@@ -9,8 +9,8 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from ev_sim.compiled import compiled
 
+from ev_sim.compiled import compiled
 from ev_sim.plant.planar.loads import wheel_loads
 from ev_sim.plant.planar.state import index
 from ev_sim.tyres.carcass import force_and_rate

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from ev_sim.compiled import compiled
 
+from ev_sim.compiled import compiled
 from ev_sim.plant.planar.body import WHEEL_SPEED, rates
 from ev_sim.plant.planar.state import INTEGRATED_SIZE
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from ev_sim.compiled import compiled
 
+from ev_sim.compiled import compiled
 from ev_sim.plant.planar.body import DEFLECTION_X, DEFLECTION_Y, VX, VY, WHEEL_SPEED, YAW_RATE, rates, secants
 from ev_sim.plant.planar.stepping import find_road, steer
 

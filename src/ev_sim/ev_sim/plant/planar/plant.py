@@ -24,6 +24,8 @@ from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import Wheels
 from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
 from ev_sim.driveline.couplings import shaft_speeds
+from ev_sim.drives.drive import DRIVES, DriveParameters, drives_at_rest
+from ev_sim.drives.records import record_of
 from ev_sim.plant.planar.body import (
     DEFLECTION_X,
     DEFLECTION_Y,
@@ -47,8 +49,14 @@ from ev_sim.surfaces.table import coefficients
 
 
 @dataclass(frozen=True, slots=True)
-class PlanarParameters:
-    """Step, start and road of the planar plant."""
+class PlanarParameters(DriveParameters):
+    """Drives, step, start and road of the planar plant; the car itself is the vehicle description."""
+
+    drive: str = parameter(
+        "torque_controlled",
+        choices=(*DRIVES, "torque_controlled"),
+        about="torque_controlled: the motor of the vehicle description; the others: a brushless DC drive, `motor`",
+    )
 
     step: float = parameter(1e-3, unit="s", low=1e-5, high=1e-3, about="longest integration step")
     load_transfer_lag: float = parameter(
@@ -92,13 +100,14 @@ class PlanarPlant:
         self.steps = max(math.ceil(period / p.step * (1.0 - 1e-12)), 1)
         self.h = period / self.steps
         self.state = at_rest()
-        self.guard = CommandGuard(vehicle)
-        self._car = car_record(vehicle, p.load_transfer_lag)
+        self.guard = CommandGuard(vehicle, p.motor.torque_limit if p.drive in DRIVES else vehicle.motor.peak_torque)
+        self._car = car_record(vehicle, p.load_transfer_lag, p.drive in DRIVES)
         self._step = np.zeros(1, STEP)
         self._step["cos_steer"] = 1.0
         self._step["segment"] = -1  # nothing is found yet
         self._road = _road_arrays(p.road, vehicle)
-        self._maps = _efficiency_map(vehicle)
+        self._maps = _efficiency_map(vehicle if p.drive not in DRIVES else Vehicle())
+        self._brushless = (drives_at_rest(4), record_of(p))
         self._voltages = np.array(vehicle.battery.open_circuit_voltage)
         self._lags = (
             -math.expm1(-self.h / motor.torque_lag),
@@ -106,7 +115,8 @@ class PlanarPlant:
             -math.expm1(-self.h / vehicle.driveline.clutch_lag),
             -math.expm1(-self.h / motor.overload_time),
         )
-        self._stage, self._slopes, self._work = np.zeros(INTEGRATED_SIZE), np.zeros((4, INTEGRATED_SIZE)), np.zeros((5, 4))
+        self._stage, self._slopes = np.zeros(INTEGRATED_SIZE), np.zeros((4, INTEGRATED_SIZE))
+        self._work = np.zeros((5, 4))
         self._angle = 0.0
         self._start(p)
         self._observe()
@@ -145,6 +155,7 @@ class PlanarPlant:
             self._maps,
             self._voltages,
             self._lags,
+            self._brushless,
             self.h,
             self.steps,
             self._stage,
@@ -164,7 +175,7 @@ class PlanarPlant:
             WheelStates(
                 _wheels(s[WHEEL_ANGLE : WHEEL_ANGLE + 4]),
                 _wheels(s[WHEEL_SPEED : WHEEL_SPEED + 4]),
-                _wheels(step["drive"]),
+                _wheels(step["mean_drive"]),
             ),
             MotorStates(
                 _wheels(shaft * self._car[0]["driven"] * self.vehicle.gear_ratio),

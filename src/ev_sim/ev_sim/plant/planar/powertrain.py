@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from ev_sim.compiled import compiled
 
 from ev_sim.battery.resistive import current_at_power, open_circuit_voltage, power_limits
+from ev_sim.compiled import compiled
 from ev_sim.driveline.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, wheel_torques
+from ev_sim.drives.drive import advance_drive
 from ev_sim.motor.losses import loss_power, map_loss_power
 from ev_sim.motor.torque_controlled import limited_torque
 from ev_sim.plant.planar.body import WHEEL_SPEED
@@ -36,12 +37,15 @@ def motor_loss(car, maps, torque: float, speed: float) -> float:
 
 
 @compiled
-def apply_drives(state: np.ndarray, car, step, maps, voltages: np.ndarray, lags, work: np.ndarray) -> None:
-    """Set the drive and brake torques of the wheels for this step [N m].
+def apply_drives(
+    state: np.ndarray, car, step, maps, voltages: np.ndarray, lags, brushless, h: float, work: np.ndarray
+) -> None:
+    """Set the drive and brake torques of the wheels for this step of h [s], in [N m].
 
     `lags` holds, for this step width, 1 - exp(-h/tau) and the mean of the decay over the step for the torque, and
     1 - exp(-h/tau) for the clutches and the motor heat. The torque held over the step is the mean of the lagged
-    one, so its impulse is exact. `work` of shape (4, 4) keeps shaft speeds, targets and the mean motor torques.
+    one, so its impulse is exact. `brushless` holds the states and the parameters of brushless DC drives, which take the
+    terminal voltage of the step before. `work` of shape (4, 4) keeps shaft speeds, targets and the mean motor torques.
     """
     torque_approach, torque_mean, clutch_approach, heat_approach = lags
     wheel_speed = state[WHEEL_SPEED : WHEEL_SPEED + 4]
@@ -56,9 +60,10 @@ def apply_drives(state: np.ndarray, car, step, maps, voltages: np.ndarray, lags,
     if car.coupling == CLUTCH:
         follow_shares(asked, car.driven, share, clutch_approach)
     for i in range(4):
-        if car.driven[i] == 1.0:
+        target[i] /= car.gear
+        if car.brushless == 0 and car.driven[i] == 1.0:
             target[i] = limited_torque(
-                target[i] / car.gear,
+                target[i],
                 shaft[i] * car.gear,
                 state[MOTOR_HEAT + i],
                 car.peak_torque,
@@ -70,14 +75,23 @@ def apply_drives(state: np.ndarray, car, step, maps, voltages: np.ndarray, lags,
             )
     scale = battery_scale(state, car, maps, voltages, shaft, target)
     for i in range(4):
-        gap = scale * target[i] - state[MOTOR_TORQUE + i]
-        held[i] = state[MOTOR_TORQUE + i] + torque_mean * gap
-        state[MOTOR_TORQUE + i] += torque_approach * gap
-        use = held[i] / car.nominal_torque
-        state[MOTOR_HEAT + i] += heat_approach * (use * use - state[MOTOR_HEAT + i])
-        drives = held[i] * shaft[i] >= 0.0
+        if car.driven[i] == 0.0:
+            held[i] = target[i] = 0.0
+            continue
+        if car.brushless == 1:
+            drives, parameters = brushless
+            voltage = terminal_voltage(state, car, voltages)
+            advance_drive(drives[i], parameters[0], scale * target[i], shaft[i] * car.gear, voltage, h)
+            held[i] = drives[i].mean_torque
+            state[MOTOR_TORQUE + i] = drives[i].torque
+        else:
+            gap = scale * target[i] - state[MOTOR_TORQUE + i]
+            held[i] = state[MOTOR_TORQUE + i] + torque_mean * gap
+            state[MOTOR_TORQUE + i] += torque_approach * gap
+            use = held[i] / car.nominal_torque
+            state[MOTOR_HEAT + i] += heat_approach * (use * use - state[MOTOR_HEAT + i])
         behind = held[i] * car.gear
-        target[i] = behind * car.gear_efficiency if drives else behind / car.gear_efficiency
+        target[i] = behind * car.gear_efficiency if held[i] * shaft[i] >= 0.0 else behind / car.gear_efficiency
     wheel_torques(
         car.coupling, target, wheel_speed, car.driven, share, car.preload, car.locking_ratio, car.locking_speed,
         step.drive,
@@ -89,6 +103,13 @@ def apply_drives(state: np.ndarray, car, step, maps, voltages: np.ndarray, lags,
             delivered = step.drive_command[i] - step.drive[i]
             delivered = delivered if wheel_speed[i] > 0.0 else -delivered
             step.brake[i] -= min(max(delivered, 0.0), step.brake_command[i])
+
+
+@compiled
+def terminal_voltage(state: np.ndarray, car, voltages: np.ndarray) -> float:
+    """Voltage at the terminals of the battery under the power of the last step [V]."""
+    source = open_circuit_voltage(voltages, state[STATE_OF_CHARGE])
+    return source - car.battery_resistance * current_at_power(source, car.battery_resistance, state[BATTERY_POWER])
 
 
 @compiled
@@ -133,7 +154,7 @@ def _idle_and_wanted(car, maps, torque: float, shaft: float, driven: float) -> t
 
 @compiled
 def account(
-    state: np.ndarray, car, step, maps, voltages: np.ndarray, turned: np.ndarray, h: float, work: np.ndarray
+    state: np.ndarray, car, step, maps, voltages: np.ndarray, brushless, turned: np.ndarray, h: float, work: np.ndarray
 ) -> None:
     """Book the energies of this step of h [s] and discharge the battery; `turned` [rad] are the wheels' angles."""
     shaft, mean_speed, held = work[0], work[1], work[2]
@@ -149,6 +170,12 @@ def account(
             car, maps, held[right], right_speed
         )
         drive += step.drive[left] * mean_speed[left] + step.drive[right] * mean_speed[right]
+    if car.brushless == 1:
+        drives, _ = brushless
+        loss = 0.0
+        for axle in range(2):
+            loss += drives[2 * axle].electrical_power + drives[2 * axle + 1].electrical_power
+        loss -= mechanical
     power = mechanical + loss + car.auxiliary_power
     current = current_at_power(open_circuit_voltage(voltages, state[STATE_OF_CHARGE]), car.battery_resistance, power)
     state[STATE_OF_CHARGE] -= current * h / car.battery_charge

@@ -10,7 +10,7 @@ from ev_sim.driveline.couplings import COUPLINGS
 from ev_sim.tyres.combined import COMBINATIONS
 from ev_sim.tyres.curve import CURVES
 
-GRAVITY = 9.80665  # standard gravity [m/s^2]
+GRAVITY = 9.81  # [m/s^2], as in the sources
 
 _ONE, _WHEELS = np.float64, (np.float64, 4)
 
@@ -44,6 +44,7 @@ CAR = np.dtype(
         ("damping_x", _ONE),
         ("damping_y", _ONE),
         ("driven", *_WHEELS),  # 1 with a motor, else 0
+        ("brushless", np.int64),  # 1 with a brushless DC drive, 0 with a torque-controlled motor
         ("gear", _ONE),
         ("peak_torque", _ONE),
         ("nominal_torque", _ONE),
@@ -82,6 +83,7 @@ STEP = np.dtype(
         ("steering_angle", _ONE),  # mean road-wheel angle [rad]
         ("steering_rate", _ONE),
         ("drive", *_WHEELS),  # at the wheels, behind motors and driveline [N m]
+        ("mean_drive", *_WHEELS),  # over the last call of `run` [N m]
         ("brake", *_WHEELS),
         ("cos_steer", *_WHEELS),
         ("sin_steer", *_WHEELS),
@@ -114,8 +116,11 @@ def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]
     return (front, front, rear, rear), y
 
 
-def car_record(vehicle: Vehicle, transfer_lag: float) -> np.ndarray:
-    """The constants of a vehicle, shape (1,) of `CAR`; `transfer_lag` [s] is the lag of the load transfer."""
+def car_record(vehicle: Vehicle, transfer_lag: float, brushless: bool) -> np.ndarray:
+    """The constants of a vehicle, shape (1,) of `CAR`.
+
+    `transfer_lag` [s] is the lag of the load transfer; `brushless` drives bring their own losses.
+    """
     car = np.zeros(1, CAR)
     v, tyre, motor = vehicle, vehicle.tyre, vehicle.motor
     driven = np.array([float(name in v.driven_wheels) for name in WHEEL_NAMES])
@@ -152,6 +157,7 @@ def car_record(vehicle: Vehicle, transfer_lag: float) -> np.ndarray:
         "damping_x": tyre.longitudinal_stiffness * tyre.longitudinal_damping_time,
         "damping_y": tyre.lateral_stiffness * tyre.lateral_damping_time,
         "driven": driven,
+        "brushless": int(brushless),
         "gear": v.gear_ratio,
         "coupling": COUPLINGS.index(v.driveline.coupling),
         "preload": v.driveline.preload,
@@ -168,4 +174,7 @@ def car_record(vehicle: Vehicle, transfer_lag: float) -> np.ndarray:
     }
     for name in CAR.names:
         car[0][name] = values[name] if name in values else getattr(motor, name)
+    if brushless:
+        for name in ("copper_loss", "iron_loss", "eddy_loss", "inverter_loss", "inverter_torque_loss"):
+            car[0][name] = 0.0
     return car

@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import cos, sin, sqrt
 
 import numpy as np
-from ev_sim.compiled import compiled
 
+from ev_sim.compiled import compiled
 from ev_sim.plant.planar.body import BODY_DISTANCE, DISTANCE, HEADING, VX, VY, WHEEL_ANGLE
 from ev_sim.plant.planar.integrator import integrate
 from ev_sim.plant.planar.powertrain import account, apply_drives
@@ -59,6 +59,7 @@ def run(
     maps,
     voltages: np.ndarray,
     lags,
+    brushless,
     h: float,
     steps: int,
     stage: np.ndarray,
@@ -71,20 +72,23 @@ def run(
     """
     car, step = car_record[0], step_record[0]
     turned = work[4]
+    for i in range(4):
+        step.mean_drive[i] = 0.0
     for n in range(steps):
         find_road(state, car, step, road)
         steer(car, step, step.steering_angle + step.steering_rate * ((n + 0.5) * h))
-        apply_drives(state, car, step, maps, voltages, lags, work)
+        apply_drives(state, car, step, maps, voltages, lags, brushless, h, work)
         vx, vy, heading = state[VX], state[VY], state[HEADING]
         for i in range(4):
             turned[i] = -state[WHEEL_ANGLE + i]
         integrate(state, car, step, h, stage, slopes)
         for i in range(4):
             turned[i] += state[WHEEL_ANGLE + i]
+            step.mean_drive[i] += step.drive[i] / steps
         # The position feeds nothing back, so the trapezoidal rule over the step is enough.
         mean_x, mean_y = 0.5 * (vx + state[VX]), 0.5 * (vy + state[VY])
         middle = 0.5 * (heading + state[HEADING])
         cosine, sine = cos(middle), sin(middle)
         state[X] += h * (mean_x * cosine - mean_y * sine)
         state[Y] += h * (mean_y * cosine + mean_x * sine)
-        account(state, car, step, maps, voltages, turned, h, work)
+        account(state, car, step, maps, voltages, brushless, turned, h, work)
