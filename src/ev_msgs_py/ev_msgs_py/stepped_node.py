@@ -14,7 +14,7 @@ from rclpy.subscription import Subscription
 
 from ev_msgs_py import ros_parameters, stamps
 from ev_msgs_py.codec import MessageError
-from ev_msgs_py.configuration import configure
+from ev_msgs_py.configuration import Configuration, configure
 from ev_msgs_py.inbox import Arrival
 from ev_msgs_py.message_classes import message_class
 from ev_msgs_py.parameters import ParameterError
