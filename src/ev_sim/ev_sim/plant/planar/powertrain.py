@@ -123,33 +123,37 @@ def _blended(car, wheel_speed: float, brake: float) -> float:
 
 @compiled
 def battery_scale(state: np.ndarray, car, maps, voltages: np.ndarray, shaft: np.ndarray, target: np.ndarray) -> float:
-    """Factor on all motor torques [1] that keeps the battery within its limits; losses are convex in the torque."""
-    idle = wanted = 0.0
+    """Factor on all motor torques [1] that keeps the battery within its limits.
+
+    Losses are convex in the torque and at least the idle ones, so the factor errs on the safe side.
+    """
+    idle = mechanical = wanted = 0.0
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
-        left_idle, left_wanted = _idle_and_wanted(car, maps, target[left], shaft[left], car.driven[left])
-        right_idle, right_wanted = _idle_and_wanted(car, maps, target[right], shaft[right], car.driven[right])
+        left_idle, left_loss = _idle_and_loss(car, maps, target[left], shaft[left], car.driven[left])
+        right_idle, right_loss = _idle_and_loss(car, maps, target[right], shaft[right], car.driven[right])
         idle += left_idle + right_idle
-        wanted += left_wanted + right_wanted
+        wanted += left_loss + right_loss
+        mechanical += (target[left] * shaft[left] + target[right] * shaft[right]) * car.gear
     idle += car.auxiliary_power
-    wanted += car.auxiliary_power
+    wanted += mechanical + car.auxiliary_power
     charge = state[STATE_OF_CHARGE]
     give, take = power_limits(
         open_circuit_voltage(voltages, charge), car.battery_resistance, charge, car.discharge_power, car.charge_power
     )
     if wanted > give and wanted > idle:
         return min(max((give - idle) / (wanted - idle), 0.0), 1.0)
-    if wanted < -take and wanted < idle:
-        return min(max((-take - idle) / (wanted - idle), 0.0), 1.0)
+    if wanted < -take and mechanical < 0.0:
+        return min(max((-take - idle) / mechanical, 0.0), 1.0)
     return 1.0
 
 
 @compiled
-def _idle_and_wanted(car, maps, torque: float, shaft: float, driven: float) -> tuple[float, float]:
+def _idle_and_loss(car, maps, torque: float, shaft: float, driven: float) -> tuple[float, float]:
     if driven == 0.0:
         return 0.0, 0.0
     speed = shaft * car.gear
-    return motor_loss(car, maps, 0.0, speed), torque * speed + motor_loss(car, maps, torque, speed)
+    return motor_loss(car, maps, 0.0, speed), motor_loss(car, maps, torque, speed)
 
 
 @compiled
