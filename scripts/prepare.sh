@@ -7,6 +7,10 @@ set -euo pipefail
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 cd "$root"
+if [[ "$root" == *[[:space:]]* ]]; then
+    echo "colcon cannot build in a folder with a blank in its path: $root" >&2
+    exit 1
+fi
 export LC_ALL=C PIP_DISABLE_PIP_VERSION_CHECK=1
 
 # A ROS 2 distribution that is sourced goes before the wheels of requirements.txt.
@@ -20,7 +24,7 @@ environment_fingerprint() {
 }
 
 build_fingerprint() {
-    { cat .venv/.complete src/*/{package.xml,setup.py,setup.cfg} && find config -type f | sort; } | sha256sum
+    { cat .venv/.complete scripts/prepare.sh src/*/{package.xml,setup.py,setup.cfg} && find config -type f | sort; } | sha256sum
 }
 
 is_environment_ready() {
@@ -75,9 +79,21 @@ make_environment() {
     trap - EXIT
 }
 
+# What install/local_setup.bash works out anew, in half a tenth of a second, each time that it is sourced.
+record_environment() {
+    # shellcheck disable=SC2016
+    env -u AMENT_PREFIX_PATH -u COLCON_PREFIX_PATH -u PYTHONPATH bash -c '
+        source install/local_setup.bash
+        for name in AMENT_PREFIX_PATH COLCON_PREFIX_PATH PYTHONPATH; do
+            printf "export %s=%q\${%s:+:\$%s}\n" "$name" "${!name}" "$name" "$name"
+        done
+    ' >install/environment.bash
+}
+
 build_workspace() {
     rm -f install/.complete
     step "building the workspace" .venv/bin/python -m colcon build --symlink-install --base-paths src
+    record_environment
     build_fingerprint >install/.complete
 }
 

@@ -30,12 +30,10 @@ fi
 if [[ ":$PATH:" != *":$EV_STACK_ROOT/.venv/bin:"* ]]; then
     PATH="$EV_STACK_ROOT/.venv/bin:$PATH"
 fi
-nounset_before="$(shopt -po nounset || true)" # what colcon generates does not bear `set -u`
-set +u
-# shellcheck disable=SC1091
-source "$EV_STACK_ROOT/install/local_setup.bash"
-eval "$nounset_before"
-unset nounset_before
+if [[ ":${AMENT_PREFIX_PATH:-}:" != *":$EV_STACK_ROOT/install/ev_sim:"* ]]; then
+    # shellcheck disable=SC1091
+    source "$EV_STACK_ROOT/install/environment.bash"
+fi
 
 export EV_STACK_ROOT
 export EV_STACK_CONFIG="${EV_STACK_CONFIG:-$EV_STACK_ROOT/config}"

@@ -14,19 +14,15 @@ class OffParameters:
     """Nothing to choose."""
 
 
-@dataclass(slots=True)
-class OffState:
-    """Nothing lasts between steps."""
-
-
 @method("asr", "off")
 class Off:
     """Let the requested wheel torques through unchanged."""
 
     parameters = OffParameters
+    state = None  # nothing lasts between steps
 
     def __init__(self, parameters: OffParameters, vehicle: Vehicle, period: float) -> None:
-        self.state = OffState()
+        pass
 
     def step(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
         """The same torques [N m]."""

@@ -30,11 +30,6 @@ class DriveByWireParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@dataclass(slots=True)
-class DriveByWireState:
-    """Nothing lasts between steps."""
-
-
 @method("electronic_differential", "drive_by_wire")
 class DriveByWire:
     """Set the torque difference of the front wheels in proportion to the steering-wheel angle, without feedback.
@@ -44,12 +39,12 @@ class DriveByWire:
     """
 
     parameters = DriveByWireParameters
+    state = None  # nothing lasts between steps
 
     def __init__(self, parameters: DriveByWireParameters, vehicle: Vehicle, period: float) -> None:
         require_driven_front_wheels(vehicle, "drive_by_wire")
         self._gain = parameters.gain
         self._split = TorqueSplit(parameters.brake, vehicle)
-        self.state = DriveByWireState()
 
     def step(self, driver: DriverCommand, column: SteeringColumnState) -> WheelTorqueRequest:
         """Equal wheel torques [N m] with a difference in proportion to the steering-wheel angle."""

@@ -18,11 +18,6 @@ class EqualTorqueParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@dataclass(slots=True)
-class EqualTorqueState:
-    """Nothing lasts between steps."""
-
-
 @method("electronic_differential", "equal_torque")
 class EqualTorque:
     """Give every driven wheel the same share of the drive torque, for any layout.
@@ -31,10 +26,10 @@ class EqualTorque:
     """
 
     parameters = EqualTorqueParameters
+    state = None  # nothing lasts between steps
 
     def __init__(self, parameters: EqualTorqueParameters, vehicle: Vehicle, period: float) -> None:
         self._split = TorqueSplit(parameters.brake, vehicle)
-        self.state = EqualTorqueState()
 
     def step(self, driver: DriverCommand) -> WheelTorqueRequest:
         """Equal wheel torques [N m]."""

@@ -32,11 +32,6 @@ class PowerSteeringParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@dataclass(slots=True)
-class PowerSteeringState:
-    """Nothing lasts between steps."""
-
-
 @method("electronic_differential", "power_steering")
 class PowerSteering:
     """Split the drive torque so that the difference of the front wheels assists and damps the steering.
@@ -47,13 +42,13 @@ class PowerSteering:
     """
 
     parameters = PowerSteeringParameters
+    state = None  # nothing lasts between steps
 
     def __init__(self, parameters: PowerSteeringParameters, vehicle: Vehicle, period: float) -> None:
         require_driven_front_wheels(vehicle, "power_steering")
         self._p = parameters
         self._split = TorqueSplit(parameters.brake, vehicle)
         self._lever = torque_difference_per_steering_moment(vehicle) * vehicle.steering_ratio
-        self.state = PowerSteeringState()
 
     def step(self, driver: DriverCommand, column: SteeringColumnState) -> WheelTorqueRequest:
         """Equal wheel torques [N m] with the difference of eq 4."""

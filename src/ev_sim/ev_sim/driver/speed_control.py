@@ -42,10 +42,10 @@ class SpeedControlParameters:
     """
 
     proportional_gain: float = parameter(
-        1200.0, unit="N m s/m", low=0.0, high=1e6, about="torque per speed error", source="assumption"
+        2000.0, unit="N m s/m", low=0.0, high=1e6, about="torque per speed error", source="assumption"
     )
     integral_gain: float = parameter(
-        600.0, unit="N m/m", low=0.0, high=1e6, about="torque per integral of the speed error", source="assumption"
+        1000.0, unit="N m/m", low=0.0, high=1e6, about="torque per integral of the speed error", source="assumption"
     )
     max_drive_torque: float = parameter(
         1500.0, unit="N m", low=0.0, high=1e6, about="limit when driving, forwards or backwards", source="assumption"

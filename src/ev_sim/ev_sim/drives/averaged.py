@@ -5,6 +5,9 @@
 It is what the switched drive does between two commutations, averaged over the chopping of the converter (Pillay and
 Krishnan, Modeling, simulation, and analysis of permanent-magnet motor drives, part II, IEEE Trans. Ind. Appl. 25,
 1989). The converter is lossless, takes what the motor regenerates, and sets the voltage without delay.
+
+It holds while the bus leaves room for the current control. Beyond, where the EMF exceeds the bus voltage, the sign
+of the torque is still right, but only the switched drive knows that the phase reactance p omega L limits the current.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ from ev_msgs_py.parameters import group, parameter
 from ev_sim.drives.averaged import AveragedDriveParameters, advance_averaged
 from ev_sim.drives.ideal import advance_ideal
 from ev_sim.drives.motor import MotorParameters, limited_torque
+from ev_sim.drives.records import record_of
 from ev_sim.drives.switched import SECTOR, SwitchedDriveParameters, advance_switched
 
 DRIVES = ("ideal", "averaged", "switched")
@@ -53,13 +54,21 @@ def drives_at_rest(count: int) -> np.ndarray:
     return states
 
 
+def drive_record(parameters: DriveParameters) -> np.ndarray:
+    """The drives' share of a plant's parameters as an array of shape (1,), for `advance_drive`.
+
+    Its record has the same type for every plant, so the drives are compiled once for all of them.
+    """
+    own = DriveParameters(parameters.drive, parameters.motor, parameters.averaged, parameters.switched)
+    return record_of(own)
+
+
 @njit(cache=True)
 def advance_drive(state, parameters, torque_reference, speed, bus_voltage, duration):
     """Advance one drive in place over `duration` [s], the shaft speed held [rad/s].
 
-    `state` is a record of DRIVE_STATE; `parameters` is the record (see `records.record_of`) of a dataclass that
-    inherits from DriveParameters. The reference [N m] is positive forwards and is limited to the motor's torque limit;
-    `bus_voltage` is above zero [V].
+    `state` is a record of DRIVE_STATE, `parameters` the record in a `drive_record`. The reference [N m] is positive
+    forwards and is limited to the motor's torque limit; `bus_voltage` is above zero [V].
     """
     reference = limited_torque(parameters.motor, torque_reference)
     if parameters.drive == IDEAL:

@@ -36,9 +36,7 @@ def course_offset(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
 
     It is the sideslip angle of a car that rolls forwards.
     """
-    return math.atan2(
-        centre_of_mass_to_rear_axle * math.sin(road_wheel_angle), wheelbase * math.cos(road_wheel_angle)
-    )
+    return math.atan2(centre_of_mass_to_rear_axle * math.sin(road_wheel_angle), wheelbase * math.cos(road_wheel_angle))
 
 
 @njit(cache=True)
@@ -64,6 +62,4 @@ def wheel_speed_ratios(road_wheel_angle, wheelbase, front_track, rear_track, cen
 @njit(cache=True)
 def _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
     """|R sin(delta)|, which stays finite in straight running [m] (eq 11)."""
-    return math.hypot(
-        wheelbase * math.cos(road_wheel_angle), centre_of_mass_to_rear_axle * math.sin(road_wheel_angle)
-    )
+    return math.hypot(wheelbase * math.cos(road_wheel_angle), centre_of_mass_to_rear_axle * math.sin(road_wheel_angle))

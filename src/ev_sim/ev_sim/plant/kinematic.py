@@ -21,7 +21,7 @@ from ev_msgs_py.signals import (
 )
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
-from ev_sim.drives.drive import DriveParameters, advance_drive, drives_at_rest
+from ev_sim.drives.drive import DriveParameters, advance_drive, drive_record, drives_at_rest
 from ev_sim.drives.records import record_of
 from ev_sim.plant.ackermann import course_offset, path_curvature, wheel_speed_ratios
 from ev_sim.plant.dry_friction import move_with_dry_friction
@@ -82,10 +82,22 @@ class KinematicPlant:
     parameters = KinematicPlantParameters
     writes = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose)
 
-    __slots__ = ("_car", "_drives", "_gear_ratio", "_parameters", "_period", "_radius", "_torques", "_vehicle", "_wheels")
+    __slots__ = (
+        "_car",
+        "_drive_parameters",
+        "_drives",
+        "_gear_ratio",
+        "_parameters",
+        "_period",
+        "_radius",
+        "_torques",
+        "_vehicle",
+        "_wheels",
+    )
 
     def __init__(self, parameters: KinematicPlantParameters, vehicle: Vehicle, period: float) -> None:
         self._parameters = record_of(parameters)
+        self._drive_parameters = drive_record(parameters)
         self._vehicle = record_of(vehicle)
         self._period = period
         self._radius, self._gear_ratio = vehicle.wheel_radius, vehicle.gear_ratio
@@ -144,6 +156,7 @@ class KinematicPlant:
             self._drives,
             self._torques,
             self._parameters,
+            self._drive_parameters,
             self._vehicle,
             float(column.road_wheel_angle),
             self._period,
@@ -159,21 +172,23 @@ class KinematicPlant:
 
 
 @njit(cache=True)
-def _advance(cars, wheels, drives, torques, parameter_records, vehicles, road_wheel_angle, period):
-    """Integrate the state arrays in place over one control period."""
-    car, parameters, vehicle = cars[0], parameter_records[0], vehicles[0]
+def _advance(cars, wheels, drives, torques, plants, drive_parameters, vehicles, road_wheel_angle, period):
+    """Integrate the state arrays in place over one control period; parameters come as arrays of one record."""
+    car, plant, vehicle = cars[0], plants[0], vehicles[0]
     _steer(car, wheels, vehicle, road_wheel_angle)
 
     rolling_resistance = vehicle.rolling_resistance * vehicle.mass * GRAVITY
     friction = rolling_resistance + _sum_of_wheels(torques.brake) / vehicle.wheel_radius
     drag = 0.5 * vehicle.air_density * vehicle.drag_coefficient * vehicle.frontal_area
-    sub_steps = max(1, math.ceil(period / parameters.sub_step - 1e-9))
+    sub_steps = max(1, math.ceil(period / plant.sub_step - 1e-9))
     step = period / sub_steps
     speed_before = car.speed
     distance = 0.0
     wheels.mean_torque[:] = 0.0
     for _ in range(sub_steps):
-        drive_torque = _advance_drives(car, wheels, drives, torques, parameters, vehicle, step)
+        drive_torque = _advance_drives(
+            car, wheels, drives, torques, drive_parameters[0], plant.bus_voltage, vehicle, step
+        )
         force = drive_torque / vehicle.wheel_radius - drag * car.speed * abs(car.speed)
         car.speed, moved = move_with_dry_friction(car.speed, force, friction, vehicle.mass, step)
         distance += moved
@@ -195,14 +210,14 @@ def _steer(car, wheels, vehicle, road_wheel_angle):
 
 
 @njit(cache=True)
-def _advance_drives(car, wheels, drives, torques, parameters, vehicle, step):
+def _advance_drives(car, wheels, drives, torques, drive_parameters, bus_voltage, vehicle, step):
     """Advance all drives over one step; the sum of their torques at the wheels [N m], mean over the step."""
     wheel_torques = np.zeros(len(wheels))
     for i in range(len(wheels)):
         if wheels[i].has_motor:
             shaft_speed = vehicle.gear_ratio * wheels[i].speed_ratio * car.speed / vehicle.wheel_radius
             reference = torques[i].drive / vehicle.gear_ratio
-            advance_drive(drives[i], parameters, reference, shaft_speed, parameters.bus_voltage, step)
+            advance_drive(drives[i], drive_parameters, reference, shaft_speed, bus_voltage, step)
             wheel_torques[i] = vehicle.gear_ratio * drives[i].mean_torque
             wheels[i].mean_torque += wheel_torques[i]
     return _sum_of_wheels(wheel_torques)

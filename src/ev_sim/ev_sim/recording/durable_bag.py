@@ -15,6 +15,7 @@ from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
 from types import TracebackType
+from typing import ClassVar
 
 from rosbags.interfaces import (
     Connection,
@@ -183,7 +184,7 @@ class _TwinStorage(McapWriter):
 class _TwinWriter(Writer):
     """The library's bag writer, which may commit again and again what others do once at the end."""
 
-    STORAGE_PLUGINS = {StoragePlugin.MCAP: _TwinStorage}
+    STORAGE_PLUGINS: ClassVar = {StoragePlugin.MCAP: _TwinStorage}
 
     def commit(self) -> None:
         """Bring spare file and metadata.yaml up to date, in this order."""

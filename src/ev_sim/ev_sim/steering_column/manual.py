@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ev_msgs_py.methods import method
 from ev_msgs_py.signals import DriverCommand, SteeringColumnState
 from ev_msgs_py.vehicle import Vehicle
-from ev_sim.steering_column.road_wheels import RoadWheelParameters
+from ev_sim.steering_column.road_wheels import RoadWheelParameters, connected_column
 
 
 @dataclass(slots=True)
@@ -36,9 +36,8 @@ class ManualColumn:
 
     def outputs(self) -> tuple[SteeringColumnState]:
         """The column at this instant; the hand torque is the one that acted up to now."""
-        s, i = self.state, self._ratio
-        delta, rate = s.road_wheel_angle, s.road_wheel_rate
-        return (SteeringColumnState(i * delta, i * rate, s.hand_torque, delta, rate),)
+        s = self.state
+        return (connected_column(self._ratio, s.road_wheel_angle, s.road_wheel_rate, s.hand_torque),)
 
     def advance(self, driver: DriverCommand) -> None:
         """Go on by one period under the hand torque."""

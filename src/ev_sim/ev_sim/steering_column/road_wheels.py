@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.parameters import parameter
+from ev_msgs_py.signals import SteeringColumnState
 from ev_sim.steering_column.friction_oscillator import FrictionOscillator
 
 
@@ -54,4 +55,13 @@ class DrivenRoadWheelParameters(RoadWheelParameters):
         high=100.0,
         about="inertia of one wheel with its drive, J_k in eq 3; 0 neglects that term as the paper does",
         source="Shchur 2019, eqs 1 and 3",
+    )
+
+
+def connected_column(
+    ratio: float, road_wheel_angle: float, road_wheel_rate: float, hand_torque: float
+) -> SteeringColumnState:
+    """What sensors measure of a column that is mechanically connected: the steering wheel turns i times as far."""
+    return SteeringColumnState(
+        ratio * road_wheel_angle, ratio * road_wheel_rate, hand_torque, road_wheel_angle, road_wheel_rate
     )
