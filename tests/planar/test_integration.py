@@ -284,3 +284,15 @@ def test_bad_commands_never_reach_the_integrator():
     assert np.isfinite(car.state).all()
     assert car.diagnostics["non_finite_commands"] == 5
     assert car.diagnostics["out_of_range_commands"] == 4
+
+
+def test_a_stiff_tyre_on_a_light_wheel_gets_shorter_steps():
+    """Carcass of 10 MN/m and wheels of 0.05 kg m^2: still quiet, at more steps."""
+    stiff = dataclasses.replace(CAR, wheel_inertia=0.05, tyre=Tyre(longitudinal_stiffness=1e7, lateral_stiffness=1e7))
+    car = plant(stiff)
+    assert car.steps > 10 == plant().steps
+    for _ in range(200):
+        car.advance(command(drive=(200.0, 200.0, 0.0, 0.0)), steered(0.05))
+    forces = car.outputs()[-1]
+    assert forces.slip_ratio.front_left == pytest.approx(forces.slip_ratio.front_right, abs=0.01)
+    assert 1.0 < car.state[VX] < 3.0

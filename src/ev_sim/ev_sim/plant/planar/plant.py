@@ -43,6 +43,7 @@ from ev_sim.plant.planar.observing import observe
 from ev_sim.plant.planar.powertrain import BATTERY_POWER, MOTOR_TORQUE, STATE_OF_CHARGE, TORQUE_SHARE
 from ev_sim.plant.planar.records import STEP, car_record
 from ev_sim.plant.planar.state import INTEGRATED_SIZE, at_rest
+from ev_sim.plant.planar.step_width import longest_step
 from ev_sim.plant.planar.stepping import X, Y, run
 from ev_sim.surfaces.road import RoadParameters, Segments, left_and_right
 from ev_sim.surfaces.table import coefficients
@@ -57,8 +58,9 @@ class PlanarParameters(DriveParameters):
         choices=(*DRIVES, "torque_controlled"),
         about="torque_controlled: the motor of the vehicle description; the others: a brushless DC drive, `motor`",
     )
-
-    step: float = parameter(1e-3, unit="s", low=1e-5, high=1e-3, about="longest integration step")
+    step: float = parameter(
+        1e-3, unit="s", low=1e-5, high=1e-3, about="longest integration step; stiff tyres on light wheels get shorter ones"
+    )
     load_transfer_lag: float = parameter(
         0.02,
         unit="s",
@@ -97,7 +99,8 @@ class PlanarPlant:
         p, motor = parameters, vehicle.motor
         self.vehicle = vehicle
         self.period = period
-        self.steps = max(math.ceil(period / p.step * (1.0 - 1e-12)), 1)
+        longest = min(p.step, longest_step(vehicle), p.load_transfer_lag)
+        self.steps = max(math.ceil(period / longest * (1.0 - 1e-12)), 1)
         self.h = period / self.steps
         self.state = at_rest()
         self.guard = CommandGuard(vehicle, p.motor.torque_limit if p.drive in DRIVES else vehicle.motor.peak_torque)
