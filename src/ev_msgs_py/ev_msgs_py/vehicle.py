@@ -12,8 +12,8 @@ from ev_msgs_py.parameters import ParameterError, group, parameter
 class Tyre:
     """Friction curve, combined slip and carcass of the tyres; all four are alike.
 
-    The carcass values are assumptions: no source gives them, and a passenger-car tyre has about these (Pacejka,
-    Tire and Vehicle Dynamics, 3rd ed. 2012, table 9.1 and section 7.2). Steady driving does not depend on them.
+    The carcass values are assumptions: no source gives them, and a passenger-car tyre has about these (relaxation
+    lengths of 0.2 to 0.4 m). Steady driving does not depend on them.
     """
 
     curve: str = parameter(

@@ -23,8 +23,7 @@ def current_at_power(voltage: float, resistance: float, power: float) -> float:
     """Current [A] that gives a power [W] at the terminals, both positive out of the battery.
 
     I = (E - sqrt(E^2 - 4 R P)) / (2 R), the solution of (E - R I) I = P on the efficient side. A power above
-    E^2/(4 R), which no current gives, gets the current of the largest power. Source: Larminie & Lowry, Electric
-    Vehicle Technology Explained, 2nd ed. 2012, eq. 3.25.
+    E^2/(4 R), which no current gives, gets the current of the largest power.
     """
     return (voltage - sqrt(max(voltage * voltage - 4.0 * resistance * power, 0.0))) / (2.0 * resistance)
 

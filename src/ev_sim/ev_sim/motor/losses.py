@@ -14,8 +14,9 @@ def loss_power(
 ) -> float:
     """Loss [W] at a shaft torque [N m] and speed [rad/s]: copper, iron and inverter losses.
 
-    P = k_c T^2 + k_i |w| + k_e w^2 + P_0 + k_t |T|. Source: the usual separation of losses, for example
-    Larminie & Lowry, Electric Vehicle Technology Explained, 2nd ed. 2012, eq. 7.23, with an inverter term.
+    P = k_c T^2 + k_i |w| + k_e w^2 + P_0 + k_t |T|. The usual separation of losses, as in
+    Larminie & Lowry, Electric Vehicle Technology Explained, 2nd ed. 2012, chapter on electric machines; the eddy and
+    inverter terms are added here.
     """
     turns = abs(speed)
     return copper * torque * torque + iron * turns + eddy * turns * turns + inverter + inverter_torque * abs(torque)

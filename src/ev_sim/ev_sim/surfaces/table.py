@@ -25,7 +25,7 @@ class Surface:
 
 
 # Dissertation, table 2.3 (friction) and table 2.2 (f_surface, the middle of the range that it gives); the last one is
-# Burckhardt's dry asphalt as most textbooks print it (Kiencke & Nielsen 2005, table 8.1).
+# Burckhardt's dry asphalt as most textbooks print it (for example Kiencke & Nielsen 2005).
 SURFACES = {
     "dry_asphalt": Surface(1.029, 17.16, 0.523),
     "wet_asphalt_1": Surface(0.857, 33.822, 0.347, 0.011),

@@ -2,7 +2,7 @@
 
 The contact patch carries the steady force f s of the friction curve, with slip s = (v - u')/V_t: a viscous element
 of coefficient f/V_t. The carcass carries k u + d u'. Equating both gives the tyre of first order of Rill (First order
-tire dynamics, ECCM 2006, eqs 13-17):
+tire dynamics, III European Conference on Computational Mechanics, Lisbon 2006):
 
     u' = (f v - V_t k u) / (f + V_t d),    F = f (k u + d v) / (f + V_t d)
 
@@ -21,7 +21,7 @@ def force_and_rate(
     """Force of the road on the tyre [N] and rate of the deflection [m/s] of one direction.
 
     Deflection u [m], slip velocity v [m/s], transport velocity V_t [m/s], secant stiffness f of the friction curve
-    [N], carcass stiffness k [N/m] and damping d [N s/m]. Source: Rill 2006, eqs 13-17.
+    [N], carcass stiffness k [N/m] and damping d [N s/m]. Source: Rill 2006.
     """
     spring = stiffness * deflection
     contact = 1.0 / (secant + transport * damping)

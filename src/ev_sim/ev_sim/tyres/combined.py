@@ -28,7 +28,8 @@ def slip_vector(
     """Friction per longitudinal and per lateral slip [1] when both share one curve over the resulting slip.
 
     Slip velocities [m/s] over the transport velocity [m/s] give the slip vector; `lateral_ratio` [1] stretches its
-    lateral component where the tyre is stiffer or softer sideways. Source: Kiencke & Nielsen 2005, eqs 8.20-8.27.
+    lateral component where the tyre is stiffer or softer sideways. Source: Kiencke & Nielsen, Automotive Control
+    Systems, 2nd ed. 2005, wheel model.
     """
     stretched = lateral_ratio * slip_y
     common = secant(curve, sqrt(slip_x * slip_x + stretched * stretched) / transport, c0, c1, c2, c3)

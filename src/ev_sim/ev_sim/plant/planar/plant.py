@@ -59,7 +59,7 @@ class PlanarParameters(DriveParameters):
         about="torque_controlled: the motor of the vehicle description; the others: a brushless DC drive, `motor`",
     )
     step: float = parameter(
-        1e-3, unit="s", low=1e-5, high=1e-3, about="longest integration step; stiff tyres on light wheels get shorter ones"
+        1e-3, unit="s", low=1e-5, high=1e-3, about="longest step; stiff tyres on light wheels get shorter ones"
     )
     load_transfer_lag: float = parameter(
         0.02,
