@@ -89,6 +89,11 @@ class BodyVelocity:
     lateral: float
     yaw_rate: float
 
+    @property
+    def along_path(self) -> float:
+        """Speed of the centre of mass along its path, negative in reverse [m/s]."""
+        return math.copysign(math.hypot(self.longitudinal, self.lateral), self.longitudinal)
+
 
 @dataclass(frozen=True, slots=True)
 class BodyPose:

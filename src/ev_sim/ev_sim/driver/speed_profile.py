@@ -60,9 +60,9 @@ class SpeedProfileDriver:
         self.state = SpeedProfileDriverState()
 
     def step(self, now: Instant, body: BodyVelocity, column: SteeringColumnState) -> DriverCommand:
-        """Pedals from the longitudinal speed, hand torque from the profile or from the steering-wheel angle."""
+        """Pedals from the speed along the path, hand torque from the profile or from the steering-wheel angle."""
         s, t = self.state, now.time
-        drive, brake, s.speed_integral = self._feet.step(self._wanted_speed.at(t), body.longitudinal, s.speed_integral)
+        drive, brake, s.speed_integral = self._feet.step(self._wanted_speed.at(t), body.along_path, s.speed_integral)
         if self._turns_to_angle:
             hand_torque = self._hands.step(self._ratio * self._wanted_angle.at(t), column, s.hands)
         else:
