@@ -172,15 +172,15 @@ def end_state(step: float, name: str) -> np.ndarray:
 
 @pytest.mark.parametrize("name", MANOEUVRES)
 def test_halving_the_step_changes_nothing(name):
-    """0.1 % of the velocities, the path and the wheel speeds at the end of four seconds."""
+    """0.1 % of velocities, path and wheel speeds after four seconds; a tenth of that here, measured are 7e-6."""
     coarse, fine = end_state(1e-3, name), end_state(5e-4, name)
     path = max(np.hypot(fine[X], fine[Y]), 1.0)
     speed = max(np.hypot(fine[VX], fine[VY]), 1.0)
-    assert np.hypot(coarse[X] - fine[X], coarse[Y] - fine[Y]) < 1e-3 * path
-    assert np.abs(coarse[[VX, VY]] - fine[[VX, VY]]).max() < 1e-3 * speed
+    assert np.hypot(coarse[X] - fine[X], coarse[Y] - fine[Y]) < 1e-4 * path
+    assert np.abs(coarse[[VX, VY]] - fine[[VX, VY]]).max() < 1e-4 * speed
     wheels = slice(WHEEL_SPEED, WHEEL_SPEED + 4)
-    assert np.abs(coarse[wheels] - fine[wheels]).max() < 1e-3 * max(np.abs(fine[wheels]).max(), 1.0)
-    assert abs(coarse[YAW_RATE] - fine[YAW_RATE]) < 1e-3 * max(abs(fine[YAW_RATE]), 0.1)
+    assert np.abs(coarse[wheels] - fine[wheels]).max() < 1e-4 * max(np.abs(fine[wheels]).max(), 1.0)
+    assert abs(coarse[YAW_RATE] - fine[YAW_RATE]) < 1e-4 * max(abs(fine[YAW_RATE]), 0.1)
 
 
 @pytest.mark.parametrize("surface", ["dry_asphalt", "ice"])
@@ -211,8 +211,7 @@ def test_against_an_adaptive_solver(surface):
 def test_energy_never_grows():
     """From 200 random states, torque zero and resistance off: kinetic energy and that of the carcasses only fall.
 
-    The carcasses start unloaded, so the kinetic energy never comes back above its start. The tolerance of 1e-9 of the
-    initial energy in each step is that of a fourth-order method, far below any physical loss.
+    The carcasses start unloaded, so the kinetic energy never comes back above its start.
     """
     free = dataclasses.replace(CAR, drag_coefficient=0.0, rolling_resistance=0.0)
     generator = np.random.default_rng(3)
@@ -228,8 +227,9 @@ def test_energy_never_grows():
         for _ in range(400):
             car.advance(command(), angle)
             now = kinetic_energy(car) + elastic_energy(car)
-            assert now <= energy + 1e-9 * start
+            assert now <= energy
             energy = now
+        assert kinetic_energy(car) <= start
 
 
 def test_mirrored_input_gives_the_mirrored_trajectory_to_the_bit():
@@ -260,7 +260,7 @@ def test_the_same_run_gives_the_same_bits():
 
 @pytest.mark.parametrize("name", MANOEUVRES)
 def test_power_balance_closes(name):
-    """Battery = losses + drive; drive = change of kinetic energy + tyres + friction + air + slope, within 0.1 %."""
+    """Battery = losses + drive; drive = change of kinetic energy + tyres + friction + air + slope: 1e-6."""
     parameters, inputs = MANOEUVRES[name]
     car = plant(road__grade=(0.03,), **parameters)
     work = {n: index(n) for n in ("battery_work", "motor_loss", "driveline_loss", "auxiliary_work", "drive_work",
@@ -274,7 +274,7 @@ def test_power_balance_closes(name):
     assert abs(got["battery_work"] - electrical) < 1e-9 * turnover
     used = got["tyre_work"] + got["friction_work"] + got["drag_work"] + got["gravity_work"]
     change = kinetic_energy(car) - start
-    assert abs(got["drive_work"] - used - change) < 1e-3 * turnover
+    assert abs(got["drive_work"] - used - change) < 1e-6 * turnover
     assert got["tyre_work"] - (elastic_energy(car) - elastic) > 0.0
     assert got["friction_work"] > 0.0
 

@@ -27,6 +27,7 @@ def wheel_loads(
     """
     front = min(max((normal * rear_arm - pitch_moment) / wheelbase, 0.0), normal)
     rear = normal - front
+    # The moment that an axle takes before a wheel lifts.
     front_limit = 0.5 * front * front_track
     rear_limit = 0.5 * rear * rear_track
     front_wanted = front_roll_share * roll_moment - front * offset
@@ -35,13 +36,14 @@ def wheel_loads(
     rear_excess = rear_wanted - _within(rear_wanted, rear_limit)
     front_taken = _within(front_wanted + rear_excess, front_limit)
     rear_taken = _within(rear_wanted + front_excess, rear_limit)
-    front_shift = front_taken / front_track
-    rear_shift = rear_taken / rear_track
+    # As shares of the limits, so that the load of a lifted wheel is exactly zero.
+    front_share = front_taken / front_limit if front_limit > 0.0 else 0.0
+    rear_share = rear_taken / rear_limit if rear_limit > 0.0 else 0.0
     return (
-        max(0.5 * front - front_shift, 0.0),
-        max(0.5 * front + front_shift, 0.0),
-        max(0.5 * rear - rear_shift, 0.0),
-        max(0.5 * rear + rear_shift, 0.0),
+        0.5 * front * (1.0 - front_share),
+        0.5 * front * (1.0 + front_share),
+        0.5 * rear * (1.0 - rear_share),
+        0.5 * rear * (1.0 + rear_share),
     )
 
 
