@@ -43,7 +43,7 @@ from ev_sim.plant.planar.observing import observe
 from ev_sim.plant.planar.powertrain import BATTERY_POWER, MOTOR_TORQUE, STATE_OF_CHARGE, TORQUE_SHARE
 from ev_sim.plant.planar.records import STEP, car_record
 from ev_sim.plant.planar.state import INTEGRATED_SIZE, at_rest
-from ev_sim.plant.planar.step_width import longest_step
+from ev_sim.plant.planar.step_width import longest_brushless_step, longest_step
 from ev_sim.plant.planar.stepping import X, Y, run
 from ev_sim.surfaces.road import RoadParameters, Segments, left_and_right
 from ev_sim.surfaces.table import coefficients
@@ -100,6 +100,8 @@ class PlanarPlant:
         self.vehicle = vehicle
         self.period = period
         longest = min(p.step, longest_step(vehicle), p.load_transfer_lag)
+        if p.drive in DRIVES:
+            longest = min(longest, longest_brushless_step(vehicle, p.motor))
         self.steps = max(math.ceil(period / longest * (1.0 - 1e-12)), 1)
         self.h = period / self.steps
         self.state = at_rest()
