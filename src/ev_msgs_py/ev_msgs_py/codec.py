@@ -43,7 +43,8 @@ class Codec(ABC):
         """The signal as it arrives at the other end: the same, unless the message carries single precision."""
         return signal
 
-    def _checked(self, values: Sequence[float]) -> Any:
+    def signal_with(self, values: Sequence[float]) -> Any:
+        """The signal with these numbers in order of the channels; MessageError if one is not finite."""
         if not math.isfinite(sum(values)):
             for channel, value in zip(self.shape.channels, values, strict=True):
                 if not math.isfinite(value):
@@ -115,7 +116,7 @@ class JointStateCodec(Codec):
             wrong = [kind for (kind, _), a in zip(self._rows, arrays, strict=True) if len(a) != len(self.names)]
             if wrong:
                 raise MessageError(f"{wrong[0]} does not have one number per joint, allowed are {len(self.names)}")
-            return self._checked(self._gather([value for a in arrays for value in a]))
+            return self.signal_with(self._gather([value for a in arrays for value in a]))
         return self.decode(self._reordered(message))
 
     def _reordered(self, message: Any) -> Any:
@@ -152,7 +153,7 @@ class FieldCodec(Codec):
             setattr(attrgetter(parent)(message) if parent else message, leaf, value)
 
     def decode(self, message: Any) -> Any:
-        return self._checked(self._get(message))
+        return self.signal_with(self._get(message))
 
     def carried(self, signal: Any) -> Any:
         if not self._single_precision:

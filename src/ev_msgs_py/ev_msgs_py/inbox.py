@@ -67,6 +67,9 @@ class Inbox:
 
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, None if there is none."""
+        if not self._may_skip and self.last is not None:
+            due = self.last + self.period
+            return due if len(self._pending.get(due, ())) == len(self.reads) else None
         for stamp in sorted(self._pending, reverse=True):
             if len(self._pending[stamp]) == len(self.reads):
                 return stamp

@@ -17,9 +17,10 @@ from ev_msgs_py.master_parameters import RECORDER_LAG, MasterParameters
 from ev_msgs_py.roles import MASTER, RECORDER_WRITES, ROLES
 from ev_msgs_py.signals import WheelTorqueCommand
 from ev_msgs_py.stepped_node import QUALITY, SteppedNode
-from ev_msgs_py.stepper import Answer
+from ev_msgs_py.stepper import Answer, arrival_place
 from ev_msgs_py.topics import Topic
 from ev_msgs_py.wheels import NO_WHEELS
+from ev_msgs_py.wire_format import stamp_of
 
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 
@@ -37,6 +38,7 @@ class MasterNode(SteppedNode):
         self._paused = False
         self._steps_granted = 0
         self._newest: dict[type, tuple[int, Any]] = {}
+        self._order = range(len(self.writers))  # in which the signals of an answer are published
         self.overruns = 0  # realtime steps that came more than one period late
         for name, handler in (
             ("pause", self._on_pause),
@@ -63,11 +65,15 @@ class MasterNode(SteppedNode):
         """Besides its inputs the master follows the recorder, if it shall wait for it."""
         return (*reads, RECORDER_WRITES) if self.configuration.extra.await_recorder else reads
 
-    def awaits(self) -> list[Subscription]:
-        """The missing input, or the recorder if only that is behind."""
-        if self.stepper.inbox.complete() is not None and not self._recorder_keeps_up():
-            return [self.signal_subscriptions[RECORDER_WRITES]]
-        return super().awaits()
+    def wanted(self) -> tuple[type, ...]:
+        """The missing inputs, or the recorder's progress if only that is behind."""
+        missing = super().wanted()
+        return missing if missing or self._recorder_keeps_up() else (RECORDER_WRITES,)
+
+    def awaits(self) -> Subscription:
+        """The input that arrives last, also while the next step is only waiting for its time."""
+        wanted = self.wanted() or self.stepper.reads
+        return self.signal_subscriptions[wanted[0] if len(wanted) == 1 else max(wanted, key=arrival_place)]
 
     def wake_up_within(self) -> float:
         """Seconds until the next instant is due, at most the period of retries."""
@@ -75,15 +81,15 @@ class MasterNode(SteppedNode):
             return min(max(self._due() - time.monotonic(), 0.0), _RETRY_PERIOD)
         return _RETRY_PERIOD
 
-    def receive(self, topic: Topic, message: Any) -> None:
+    def receive(self, topic: Topic, message: bytes) -> None:
         """Take an input, or note how far the recorder is."""
         if topic.signal is RECORDER_WRITES:
-            self._recorded = max(self._recorded, stamps.read(message.stamp))
+            self._recorded = max(self._recorded, stamp_of(message))
             self._advance_where_due()
         elif self.realtime:
-            signal = self.decoded(topic, message)
-            if signal is not None:
-                self._newest[topic.signal] = (stamps.read(message.header.stamp), signal)
+            received = self.unpacked(topic, message)
+            if received is not None:
+                self._newest[topic.signal] = received
         else:
             super().receive(topic, message)
 
@@ -100,6 +106,7 @@ class MasterNode(SteppedNode):
         if self.done or self._paused or under_way or wall - self._published < _RETRY_PERIOD:
             return
         if self.stepper.inbox.complete() is None or not self._recorder_keeps_up():
+            self._put_awaited_signals_first()
             self._publish(self.stepper.answer)
             if wall - self._reached > self.time_parameters.answer_timeout and not self._named_silent:
                 self._named_silent = True
@@ -113,9 +120,16 @@ class MasterNode(SteppedNode):
         self._reached = self._published
         self._pace_from_here()
 
+    def _put_awaited_signals_first(self) -> None:
+        """Publish first what most nodes listen to: their step goes on while the rest is being published."""
+        counts = [writer.publisher.get_subscription_count() for writer in self.writers.values()]
+        self._order = sorted(range(len(counts)), key=lambda place: -counts[place])
+
     def _publish(self, answer: Answer) -> None:
+        for place in self._order:
+            signal = answer.signals[place]
+            self.writers[type(signal)].write(answer.stamp, signal)
         stamps.write(self._clock_message.clock, answer.stamp)
-        self.publish(answer)
         self._clock_publisher.publish(self._clock_message)
         self._published = time.monotonic()
 

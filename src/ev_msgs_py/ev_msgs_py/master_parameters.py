@@ -14,7 +14,7 @@ class MasterParameters:
     """How time runs."""
 
     real_time_factor: float = parameter(
-        0.0, unit="1", low=0.0, high=1000.0, about="simulated over wall time in lockstep at most; 0: as fast as possible"
+        0.0, unit="1", low=0.0, high=1000.0, about="simulated over wall time in lockstep, at most; 0: no limit"
     )
     duration: float = parameter(0.0, unit="s", low=0.0, high=1e6, about="the node ends at this time; 0: never")
     command_timeout: float = parameter(
@@ -24,5 +24,5 @@ class MasterParameters:
         2.0, unit="s", low=0.1, high=3600.0, about="wall time without an answer after which the silent nodes are named"
     )
     await_recorder: bool = parameter(
-        False, about=f"do not run more than {RECORDER_LAG} steps ahead of the recorder, so that it misses nothing", read_only=True
+        False, about=f"stay within {RECORDER_LAG} steps of the recorder, so that it misses nothing", read_only=True
     )

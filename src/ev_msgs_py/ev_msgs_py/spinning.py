@@ -1,55 +1,76 @@
-"""Runs stepped nodes: polls their subscriptions in graph order and sleeps only when nothing has arrived.
+"""Runs stepped nodes: polls what their next steps wait for and sleeps only when nothing of that has arrived.
 
-rclpy's executors rebuild their wait set for every message. Here one wait set is kept, it watches only the input that
-a step still waits for, and everything else is polled; services and parameters go through an ordinary executor.
+rclpy's executors build a wait set of everything for every message, services included. Here a step wakes up for one
+subscription, its last input, and polls the others; services, parameters and timers go through an ordinary executor
+that is looked at now and then.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from typing import Protocol
 
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.subscription import Subscription
 
-from ev_msgs_py.stepped_node import SteppedNode
-
-_SERVICE_PERIOD = 0.05  # s between looks at services while messages keep coming
+_SERVICE_PERIOD = 0.05  # s between looks at services
 
 
-def spin(nodes: Sequence[SteppedNode], finished: Callable[[], bool]) -> None:
+class Spinnable(Protocol):
+    """What `spin` asks of a node."""
+
+    def poll(self) -> bool:
+        """Take what is waited for; False if nothing was there."""
+
+    def sweep(self) -> None:
+        """Take everything else too."""
+
+    def awaits(self) -> Subscription | None:
+        """The subscription to wake up for, None to sleep the whole time."""
+
+    def wake_up_within(self) -> float:
+        """Seconds to sleep at most."""
+
+    def idle(self) -> None:
+        """There was nothing to take."""
+
+
+def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
     """Run nodes of one context until `finished` says so or ROS is shut down."""
-    context = nodes[0].context
+    context = nodes[0].context  # type: ignore[attr-defined]
     executor = SingleThreadedExecutor(context=context)
     for node in nodes:
-        executor.add_node(node)
-    services = [service for node in nodes for service in node.services]
+        executor.add_node(node)  # type: ignore[arg-type]
     next_look = 0.0
     while context.ok() and not finished():
         progressed = False
         for node in nodes:
             progressed |= node.poll()
-        called = False
         if not progressed:
             for node in nodes:
                 node.idle()
-            awaited = [subscription for node in nodes for subscription in node.awaits()]
-            timeout = min(node.wake_up_within() for node in nodes)
-            called = _wait(context, awaited, services, timeout)
-        if called or time.monotonic() >= next_look:
+            if not _wait(nodes):
+                for node in nodes:
+                    node.sweep()
+        if time.monotonic() >= next_look and context.ok():
             executor.spin_once(timeout_sec=0.0)
             next_look = time.monotonic() + _SERVICE_PERIOD
     executor.shutdown(timeout_sec=0.0)
 
 
-def _wait(context, subscriptions: Sequence[Subscription], services: Sequence, timeout: float) -> bool:
-    """Sleep until a message or a call arrives; True if a service is called."""
+def _wait(nodes: Sequence[Spinnable]) -> bool:
+    """Sleep until an awaited message arrives; False if none has within the time that the nodes allow."""
+    awaited = [subscription for node in nodes if (subscription := node.awaits()) is not None]
+    timeout = min(node.wake_up_within() for node in nodes)
+    if not awaited:
+        time.sleep(timeout)
+        return False
+    context = nodes[0].context  # type: ignore[attr-defined]
     with context.handle:
-        wait_set = rclpy_implementation.WaitSet(len(subscriptions), 0, 0, 0, len(services), 0, context.handle)
-        for subscription in subscriptions:
+        wait_set = rclpy_implementation.WaitSet(len(awaited), 0, 0, 0, 0, 0, context.handle)
+        for subscription in awaited:
             wait_set.add_subscription(subscription.handle)
-        for service in services:
-            wait_set.add_service(service.handle)
         wait_set.wait(int(timeout * 1e9))
-        return bool(wait_set.get_ready_entities("service"))
+        return bool(wait_set.get_ready_entities("subscription"))

@@ -14,31 +14,26 @@ from rclpy.subscription import Subscription
 
 from ev_msgs_py import ros_parameters, stamps
 from ev_msgs_py.codec import MessageError
-from ev_msgs_py.configuration import Configuration, configure
+from ev_msgs_py.configuration import configure
 from ev_msgs_py.inbox import Arrival
-from ev_msgs_py.message_classes import message_class
 from ev_msgs_py.parameters import ParameterError
 from ev_msgs_py.stepper import Answer, Stepper, arrival_place
 from ev_msgs_py.topics import QUEUE_DEPTH, TOPICS, Topic
+from ev_msgs_py.wire_format import stamp_of, wire_format
 
 QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last
 
 
 class SignalWriter:
-    """Publishes one signal, reusing one message object."""
+    """Publishes one signal."""
 
     def __init__(self, node: Node, topic: Topic) -> None:
-        self._codec = topic.codec
-        self._message = topic.codec.prepare(message_class(topic.codec.message_type)())
-        self._header = getattr(self._message, "header", self._message)
-        self._header.frame_id = topic.frame
-        self.publisher: Publisher = node.create_publisher(type(self._message), topic.name, QUALITY)
+        self._wire = wire_format(topic.signal)
+        self.publisher: Publisher = node.create_publisher(self._wire.message_class, topic.name, QUALITY)
 
     def write(self, stamp: int, signal: Any) -> None:
         """Publish a signal; SignalError, and nothing is published, if a number is not finite."""
-        self._codec.encode(signal, self._message)
-        stamps.write(self._header.stamp, stamp)
-        self.publisher.publish(self._message)
+        self.publisher.publish(self._wire.pack(stamp, signal))
 
 
 class SteppedNode(Node):
@@ -80,28 +75,39 @@ class SteppedNode(Node):
     def _subscribe(self, signal: type) -> Subscription:
         topic = TOPICS[signal]
 
-        def receive(message: Any) -> None:
+        def receive(message: bytes) -> None:
             self.receive(topic, message)
 
-        return self.create_subscription(message_class(topic.codec.message_type), topic.name, receive, QUALITY)
+        return self.create_subscription(wire_format(signal).message_class, topic.name, receive, QUALITY, raw=True)
 
     def poll(self) -> bool:
-        """Take every message that has arrived and step where inputs are complete; False if there was none."""
+        """Take what the next step waits for and step where that completes the inputs; False if nothing was there."""
         progressed = False
-        for subscription in self.signal_subscriptions.values():
-            handle = subscription.handle
-            while (taken := handle.take_message(subscription.msg_type, False)) is not None:
-                progressed = True
-                subscription.callback(taken[0])
+        for signal in self.wanted():
+            progressed |= self._take(signal)
         return progressed
 
-    def awaits(self) -> list[Subscription]:
-        """The subscriptions worth waking up for: within a step only the input that arrives last."""
-        missing = self.stepper.inbox.missing()
-        if self.stepper.inbox.last is None or not missing:
-            return list(self.signal_subscriptions.values())
-        last = max(missing, key=arrival_place)
-        return [self.signal_subscriptions[last]]
+    def sweep(self) -> None:
+        """Take everything: what nobody waits for are repetitions, and they tell that somebody misses an answer."""
+        for signal in self.signal_subscriptions:
+            while self._take(signal):
+                pass
+
+    def _take(self, signal: type) -> bool:
+        subscription = self.signal_subscriptions[signal]
+        taken = subscription.handle.take_message(subscription.msg_type, True)
+        if taken is None:
+            return False
+        subscription.callback(taken[0])
+        return True
+
+    def wanted(self) -> tuple[type, ...]:
+        """The signals that the next step waits for."""
+        return self.stepper.inbox.missing()
+
+    def awaits(self) -> Subscription:
+        """The subscription to wake up for: of the inputs that are missing the one that arrives last."""
+        return self.signal_subscriptions[max(self.wanted(), key=arrival_place)]
 
     def wake_up_within(self) -> float:
         """Seconds after which the node wants to be polled though no message has come."""
@@ -110,25 +116,24 @@ class SteppedNode(Node):
     def idle(self) -> None:
         """Called when there is nothing to take."""
 
-    def receive(self, topic: Topic, message: Any) -> None:
+    def receive(self, topic: Topic, message: bytes) -> None:
         """Judge a message, step if that completes the inputs, answer."""
-        signal = self.decoded(topic, message)
-        if signal is None:
+        received = self.unpacked(topic, message)
+        if received is None:
             return
-        stamp = stamps.read(getattr(message, "header", message).stamp)
+        stamp, signal = received
         fresh = self.stepper.is_fresh
         arrival = self.stepper.offer(topic.signal, stamp, signal)
         if fresh and stamp > 0:
             self.warn(f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible")
         self.arrived(topic, stamp, arrival)
 
-    def decoded(self, topic: Topic, message: Any) -> Any | None:
-        """The signal in a message; None, and a report, if the message is refused."""
+    def unpacked(self, topic: Topic, message: bytes) -> tuple[int, Any] | None:
+        """Stamp and signal of a message; None, and a report, if the message is refused."""
         try:
-            return topic.codec.decode(message)
+            return wire_format(topic.signal).unpack(message)
         except MessageError as error:
-            stamp = stamps.read(getattr(message, "header", message).stamp)
-            self.warn(f"{topic.name} at {stamps.to_seconds(stamp)} s ignored: {error}")
+            self.warn(f"{topic.name} at {stamps.to_seconds(stamp_of(message))} s ignored: {error}")
             return None
 
     def arrived(self, topic: Topic, stamp: int, arrival: Arrival) -> None:

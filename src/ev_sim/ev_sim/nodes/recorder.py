@@ -22,12 +22,12 @@ from ev_msgs_py.run_role import run_node
 from ev_msgs_py.signals import RecorderProgress
 from ev_msgs_py.stepped_node import QUALITY, SignalWriter
 from ev_msgs_py.topics import TOPICS, Topic
-from ev_sim.recording.cdr_template import stamp_of
+from ev_msgs_py.wire_format import stamp_of
 from ev_sim.recording.recorder_parameters import RecorderParameters
 from ev_sim.recording.recording import save
 from ev_sim.recording.run_recorder import RunRecorder
 
-_POLL_PERIOD = 0.004  # s; several steps are taken in one go, which costs less than waking up for each message
+_POLL_PERIOD = 0.01  # s; several steps are taken in one go, which costs less than waking up for each message
 _CHECKPOINT_PERIOD = 0.5  # s; a recorder that is killed loses no more than that
 
 
@@ -86,9 +86,11 @@ class RecorderNode(Node):
                 subscription.callback(taken[0])
         return False
 
-    def awaits(self) -> list[Subscription]:
+    def sweep(self) -> None:
+        """Nothing more to take: `poll` takes everything."""
+
+    def awaits(self) -> None:
         """No message is worth waking up for: they are taken many at a time."""
-        return []
 
     def wake_up_within(self) -> float:
         """Seconds of rest between two polls."""

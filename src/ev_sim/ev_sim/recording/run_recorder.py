@@ -10,7 +10,8 @@ import numpy as np
 from ev_msgs_py import stamps
 from ev_msgs_py.roles import MASTER, ROLES
 from ev_msgs_py.topics import QUEUE_DEPTH, Topic
-from ev_sim.recording.cdr_template import CdrTemplate, stamp_of
+from ev_msgs_py.wire_format import stamp_of
+from ev_sim.recording.cdr_template import CdrTemplate
 from ev_sim.recording.durable_bag import DurableBag
 from ev_sim.recording.recording import Recording
 

@@ -6,26 +6,28 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Header
 
 from ev_msgs_py import stamps
+from ev_msgs_py.roles import RECORDER_WRITES
+from ev_msgs_py.topics import TOPICS
 
 _LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 class Observer(Node):
-    """Takes only the latest of what it needs, so that looking costs the run next to nothing."""
+    """Follows the recorder, which speaks seldom, so that looking costs the run next to nothing."""
 
     def __init__(self, context: Context, namespace: str) -> None:
         super().__init__("run_scenario", context=context, namespace=namespace, start_parameter_services=False)
         self.time = 0.0
         self.reports: list[str] = []
-        self._clock = self.create_subscription(Clock, "/clock", lambda message: None, _LATEST)
+        self._progress = self.create_subscription(Header, TOPICS[RECORDER_WRITES].name, lambda message: None, _LATEST)
         self._diagnostics = self.create_subscription(DiagnosticArray, "/diagnostics", lambda message: None, 100)
 
     def look(self) -> None:
         """Take what has come since the last look."""
-        while (taken := self._clock.handle.take_message(Clock, False)) is not None:
-            self.time = stamps.to_seconds(stamps.read(taken[0].clock))
+        while (taken := self._progress.handle.take_message(Header, False)) is not None:
+            self.time = stamps.to_seconds(stamps.read(taken[0].stamp))
         while (taken := self._diagnostics.handle.take_message(DiagnosticArray, False)) is not None:
             self.reports += [f"{status.name}: {status.message}" for status in taken[0].status]
