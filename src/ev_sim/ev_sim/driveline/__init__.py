@@ -1,0 +1,1 @@
+"""Drivelines: from motor torques to wheel torques."""

@@ -1,0 +1,46 @@
+"""Losses of motor and inverter, from coefficients or from an efficiency map."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ev_sim.compiled import compiled
+from ev_sim.surfaces.lookup import segment_at
+
+
+@compiled
+def loss_power(
+    torque: float, speed: float, copper: float, iron: float, eddy: float, inverter: float, inverter_torque: float
+) -> float:
+    """Loss [W] at a shaft torque [N m] and speed [rad/s]: copper, iron and inverter losses.
+
+    P = k_c T^2 + k_i |w| + k_e w^2 + P_0 + k_t |T|. The usual separation of losses, as in
+    Larminie & Lowry, Electric Vehicle Technology Explained, 2nd ed. 2012, chapter on electric machines; the eddy and
+    inverter terms are added here.
+    """
+    turns = abs(speed)
+    return copper * torque * torque + iron * turns + eddy * turns * turns + inverter + inverter_torque * abs(torque)
+
+
+@compiled
+def map_loss_power(
+    torque: float, speed: float, speeds: np.ndarray, torques: np.ndarray, efficiency: np.ndarray
+) -> float:
+    """Loss [W] from an efficiency map of shape (len(speeds), len(torques)), bilinear, its edge kept outside.
+
+    Driving P_loss = P (1/eta - 1), generating P_loss = P (1 - eta), with P the mechanical power.
+    """
+    i, share_i = _place(speeds, abs(speed))
+    j, share_j = _place(torques, abs(torque))
+    low = efficiency[i, j] + share_j * (efficiency[i, j + 1] - efficiency[i, j])
+    high = efficiency[i + 1, j] + share_j * (efficiency[i + 1, j + 1] - efficiency[i + 1, j])
+    eta = low + share_i * (high - low)
+    power = torque * speed
+    return power * (1.0 / eta - 1.0) if power >= 0.0 else -power * (1.0 - eta)
+
+
+@compiled
+def _place(axis: np.ndarray, value: float) -> tuple[int, float]:
+    index = min(segment_at(axis, value, 0), axis.shape[0] - 2)
+    share = (value - axis[index]) / (axis[index + 1] - axis[index])
+    return index, min(max(share, 0.0), 1.0)

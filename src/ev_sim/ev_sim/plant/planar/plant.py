@@ -1,0 +1,252 @@
+"""The planar plant as a method of the role `plant`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ev_msgs_py.methods import method
+from ev_msgs_py.parameters import group, parameter
+from ev_msgs_py.signals import (
+    BatteryCondition,
+    BodyPose,
+    BodyVelocity,
+    InertialMeasurement,
+    MotorStates,
+    SteeringColumnState,
+    TireForces,
+    WheelStates,
+    WheelTorqueCommand,
+)
+from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import Wheels
+from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
+from ev_sim.driveline.couplings import shaft_speeds
+from ev_sim.drives.drive import DRIVES, DriveParameters, drives_at_rest
+from ev_sim.drives.records import record_of
+from ev_sim.plant.planar.body import (
+    DEFLECTION_X,
+    DEFLECTION_Y,
+    HEADING,
+    TRANSFER_X,
+    TRANSFER_Y,
+    VX,
+    VY,
+    WHEEL_ANGLE,
+    WHEEL_SPEED,
+    YAW_RATE,
+)
+from ev_sim.plant.planar.commands import CommandGuard
+from ev_sim.plant.planar.observing import observe
+from ev_sim.plant.planar.powertrain import BATTERY_POWER, MOTOR_TORQUE, STATE_OF_CHARGE, TORQUE_SHARE
+from ev_sim.plant.planar.records import STEP, car_record
+from ev_sim.plant.planar.state import INTEGRATED_SIZE, at_rest
+from ev_sim.plant.planar.step_width import longest_brushless_step, longest_step
+from ev_sim.plant.planar.stepping import X, Y, run
+from ev_sim.surfaces.road import RoadParameters, Segments, left_and_right
+from ev_sim.surfaces.table import coefficients
+
+
+@dataclass(frozen=True, slots=True)
+class PlanarParameters(DriveParameters):
+    """Drives, step, start and road of the planar plant; the car itself is the vehicle description."""
+
+    drive: str = parameter(
+        "torque_controlled",
+        choices=(*DRIVES, "torque_controlled"),
+        about="torque_controlled: the motor of the vehicle description; the others: a brushless DC drive, `motor`",
+    )
+    step: float = parameter(
+        1e-3, unit="s", low=1e-5, high=1e-3, about="longest step; stiff tyres on light wheels get shorter ones"
+    )
+    load_transfer_lag: float = parameter(
+        0.02,
+        unit="s",
+        low=0.002,
+        high=1.0,
+        about="time in which the wheel loads follow the tyre forces: springs and dampers in one number, an assumption "
+        "that also keeps loads and forces from being an implicit equation",
+    )
+    initial_speed: float = parameter(0.0, unit="m/s", low=-60.0, high=120.0, about="at the start, straight ahead")
+    initial_x: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
+    initial_y: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
+    initial_heading: float = parameter(0.0, unit="rad", low=-10.0, high=10.0, about="at the start")
+    road: RoadParameters = group(RoadParameters)
+
+
+@method("plant", "planar")
+class PlanarPlant:
+    """Body in the plane, four wheels on real tyres and real roads, drives and battery; docs/planar_plant.md.
+
+    `state` is a float64 array (names in state.py), advanced in place; the plant is a pure function of its
+    parameters and of the commands so far, to the bit.
+    """
+
+    parameters = PlanarParameters
+    writes = (
+        WheelStates,
+        MotorStates,
+        InertialMeasurement,
+        BodyVelocity,
+        BodyPose,
+        BatteryCondition,
+        TireForces,
+    )
+
+    def __init__(self, parameters: PlanarParameters, vehicle: Vehicle, period: float):
+        p, motor = parameters, vehicle.motor
+        self.vehicle = vehicle
+        self.period = period
+        longest = min(p.step, longest_step(vehicle), p.load_transfer_lag)
+        if p.drive in DRIVES:
+            longest = min(longest, longest_brushless_step(vehicle, p.motor))
+        self.steps = max(math.ceil(period / longest * (1.0 - 1e-12)), 1)
+        self.h = period / self.steps
+        self.state = at_rest()
+        self.guard = CommandGuard(vehicle, p.motor.torque_limit if p.drive in DRIVES else vehicle.motor.peak_torque)
+        self._car = car_record(vehicle, p.load_transfer_lag, p.drive in DRIVES)
+        self._step = np.zeros(1, STEP)
+        self._step["cos_steer"] = 1.0
+        self._step["segment"] = -1  # nothing is found yet
+        self._road = _road_arrays(p.road, vehicle)
+        self._maps = _efficiency_map(vehicle if p.drive not in DRIVES else Vehicle())
+        self._brushless = (drives_at_rest(4), record_of(p))
+        self._voltages = np.array(vehicle.battery.open_circuit_voltage)
+        self._lags = (
+            -math.expm1(-self.h / motor.torque_lag),
+            1.0 + math.expm1(-self.h / motor.torque_lag) * motor.torque_lag / self.h,
+            -math.expm1(-self.h / vehicle.driveline.clutch_lag),
+            -math.expm1(-self.h / motor.overload_time),
+        )
+        self._stage, self._slopes = np.zeros(INTEGRATED_SIZE), np.zeros((4, INTEGRATED_SIZE))
+        self._work = np.zeros((5, 4))
+        self._angle = 0.0
+        self._start(p)
+        self._observe()
+
+    def _start(self, p: PlanarParameters) -> None:
+        """Rolling straight ahead, or, without speed, parked: the carcasses hold the car on its slope."""
+        state, car = self.state, self._car[0]
+        state[VX] = p.initial_speed
+        state[X], state[Y], state[HEADING] = p.initial_x, p.initial_y, p.initial_heading
+        state[WHEEL_SPEED : WHEEL_SPEED + 4] = p.initial_speed / self.vehicle.wheel_radius
+        state[STATE_OF_CHARGE] = self.vehicle.battery.state_of_charge
+        state[TORQUE_SHARE : TORQUE_SHARE + 4] = car["driven"] / max(car["driven"].sum(), 1.0)
+        if p.initial_speed == 0.0:
+            self._observe()
+            step = self._step[0]
+            state[TRANSFER_X], state[TRANSFER_Y] = -step["gravity_x"], -step["gravity_y"]
+            front = car["rear_arm"] / car["wheelbase"]
+            share = 0.5 * np.array((front, front, 1.0 - front, 1.0 - front))
+            state[DEFLECTION_X : DEFLECTION_X + 4] = -share * car["mass"] * step["gravity_x"] / car["stiffness_x"]
+            state[DEFLECTION_Y : DEFLECTION_Y + 4] = -share * car["mass"] * step["gravity_y"] / car["stiffness_y"]
+
+    def _observe(self) -> None:
+        observe(self.state, self._car, self._step, self._road, self._angle, self._stage)
+
+    def advance(self, command: WheelTorqueCommand, column: SteeringColumnState) -> None:
+        """Integrate over one period under a command that is held and a steering angle that goes on at its rate."""
+        drive, brake, angle, rate = self.guard.accept(command, column, self.period)
+        step = self._step[0]
+        step["drive_command"], step["brake_command"] = drive, brake
+        step["steering_angle"], step["steering_rate"] = angle, rate
+        run(
+            self.state,
+            self._car,
+            self._step,
+            self._road,
+            self._maps,
+            self._voltages,
+            self._lags,
+            self._brushless,
+            self.h,
+            self.steps,
+            self._stage,
+            self._slopes,
+            self._work,
+        )
+        self._angle = angle + rate * self.period
+        self._observe()
+
+    def outputs(self) -> tuple:
+        """Everything that the plant writes, at the instant of its state."""
+        s, step = self.state, self._step[0]
+        shaft = np.empty(4)
+        shaft_speeds(self._car[0]["coupling"], s[WHEEL_SPEED : WHEEL_SPEED + 4], self._car[0]["driven"], shaft)
+        yaw_rate = float(s[YAW_RATE])
+        return (
+            WheelStates(
+                _wheels(s[WHEEL_ANGLE : WHEEL_ANGLE + 4]),
+                _wheels(s[WHEEL_SPEED : WHEEL_SPEED + 4]),
+                _wheels(step["mean_drive"]),
+            ),
+            MotorStates(
+                _wheels(shaft * self._car[0]["driven"] * self.vehicle.gear_ratio),
+                _wheels(s[MOTOR_TORQUE : MOTOR_TORQUE + 4]),
+            ),
+            InertialMeasurement(yaw_rate, float(step["acceleration_x"]), float(step["acceleration_y"])),
+            BodyVelocity(float(s[VX]), float(s[VY]), yaw_rate),
+            BodyPose.at(float(s[X]), float(s[Y]), float(s[HEADING])),
+            self._battery(),
+            TireForces(
+                _wheels(step["force_x"]),
+                _wheels(step["force_y"]),
+                _wheels(step["load"]),
+                _wheels(step["slip_x"]),
+                _wheels(-np.arcsin(np.clip(step["slip_y"], -1.0, 1.0))),
+                _wheels(step["tyre"][:, 5]),
+            ),
+        )
+
+    def _battery(self) -> BatteryCondition:
+        battery, charge = self.vehicle.battery, float(self.state[STATE_OF_CHARGE])
+        source = open_circuit_voltage(self._voltages, charge)
+        current = current_at_power(source, battery.resistance, float(self.state[BATTERY_POWER]))
+        values = (
+            source - battery.resistance * current,
+            -current,  # BatteryState counts the current into the battery
+            charge * battery.capacity,
+            battery.capacity,
+            charge,
+        )
+        return BatteryCondition(*(float(np.float32(value)) for value in values))
+
+    @property
+    def diagnostics(self) -> dict[str, float]:
+        """Counts of commands that were not taken as they came, and of wheels off the ground now."""
+        return {
+            "non_finite_commands": self.guard.non_finite,
+            "out_of_range_commands": self.guard.out_of_range,
+            "lifted_wheels": int(np.count_nonzero(self._step[0]["load"] == 0.0)),
+        }
+
+
+def _wheels(values: np.ndarray) -> Wheels:
+    return Wheels(*values.tolist())
+
+
+def _road_arrays(road: RoadParameters, vehicle: Vehicle) -> tuple[np.ndarray, ...]:
+    left, right = left_and_right(road)
+    return (
+        *_track_arrays(left, vehicle),
+        *_track_arrays(right, vehicle),
+        np.array(road.slope_distance),
+        np.array(road.grade),
+        np.array(road.side_slope),
+    )
+
+
+def _track_arrays(segments: Segments, vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
+    tyre = vehicle.tyre
+    of = {name: coefficients(tyre.curve, tyre.coefficients, name) for name in set(segments.surface)}
+    return np.array(segments.start), np.array([of[name] for name in segments.surface])
+
+
+def _efficiency_map(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    motor = vehicle.motor
+    shape = (len(motor.map_speed), len(motor.map_torque))
+    if not motor.map_efficiency:
+        return np.zeros(1), np.zeros(1), np.zeros((1, 1))
+    return np.array(motor.map_speed), np.array(motor.map_torque), np.array(motor.map_efficiency).reshape(shape)

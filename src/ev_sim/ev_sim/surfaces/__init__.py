@@ -1,0 +1,1 @@
+"""Roads: surfaces along each track and the slope, as functions of travelled distance."""

@@ -1,0 +1,109 @@
+"""A road: what lies under the left and the right wheels, and how it slopes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ev_msgs_py.parameters import ParameterError, parameter
+from ev_sim.surfaces.random_segments import random_segments
+from ev_sim.surfaces.table import SURFACES
+
+PATTERNS = ("constant", "segments", "checkerboard", "random")
+
+_NAMES = tuple(SURFACES)
+_FAR = 1e9  # [m], the last segment lies there for ever
+
+
+@dataclass(frozen=True, slots=True)
+class RoadParameters:
+    """Surfaces by side and segment, slope by distance; the first and the last segment go on for ever."""
+
+    pattern: str = parameter(
+        "constant",
+        choices=PATTERNS,
+        about="constant: left[0] | right[0]; segments: in order of `length`; checkerboard: sides swap in each "
+        "segment; random: drawn for each side on its own",
+    )
+    left: tuple[str, ...] = parameter(("dry_asphalt",), choices=_NAMES, about="surfaces under the left wheels")
+    right: tuple[str, ...] = parameter(("dry_asphalt",), choices=_NAMES, about="surfaces under the right wheels")
+    length: tuple[float, ...] = parameter(
+        (10.0,), unit="m", low=0.1, high=1e6, about="lengths of the segments; the last one given repeats"
+    )
+    seed: int = parameter(1, low=0, high=2**31 - 1, about="seed of the random segments")
+    random_surfaces: tuple[str, ...] = parameter(
+        ("wet_asphalt_1", "packed_snow_1"), choices=_NAMES, about="surfaces that random segments are drawn from"
+    )
+    random_probability: tuple[float, ...] = parameter(
+        (0.4, 0.6), unit="1", low=0.0, high=1.0, about="share of the distance of each random surface",
+        source="dissertation, section 2.6: wet asphalt 40 %, packed snow 60 %",
+    )  # fmt: skip
+    random_shortest: float = parameter(5.0, unit="m", low=0.1, high=1e4, about="shortest random segment")
+    random_longest: float = parameter(50.0, unit="m", low=0.1, high=1e4, about="longest random segment")
+    random_distance: float = parameter(
+        5000.0, unit="m", low=1.0, high=1e5, about="distance over which random segments are drawn"
+    )
+    slope_distance: tuple[float, ...] = parameter(
+        (0.0,), unit="m", low=-1e6, high=1e6, about="distances of the slope profile, rising; linear in between"
+    )
+    grade: tuple[float, ...] = parameter(
+        (0.0,), unit="1", low=-1.0, high=1.0, about="rise over run along the road at `slope_distance`, uphill positive"
+    )
+    side_slope: tuple[float, ...] = parameter(
+        (0.0,), unit="1", low=-1.0, high=1.0, about="rise over run to the left at `slope_distance`"
+    )
+
+    def __post_init__(self) -> None:
+        if not (self.left and self.right and self.length):
+            raise ParameterError("left, right and length need at least one element each")
+        if len(self.random_surfaces) != len(self.random_probability) or sum(self.random_probability) <= 0.0:
+            raise ParameterError("random_probability needs one share for each of random_surfaces, not all of them zero")
+        if self.random_shortest > self.random_longest:
+            raise ParameterError("random_shortest is above random_longest")
+        if not len(self.slope_distance) == len(self.grade) == len(self.side_slope):
+            raise ParameterError("slope_distance, grade and side_slope need the same number of elements")
+        if any(b <= a for a, b in zip(self.slope_distance, self.slope_distance[1:], strict=False)):
+            raise ParameterError("slope_distance must rise")
+
+
+@dataclass(frozen=True, slots=True)
+class Segments:
+    """Surfaces along one track: surface[n] lies from start[n] to start[n + 1] [m]."""
+
+    start: tuple[float, ...]
+    surface: tuple[str, ...]
+
+    def at(self, distance: float) -> str:
+        """The surface at a distance [m]."""
+        return self.surface[max(int(np.searchsorted(self.start, distance, side="right")) - 1, 0)]
+
+
+def left_and_right(road: RoadParameters) -> tuple[Segments, Segments]:
+    """The segments under the left and under the right wheels."""
+    if road.pattern == "constant":
+        return Segments((-_FAR,), road.left[:1]), Segments((-_FAR,), road.right[:1])
+    if road.pattern == "segments":
+        return _in_order(road.left, road.length), _in_order(road.right, road.length)
+    if road.pattern == "checkerboard":
+        repeats = int(road.random_distance / road.length[0]) + 1
+        pair = (road.left[0], road.right[0])
+        left = tuple(pair[n % 2] for n in range(repeats))
+        right = tuple(pair[(n + 1) % 2] for n in range(repeats))
+        return _in_order(left, road.length[:1]), _in_order(right, road.length[:1])
+    left_side, right_side = (
+        random_segments(
+            np.random.default_rng((road.seed, side)),
+            road.random_surfaces,
+            road.random_probability,
+            (road.random_shortest, road.random_longest),
+            road.random_distance,
+        )
+        for side in (0, 1)
+    )
+    return Segments(*left_side), Segments(*right_side)
+
+
+def _in_order(surfaces: tuple[str, ...], length: tuple[float, ...]) -> Segments:
+    lengths = [length[min(n, len(length) - 1)] for n in range(len(surfaces) - 1)]
+    return Segments((-_FAR, *(float(end) for end in np.cumsum(lengths))), surfaces)

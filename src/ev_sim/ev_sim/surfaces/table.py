@@ -1,0 +1,58 @@
+"""The surfaces that a road is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_sim.tyres.curve import peak
+
+Coefficients = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """One surface: its Burckhardt coefficients [1] and its part of the rolling resistance coefficient [1]."""
+
+    c1: float
+    c2: float
+    c3: float
+    rolling_resistance: float = 0.0
+
+    @property
+    def peak_friction(self) -> float:
+        """The largest friction use of a Burckhardt tyre up to full slip [1]."""
+        return peak("burckhardt", (self.c1, self.c2, self.c3, 0.0))
+
+
+# Dissertation, table 2.3 (friction) and table 2.2 (f_surface, the middle of the range that it gives); the last one is
+# Burckhardt's dry asphalt as most textbooks print it (for example Kiencke & Nielsen 2005).
+SURFACES = {
+    "dry_asphalt": Surface(1.029, 17.16, 0.523),
+    "wet_asphalt_1": Surface(0.857, 33.822, 0.347, 0.011),
+    "wet_asphalt_2": Surface(0.635, 41.915, 0.289, 0.011),
+    "packed_snow_1": Surface(0.425, 51.348, 0.207, 0.071),
+    "packed_snow_2": Surface(0.1946, 94.129, 0.0646, 0.071),
+    "ice": Surface(0.05, 306.39, 0.0, 0.005),
+    "dry_asphalt_burckhardt": Surface(1.2801, 23.99, 0.52),
+}
+REFERENCE = "dry_asphalt"
+
+
+def coefficients(curve: str, tyre: Coefficients, surface: str) -> tuple[float, ...]:
+    """Four coefficients of a tyre's curve on a surface, its f_surface [1] and its available friction [1].
+
+    A Burckhardt tyre takes the coefficients of the surface. The peak of every other curve is scaled by the peak of
+    the surface over that of dry asphalt (an assumption, the sources give such tyres for one road only); a linear
+    tyre keeps its slope, and its available friction is that of the surface.
+    """
+    of = SURFACES[surface]
+    scale = of.peak_friction / SURFACES[REFERENCE].peak_friction
+    c0, c1, c2, c3 = tyre
+    if curve == "burckhardt":
+        c0, c1, c2, c3 = of.c1, of.c2, of.c3, 0.0
+    elif curve in ("rational", "two_exponential"):
+        c0 *= scale
+    elif curve == "magic_formula":
+        c2 *= scale
+    available = of.peak_friction if curve == "linear" else peak(curve, (c0, c1, c2, c3))
+    return c0, c1, c2, c3, of.rolling_resistance, available

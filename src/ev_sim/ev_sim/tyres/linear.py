@@ -1,0 +1,12 @@
+"""The linear tyre, for comparison with closed-form solutions."""
+
+from ev_sim.compiled import compiled
+
+
+@compiled
+def friction(slip: float, slope: float, _second: float, _third: float, _fourth: float) -> float:
+    """Friction use over slip, mu = c S, without a peak.
+
+    Slip S [1] is at least 0; `slope` is c, the slip stiffness per load [1]; returns [1].
+    """
+    return slope * slip

@@ -1,0 +1,48 @@
+"""Roads: segments, patterns, random surfaces."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ev_msgs_py.parameters import ParameterError
+from ev_sim.surfaces.lookup import interpolate, segment_at
+from ev_sim.surfaces.road import RoadParameters, left_and_right
+
+
+def test_random_sides_are_independent_repeatable_and_have_the_given_shares():
+    road = RoadParameters(pattern="random", random_distance=1e5)
+    left, right = left_and_right(road)
+    assert (left, right) == left_and_right(road)
+    assert left != right
+    for side in (left, right):
+        lengths = np.diff(side.start)
+        assert lengths.min() >= 5.0 and lengths.max() <= 50.0
+        wet = lengths[np.array(side.surface[:-1]) == "wet_asphalt_1"].sum() / lengths.sum()
+        assert wet == pytest.approx(0.4, abs=0.03)  # about 3600 draws: two standard deviations are 0.02
+
+
+def test_jump_and_checkerboard():
+    jump, _ = left_and_right(RoadParameters(pattern="segments", left=("dry_asphalt", "ice"), length=(30.0,)))
+    assert [jump.at(s) for s in (-5.0, 29.9, 30.0, 1e6)] == ["dry_asphalt", "dry_asphalt", "ice", "ice"]
+    left, right = left_and_right(RoadParameters(pattern="checkerboard", left=("ice",), length=(10.0,)))
+    assert [left.at(s) for s in (5.0, 15.0, 25.0)] == ["ice", "dry_asphalt", "ice"]
+    assert [right.at(s) for s in (5.0, 15.0, 25.0)] == ["dry_asphalt", "ice", "dry_asphalt"]
+
+
+def test_look_up_goes_both_ways():
+    start = np.array([-1e9, 10.0, 20.0])
+    assert [segment_at(start, s, n) for s, n in ((5.0, 2), (10.0, 0), (25.0, 0), (15.0, 2))] == [0, 1, 2, 1]
+
+
+def test_slope_is_linear_between_points_and_constant_outside():
+    at, grade = np.array([10.0, 20.0]), np.array([0.0, 0.1])
+    values = [interpolate(at, grade, s, 0)[0] for s in (0.0, 15.0, 30.0)]
+    assert values == pytest.approx([0.0, 0.05, 0.1])
+
+
+def test_roads_that_make_no_sense_are_refused():
+    with pytest.raises(ParameterError, match="slope_distance must rise"):
+        RoadParameters(slope_distance=(1.0, 0.0), grade=(0.0, 0.0), side_slope=(0.0, 0.0))
+    with pytest.raises(ParameterError, match="random_shortest"):
+        RoadParameters(random_shortest=60.0)

@@ -1,0 +1,94 @@
+"""Tyres: the published curves, combined slip, and the carcass."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from ev_sim.surfaces.table import SURFACES, coefficients
+from ev_sim.tyres import burckhardt, magic_formula, rational, two_exponential
+from ev_sim.tyres.carcass import force_and_rate
+from ev_sim.tyres.combined import slip_vector, uncoupled
+from ev_sim.tyres.curve import CURVES, peak, secant
+
+
+@pytest.mark.parametrize(
+    ("surface", "friction", "slip"), [("wet_asphalt_1", 0.8013, 0.1308), ("packed_snow_1", 0.4022, 0.0907)]
+)
+def test_burckhardt_peaks(surface, friction, slip):
+    """S* = ln(C1 C2/C3)/C2, dissertation, table 2.3."""
+    of = SURFACES[surface]
+    assert math.log(of.c1 * of.c2 / of.c3) / of.c2 == pytest.approx(slip, abs=5e-5)
+    assert of.peak_friction == pytest.approx(friction, abs=5e-5)
+    assert burckhardt.friction(slip, of.c1, of.c2, of.c3, 0.0) == pytest.approx(friction, abs=5e-5)
+
+
+def test_ice_has_no_peak():
+    ice = SURFACES["ice"]
+    use = [burckhardt.friction(slip, ice.c1, ice.c2, ice.c3, 0.0) for slip in np.linspace(0, 1, 50)]
+    assert all(b >= a for a, b in pairwise(use))
+
+
+def test_rational_peak():
+    """Ge & Ni: mu_p = 0.8 at l_p = 0.2."""
+    assert rational.friction(0.2, 0.8, 0.2, 0.0, 0.0) == pytest.approx(0.8)
+    assert peak("rational", (0.8, 0.2, 0.0, 0.0)) == pytest.approx(0.8)
+
+
+def test_two_exponential_full_slip():
+    """Zhileykin: mu_s = 0.35 at full slip, S0 = 0.05, S1 = 0.15."""
+    assert two_exponential.friction(1.0, 0.35, 0.05, 0.15, 0.0) == pytest.approx(0.35, rel=2e-3)
+
+
+def test_magic_formula_slope():
+    """Slope at the origin B C D."""
+    assert magic_formula.friction(1e-6, 10.0, 1.6, 0.9, 0.5) / 1e-6 == pytest.approx(14.4, rel=1e-6)
+
+
+@pytest.mark.parametrize("curve", CURVES)
+def test_secant_is_finite_and_never_negative(curve):
+    tyre = {
+        "rational": (0.8, 0.2, 0.0, 0.0),
+        "two_exponential": (0.35, 0.05, 0.15, 0.0),
+        "magic_formula": (10.0, 1.6, 0.9, 0.5),
+        "linear": (20.0, 0.0, 0.0, 0.0),
+    }.get(curve, (0.0, 0.0, 0.0, 0.0))
+    for surface in SURFACES:
+        c = coefficients(curve, tyre, surface)
+        values = [secant(CURVES.index(curve), slip, *c[:4]) for slip in (0.0, 1e-12, 1e-3, 0.1, 1.0, 2.0, 3.0)]
+        assert all(math.isfinite(value) and value >= 0.0 for value in values)
+
+
+def test_slip_vector_stays_on_the_friction_circle_and_uncoupled_does_not():
+    c = coefficients("burckhardt", (0.0,) * 4, "dry_asphalt")[:4]
+    x, y = slip_vector(0, 1.0, 1.0, 10.0, 1.0, *c)
+    assert math.hypot(x * 0.1, y * 0.1) == pytest.approx(burckhardt.friction(math.hypot(0.1, 0.1), *c))
+    x, y = uncoupled(0, 1.0, 1.0, 10.0, 10.0, 1.0, *c)
+    assert x * 0.1 == y * 0.1 == pytest.approx(burckhardt.friction(0.1, *c))
+
+
+def test_carcass_holds_at_rest_and_reaches_the_curve_at_speed():
+    """At V = 0 the force of the spring stays; at speed the steady force is secant times slip."""
+    force, rate = force_and_rate(0.002, 0.0, 1e-9, 60e3, 350e3, 3500.0)
+    assert force == pytest.approx(700.0)
+    assert abs(rate) < 1e-10
+    deflection = 0.0
+    for _ in range(60000):
+        force, rate = force_and_rate(deflection, 0.2, 10.0, 60e3, 350e3, 3500.0)
+        deflection += 1e-5 * rate
+    assert force == pytest.approx(60e3 * 0.2 / 10.0, rel=1e-6)
+
+
+def test_relaxation_length():
+    """The force covers 1 - 1/e of a step of slip within (f + V d)/k of travel."""
+    secant_stiffness, stiffness, damping, speed = 60e3, 200e3, 100.0, 2.0
+    deflection = distance = 0.0
+    while distance < (secant_stiffness + speed * damping) / stiffness:
+        _, rate = force_and_rate(deflection, 0.02, speed, secant_stiffness, stiffness, damping)
+        deflection += 1e-5 * rate
+        distance += 1e-5 * speed
+    steady = secant_stiffness * 0.02 / speed / stiffness
+    assert deflection / steady == pytest.approx(1.0 - math.exp(-1.0), rel=1e-3)

@@ -1,0 +1,66 @@
+"""Every vehicle and every road of config/ drives."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from ev_msgs_py.parameters import build
+from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
+
+CONFIG = Path(__file__).parents[2] / "config"
+VEHICLES = sorted((CONFIG / "vehicles").glob("*.yaml"))
+ROADS = sorted((CONFIG / "surfaces").glob("*.yaml"))
+
+
+def flat(tree: dict, prefix: str = "") -> dict:
+    values = {}
+    for name, value in tree.items():
+        if isinstance(value, dict):
+            values |= flat(value, f"{prefix}{name}.")
+        else:
+            values[prefix + name] = tuple(value) if isinstance(value, list) else value
+    return values
+
+
+def vehicle(path: Path) -> Vehicle:
+    return build(Vehicle, flat(yaml.safe_load(path.read_text())["/**"]["ros__parameters"]["vehicle"]))
+
+
+@pytest.mark.parametrize("path", VEHICLES, ids=lambda path: path.stem)
+def test_vehicle_drives(path):
+    """From rest with the torque of 0.5 m/s^2 more than it needs, then a turn, then to rest again."""
+    car = vehicle(path)
+    assert car.name == path.stem
+    plant = PlanarPlant(PlanarParameters(), car, 0.01)
+    share = 0.8 * car.mass * car.wheel_radius / len(car.driven_wheels)
+    drive = Wheels(*(share if name in car.driven_wheels else 0.0 for name in WHEEL_NAMES))
+    for _ in range(500):
+        plant.advance(WheelTorqueCommand(drive), SteeringColumnState(0, 0, 0, 0.02, 0))
+    assert 1.0 < plant.state[0] < 5.0
+    assert plant.state[2] > 0.0
+    brake = Wheels.all(0.5 * car.mass * car.wheel_radius)
+    for _ in range(800):
+        plant.advance(WheelTorqueCommand(Wheels.all(0.0), brake), SteeringColumnState(0, 0, 0, 0.02, 0))
+    assert abs(plant.state[0]) < 1e-3
+    assert plant.diagnostics["non_finite_commands"] == plant.diagnostics["out_of_range_commands"] == 0
+
+
+@pytest.mark.parametrize("path", ROADS, ids=lambda path: path.stem)
+def test_road_drives(path):
+    road = flat(yaml.safe_load(path.read_text())["/**/plant"]["ros__parameters"])
+    car = PlanarPlant(build(PlanarParameters, {**road, "initial_speed": 15.0}), Vehicle(), 0.01)
+    friction = []
+    for _ in range(500):
+        car.advance(WheelTorqueCommand(Wheels.front(80.0, 80.0)), SteeringColumnState(0, 0, 0, 0, 0))
+        friction.append(car.outputs()[-1].friction_coefficient)
+    assert np.isfinite(car.state).all()
+    values = np.unique(np.round(friction, 6))
+    if path.stem in ("jump_dry_ice_dry", "checkerboard", "dissertation_mixed"):
+        assert len(values) == 2
