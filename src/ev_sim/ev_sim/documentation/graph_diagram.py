@@ -22,21 +22,24 @@ def graph_diagram() -> str:
     for name in (*sequence(ROLES), RECORDER):
         package, executable = EXECUTABLES[name]
         lines.append(f'    {name}["<b>{executable}</b><br/>{package}"]')
-    for (writer, reader), topics in _edges().items():
-        arrow = _DOTTED if ROLES[reader].kind is RoleKind.INTEGRATES else _THICK
-        lines.append(f'    {writer} {arrow}|"{"<br/>".join(topics)}"| {reader}')
+    for (writer, arrow, topics), readers in _edges().items():
+        lines.append(f'    {writer} {arrow}|"{"<br/>".join(topics)}"| {" & ".join(readers)}')
     lines.append('    everything(["all topics"]) -.-> recorder')
     lines.append(f'    {RECORDER} -.->|"{TOPICS[RECORDER_WRITES].name}"| {MASTER}')
     return "\n".join([*lines, "```"])
 
 
-def _edges() -> dict[tuple[str, str], list[str]]:
-    """(writer, reader) -> names of the topics between them that some method writes."""
+def _edges() -> dict[tuple[str, str, tuple[str, ...]], list[str]]:
+    """(writer, arrow, names of the topics) -> readers; topics that no method writes are left out."""
     by_signal = writers(ROLES)
-    edges: dict[tuple[str, str], list[str]] = {}
+    edges: dict[tuple[str, str, tuple[str, ...]], list[str]] = {}
     for reader in sequence(ROLES):
+        arrow = _DOTTED if ROLES[reader].kind is RoleKind.INTEGRATES else _THICK
+        topics: dict[str, list[str]] = {}
         for signal in ROLES[reader].reads:
             writer = by_signal[signal]
             if writing_methods(writer, signal):
-                edges.setdefault((writer, reader), []).append(TOPICS[signal].name)
+                topics.setdefault(writer, []).append(TOPICS[signal].name)
+        for writer, names in topics.items():
+            edges.setdefault((writer, arrow, tuple(names)), []).append(reader)
     return edges

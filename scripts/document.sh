@@ -1,0 +1,6 @@
+#!/usr/bin/env bash
+# Write the generated parts of README.md and docs/ anew; --runs also drives the scenarios, --check only looks.
+set -euo pipefail
+# shellcheck source=scripts/setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+exec python -m ev_sim.documentation "$EV_STACK_ROOT" "$@"
