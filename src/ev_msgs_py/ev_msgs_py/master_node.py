@@ -76,15 +76,17 @@ class MasterNode(SteppedNode):
         return self.signal_subscriptions[wanted[0] if len(wanted) == 1 else max(wanted, key=arrival_place)]
 
     def wake_up_within(self) -> float:
-        """Seconds until the next instant is due, at most the period of retries."""
-        if self.realtime or self.time_parameters.real_time_factor > 0:
+        """Seconds until the next instant is due if nothing else holds it back, at most the period of retries."""
+        if self._may_advance_in_time() and (self.realtime or self.time_parameters.real_time_factor > 0):
             return min(max(self._due() - time.monotonic(), 0.0), _RETRY_PERIOD)
         return _RETRY_PERIOD
 
     def receive(self, topic: Topic, message: bytes) -> None:
         """Take an input, or note how far the recorder is."""
         if topic.signal is RECORDER_WRITES:
-            self._recorded = max(self._recorded, stamp_of(message))
+            held = stamp_of(message)
+            if held <= self.now:  # else it was said of the run before a reset
+                self._recorded = max(self._recorded, held)
             self._advance_where_due()
         elif self.realtime:
             received = self.unpacked(topic, message)
@@ -103,7 +105,7 @@ class MasterNode(SteppedNode):
         self._advance_where_due()
         wall = time.monotonic()
         under_way = self.realtime and self._has_inputs_to_hold()
-        if self.done or self._paused or under_way or wall - self._published < _RETRY_PERIOD:
+        if self.done or self._rests() or under_way or wall - self._published < _RETRY_PERIOD:
             return
         if self.stepper.inbox.complete() is None or not self._recorder_keeps_up():
             self._put_awaited_signals_first()
@@ -119,6 +121,7 @@ class MasterNode(SteppedNode):
     def _begin(self) -> None:
         self._recorded = -1
         self._newest.clear()
+        self._steps_granted = 0
         self._named_silent = False
         self._publish(self.stepper.begin_run())
         self._reached = self._published
@@ -153,14 +156,20 @@ class MasterNode(SteppedNode):
         end = stamps.from_seconds(self.time_parameters.duration)
         return 0 < end < self.now + self.stepper.period
 
+    def _rests(self) -> bool:
+        return self._paused and not self._steps_granted
+
     def _may_advance(self) -> bool:
-        if self._paused and not self._steps_granted:
+        unpaced = not self.realtime and self.time_parameters.real_time_factor == 0
+        return self._may_advance_in_time() and (unpaced or time.monotonic() >= self._due())
+
+    def _may_advance_in_time(self) -> bool:
+        """Whether the next instant may come as soon as it is due."""
+        if self._rests():
             return False
         if self.realtime:
-            return self._has_inputs_to_hold() and time.monotonic() >= self._due()
-        if self.stepper.inbox.complete() is None or not self._recorder_keeps_up():
-            return False
-        return self.time_parameters.real_time_factor == 0 or time.monotonic() >= self._due()
+            return self._has_inputs_to_hold()
+        return self.stepper.inbox.complete() is not None and self._recorder_keeps_up()
 
     def _has_inputs_to_hold(self) -> bool:
         """Realtime begins when everything but the torque command, which may be zero, has been heard once."""

@@ -72,7 +72,7 @@ class RecorderNode(Node):
 
     def _on_clock(self, message: bytes) -> None:
         stamp = stamp_of(message)
-        if stamp > self._clock:  # the master repeats the stamp where it repeats the state
+        if stamp != self._clock:  # the master repeats the stamp where it repeats the state
             self._clock = stamp
             self._recorder.add_beside("/clock", "rosgraph_msgs/msg/Clock", message, stamp)
 
@@ -103,9 +103,11 @@ class RecorderNode(Node):
 
     def idle(self) -> None:
         """Tell how far the recording is, and end it when it is complete."""
+        self._recorder.took_all()
         held = self._recorder.held
-        if held > self._told:
-            self._progress.write(held, RecorderProgress())
+        if held != self._told:
+            if held >= 0:
+                self._progress.write(held, RecorderProgress())
             self._told = held
         if self._recorder.loss:
             raise RuntimeError(f"the recording has a gap: {self._recorder.loss}")

@@ -22,30 +22,42 @@ class RunRecorder:
     `names` are the full topic names by which the bag knows the topics; `period` is the step in nanoseconds. Without a
     `bag` directory only the arrays are kept. With `may_skip` (realtime) a step that never comes holds the one before,
     and the run is as far as its master; without, it is as far as its slowest topic, and a missing step is a loss.
+
+    When the master goes back to step zero (reset), a new run begins: the arrays begin anew, and so does the bag, the
+    one before is kept beside it.
     """
 
     def __init__(
         self, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path | None, may_skip: bool = False
     ) -> None:
         self._topics = tuple(topics)
+        self._names = tuple(names)
         self._period = period
         self._may_skip = may_skip
         self._messages: list[list[bytes]] = [[] for _ in topics]
-        paces = [i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes]
-        self._pacing = [self._messages[i] for i in paces] if may_skip else self._messages
-        self._bag = DurableBag(bag) if bag is not None else None
+        self._masters = {i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes}
+        self._pacing = [self._messages[i] for i in self._masters] if may_skip else self._messages
+        self._directory = bag
+        self._resets = 0
+        self._stale = False  # whether messages of the run before a reset may still come
+        self._begin_bag()
+        self.loss = ""
+
+    def _begin_bag(self) -> None:
+        self._bag = DurableBag(self._directory) if self._directory is not None else None
         self._handles = [
             self._bag.add_topic(name, topic.codec.message_type, depth=QUEUE_DEPTH) if self._bag is not None else None
-            for topic, name in zip(topics, names, strict=True)
+            for topic, name in zip(self._topics, self._names, strict=True)
         ]
         self._beside: dict[str, object] = {}
-        self.loss = ""
 
     def add(self, index: int, message: bytes) -> None:
         """Keep a message of the topic with this index; one that repeats an earlier stamp adds nothing."""
         kept = self._messages[index]
         step = stamp_of(message) // self._period
-        if step < len(kept):
+        if step == 0 and len(kept) > 1 and index in self._masters:
+            self._begin_anew()
+        if step < len(kept) or (self._stale and index not in self._masters):
             return
         if step > len(kept):
             if self._may_skip:
@@ -57,6 +69,21 @@ class RunRecorder:
         kept.append(message)
         if self._bag is not None:
             self._bag.write(self._handles[index], step * self._period, message)
+
+    def _begin_anew(self) -> None:
+        for kept in self._messages:
+            kept.clear()
+        self.loss = ""
+        self._stale = True
+        self._resets += 1
+        if self._bag is not None:
+            self._bag.close()
+            self._directory.rename(self._directory.with_name(f"{self._directory.name}_before_reset_{self._resets}"))
+            self._begin_bag()
+
+    def took_all(self) -> None:
+        """To be called when every message that had arrived was added: those of the run before a reset are gone."""
+        self._stale = False
 
     def _note_loss(self, index: int, due: int, came: int) -> None:
         first, last = (stamps.to_seconds(step * self._period) for step in (due, came))
