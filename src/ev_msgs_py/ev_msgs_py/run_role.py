@@ -32,21 +32,21 @@ def run_role(role: str) -> None:
 
 def run_node(name: str, make: Callable[[], SteppedNode]) -> None:
     """Make a node, spin it, and turn refused input into one line and exit status 1."""
-    stop = StopRequest()
     node = None
-    try:
-        _refuse_other_arguments()
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        node = make()
-        spin([node], lambda: node.done or stop.received)
-    except (ValueError, RuntimeError, OSError, ParameterException) as error:
-        sys.exit(f"{name}: {_one_line(error)}")
-    except KeyboardInterrupt:
-        pass
-    finally:
-        if node is not None:
-            node.close()
-        rclpy.try_shutdown()
+    with StopRequest() as stop:
+        try:
+            _refuse_other_arguments()
+            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+            node = make()
+            spin([node], lambda: node.done or stop.received)
+        except (ValueError, RuntimeError, OSError, ParameterException) as error:
+            sys.exit(f"{name}: {_one_line(error)}")
+        except KeyboardInterrupt:
+            pass
+        finally:
+            if node is not None:
+                node.close()
+            rclpy.try_shutdown()
 
 
 def _refuse_other_arguments() -> None:

@@ -3,22 +3,32 @@
 from __future__ import annotations
 
 import signal
-from types import FrameType
+from types import FrameType, TracebackType
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class StopRequest:
-    """Remembers that SIGINT or SIGTERM came; a second one raises KeyboardInterrupt wherever the program is.
+    """Remembers, for the time of its `with` block, that SIGINT or SIGTERM came.
 
-    rclpy's own handlers shut its context down under a node that is just using it. This one leaves everything intact,
-    so that the node can finish what it does and say goodbye. To be made in the main thread.
+    rclpy's own handlers shut its context down under a node that is just using it, and Python's interrupt any line.
+    This leaves everything intact, so that whoever runs can finish what it does and clean up. A second signal raises
+    KeyboardInterrupt wherever the program is, unless the request is `patient`. For the main thread only.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, patient: bool = False) -> None:
         self.received = False
-        for kind in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(kind, self._on_signal)
+        self._patient = patient
 
-    def _on_signal(self, kind: int, frame: FrameType | None) -> None:
-        if self.received:
+    def __enter__(self) -> StopRequest:
+        self._before = {kind: signal.signal(kind, self._on_signal) for kind in _SIGNALS}
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        if self.received and not self._patient:
             raise KeyboardInterrupt
         self.received = True

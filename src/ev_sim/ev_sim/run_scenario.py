@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 import time
 from pathlib import Path
@@ -31,6 +32,7 @@ _INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
 def main(argv: list[str] | None = None) -> None:
     """scripts/run.sh SCENARIO [options]"""
     given = arguments(argv)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         if given.list:
             print_list()

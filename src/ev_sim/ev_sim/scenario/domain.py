@@ -6,15 +6,17 @@ import fcntl
 import socket
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+
+from ev_sim.scenario.outcome import RunFailed
 
 _DOMAINS = range(1, 102)  # those that are safe on every operating system
 _FIRST_PORT, _PORTS_PER_DOMAIN = 7400, 250  # of DDS: multicast discovery of a domain
 _UNICAST = 10  # offset of the first participant's port
 
 
-class NoFreeDomain(RuntimeError):
+class NoFreeDomain(RunFailed):
     """All domains are in use."""
 
 
@@ -22,15 +24,39 @@ class NoFreeDomain(RuntimeError):
 def free_domain() -> Iterator[int]:
     """A domain id without participants, reserved against other runs of this kind until the end of the block."""
     for domain in _DOMAINS:
-        with (Path(tempfile.gettempdir()) / f"ev_stack_domain_{domain}.lock").open("w") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                continue
-            if _is_silent(domain):
+        with _reservation(domain) as reserved:
+            if reserved and _is_silent(domain):
                 yield domain
                 return
     raise NoFreeDomain(f"all ROS domains from {_DOMAINS[0]} to {_DOMAINS[-1]} are in use")
+
+
+def reserved_domains() -> list[int]:
+    """The domains in which runs of this kind are under way."""
+    domains = []
+    for domain in _DOMAINS:
+        if _lock_file(domain).exists():
+            with _reservation(domain) as reserved:
+                if not reserved:
+                    domains.append(domain)
+    return domains
+
+
+@contextmanager
+def _reservation(domain: int) -> Iterator[bool]:
+    """Whether the domain could be reserved, for the time of the block; also false if the lock is another user's."""
+    with ExitStack() as stack:
+        try:
+            lock = stack.enter_context(_lock_file(domain).open("w"))
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            yield False
+        else:
+            yield True
+
+
+def _lock_file(domain: int) -> Path:
+    return Path(tempfile.gettempdir()) / f"ev_stack_domain_{domain}.lock"
 
 
 def _is_silent(domain: int) -> bool:

@@ -10,12 +10,15 @@ from rclpy.parameter import Parameter
 
 from ev_msgs_py.run_role import make_node
 from ev_msgs_py.spinning import spin
+from ev_msgs_py.stepped_node import SteppedNode
+from ev_msgs_py.stop_request import StopRequest
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.recording.recording import load
 from ev_sim.scenario.domain import free_domain
 from ev_sim.scenario.node_parameters import RECORDER, node_parameters, write_parameter_file
 from ev_sim.scenario.observer import Observer
-from ev_sim.scenario.outcome import Outcome, Progress, RunFailed, not_reproducible
+from ev_sim.scenario.outcome import Outcome, Progress, not_reproducible
+from ev_sim.scenario.progress_bar import announce
 from ev_sim.scenario.scenario import Run
 
 _LOOK_PERIOD = 0.1  # s of wall time between looks at simulated time
@@ -24,16 +27,18 @@ _LOOK_PERIOD = 0.1  # s of wall time between looks at simulated time
 def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
     """Drive a run to its end; everything that the recorder writes is in `directory` then.
 
-    RunFailed if ROS was shut down before the end.
+    KeyboardInterrupt, when all nodes have finished what they did, if Ctrl-C or SIGTERM came before the end.
     """
     parameters = node_parameters(run, directory, bag)
     write_parameter_file(directory / "parameters.yaml", run, parameters)
-    with free_domain() as domain:
+    nodes: list[SteppedNode] = []
+    with free_domain() as domain, StopRequest(patient=True) as stop:
+        announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         context = rclpy.Context()
         rclpy.init(context=context, domain_id=domain)
         try:
             observer = Observer(context, run.namespace)
-            nodes = [_node(name, run.namespace, values, context) for name, values in parameters.items()]
+            nodes += [_node(name, run.namespace, values, context) for name, values in parameters.items()]
             recorder = nodes[-1]
             next_look = 0.0
 
@@ -43,19 +48,19 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
                     observer.look()
                     progress(observer.time)
                     next_look = time.monotonic() + _LOOK_PERIOD
-                return recorder.done
+                return recorder.done or stop.received
 
             start = time.monotonic()
             spin(nodes, finished)
             wall_time = time.monotonic() - start
             if not recorder.done:
-                raise RunFailed(f"stopped at {observer.time} s of simulated time")
+                raise KeyboardInterrupt
             observer.look()
             progress(run.duration)
+        finally:
             for node in nodes:
                 node.close()
                 node.destroy_node()
-        finally:
             context.try_shutdown()
     return Outcome(load(directory / "signals.npz"), wall_time, not_reproducible(run, observer.reports))
 

@@ -15,11 +15,13 @@ from pathlib import Path
 import rclpy
 
 from ev_msgs_py.roles import MASTER
+from ev_msgs_py.stop_request import StopRequest
 from ev_sim.recording.recording import load
 from ev_sim.scenario.domain import free_domain
 from ev_sim.scenario.node_parameters import RECORDER, node_parameters, write_parameter_file
 from ev_sim.scenario.observer import Observer
 from ev_sim.scenario.outcome import Outcome, Progress, RunFailed, not_reproducible
+from ev_sim.scenario.progress_bar import announce
 from ev_sim.scenario.scenario import Run
 
 EXECUTABLES = {
@@ -54,12 +56,14 @@ class NodeProcess:
 def run_in_processes(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
     """Drive a run to its end, every node as its own process over DDS; the recorder writes into `directory`.
 
-    RunFailed, with a line that names the node, if one ends before the run does; all others are stopped then.
+    RunFailed, with a line that names the node, if one ends before the run does; KeyboardInterrupt if Ctrl-C or SIGTERM
+    came. All nodes are stopped then.
     """
     parameters = node_parameters(run, directory, bag)
     file = directory / "parameters.yaml"
     write_parameter_file(file, run, parameters)
-    with free_domain() as domain:
+    with free_domain() as domain, StopRequest(patient=True) as stop:
+        announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         context = rclpy.Context()
         rclpy.init(context=context, domain_id=domain)
         observer = Observer(context, run.namespace)
@@ -67,7 +71,7 @@ def run_in_processes(run: Run, directory: Path, bag: bool, progress: Progress) -
         try:
             for name in parameters:
                 nodes.append(_start(name, run, file, directory / "log", domain))
-            return _watch(run, nodes, observer, directory, progress)
+            return _watch(run, nodes, observer, directory, progress, stop)
         finally:
             _stop(nodes)
             observer.destroy_node()
@@ -106,11 +110,15 @@ def _start(name: str, run: Run, parameters: Path, logs: Path, domain: int) -> No
     return NodeProcess(name, process, log)
 
 
-def _watch(run: Run, nodes: list[NodeProcess], observer: Observer, directory: Path, progress: Progress) -> Outcome:
+def _watch(
+    run: Run, nodes: list[NodeProcess], observer: Observer, directory: Path, progress: Progress, stop: StopRequest
+) -> Outcome:
     """Look at processes and time until plant and recorder have come to their end by themselves."""
     started = None
     ending = {MASTER, RECORDER}
     while ending:
+        if stop.received:
+            raise KeyboardInterrupt
         time.sleep(_LOOK_PERIOD)
         observer.look()
         progress(observer.time)

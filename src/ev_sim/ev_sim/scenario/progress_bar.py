@@ -11,7 +11,12 @@ from tqdm import tqdm
 
 from ev_sim.scenario.outcome import Progress
 
-_FORMAT = "{desc} {percentage:3.0f} %|{bar:30}| {n:.1f}/{total:.1f} s simulated, {postfix} x real time"
+_FORMAT = "{desc} {percentage:3.0f} %|{bar:30}| {n:.1f}/{total:.1f} s simulated{postfix} x real time"
+
+
+def announce(text: str) -> None:
+    """A line on standard error, to be said before the progress begins."""
+    print(text, file=sys.stderr, flush=True)
 
 
 @contextmanager
@@ -24,6 +29,7 @@ def progress_bar(name: str, duration: float) -> Iterator[Progress]:
         bar_format=_FORMAT,
         postfix="0.0",
         mininterval=0.1 if interactive else 5.0,
+        delay=0.2,
         leave=True,
         ascii=not interactive,
     )
