@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 from ev_msgs_py.configuration import CommonParameters
@@ -92,4 +91,8 @@ def _allowed(entry: Entry) -> str:
         return codes(spec.choices)
     if spec.low is None and spec.high is None:
         return _ANY[entry.type]
-    return dataclasses.replace(spec, unit="").allowed  # the unit has its own column
+    if spec.high is None:
+        return f"at least {_number(spec.low)}"
+    if spec.low is None:
+        return f"at most {_number(spec.high)}"
+    return f"{_number(spec.low)} to {_number(spec.high)}"
