@@ -181,15 +181,24 @@ class MasterNode(SteppedNode):
     def _advance_where_due(self) -> None:
         while not self.done and self._may_advance():
             if self._at_end():
-                self.done = True
+                self._end()
                 return
             self._steps_granted = max(self._steps_granted - 1, 0)
             overrun = self.realtime and time.monotonic() - self._due() > self.stepper.period / stamps.NANOSECONDS
             self._publish(self._held_step() if self.realtime else self.stepper.step())
             self._reached, self._named_silent = self._published, False
+            if self.now == self.stepper.period:
+                self._pace_from_here()  # the first step has waited for all nodes to come up
             if overrun:
                 self.overruns += 1
                 self._pace_from_here()  # time that is lost stays lost: a burst of late steps would be no real time
+
+    def _end(self) -> None:
+        self.done = True
+        wall = time.monotonic() - self._start_wall
+        simulated = stamps.to_seconds(self.now - self._start_stamp)
+        steps = (self.now - self._start_stamp) // self.stepper.period
+        self.get_logger().info(f"{simulated:g} s simulated in {wall:.3f} s, {steps / wall:.1f} steps/s")
 
     def _held_step(self) -> Answer:
         """One step with the newest inputs; without a torque command that is fresh enough the torque is zero."""

@@ -15,9 +15,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from numba import njit
-
 from ev_msgs_py.parameters import ParameterError, group, parameter
+from ev_sim.compiled import compiled
 from ev_sim.drives.current_controller import CurrentControllerParameters, controlled_voltage
 from ev_sim.drives.motor import torque_constant
 
@@ -39,7 +38,7 @@ class AveragedDriveParameters:
             )
 
 
-@njit(cache=True)
+@compiled
 def advance_averaged(state, motor, averaged, torque_reference, speed, bus_voltage, duration):
     """Advance the current under its control and set the outputs of `state`; see `drive.advance_drive`.
 

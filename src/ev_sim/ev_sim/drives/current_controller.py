@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from numba import njit
-
 from ev_msgs_py.parameters import parameter
+from ev_sim.compiled import compiled
 from ev_sim.drives.motor import torque_constant
 
 
@@ -26,7 +25,7 @@ class CurrentControllerParameters:
     )
 
 
-@njit(cache=True)
+@compiled
 def controlled_voltage(state, controller, motor, current_reference, current, speed, bus_voltage, sampling_period):
     """Voltage across the two phases for the next sampling period, within -bus_voltage..bus_voltage [V].
 

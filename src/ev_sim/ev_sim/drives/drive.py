@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from ev_msgs_py.parameters import group, parameter
+from ev_sim.compiled import compiled
 from ev_sim.drives.averaged import AveragedDriveParameters, advance_averaged
 from ev_sim.drives.ideal import advance_ideal
 from ev_sim.drives.motor import MotorParameters, limited_torque
@@ -63,7 +63,7 @@ def drive_record(parameters: DriveParameters) -> np.ndarray:
     return record_of(own)
 
 
-@njit(cache=True)
+@compiled
 def advance_drive(state, parameters, torque_reference, speed, bus_voltage, duration):
     """Advance one drive in place over `duration` [s], the shaft speed held [rad/s].
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from ev_sim.compiled import compiled
 from ev_sim.drives.motor import torque_constant
 
 
-@njit(cache=True)
+@compiled
 def advance_ideal(state, motor, torque_reference, speed):
     """Set the outputs of `state` to the reference [N m] at a shaft speed [rad/s]; see `drive.advance_drive`.
 

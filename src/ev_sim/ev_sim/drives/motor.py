@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from numba import njit
-
 from ev_msgs_py.parameters import parameter
+from ev_sim.compiled import compiled
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,13 +41,13 @@ class MotorParameters:
     )
 
 
-@njit(cache=True)
+@compiled
 def torque_constant(motor):
     """Torque of two conducting phases over their current, and their EMF over the shaft speed: 2 p psi [N m/A, V s]."""
     return 2.0 * motor.pole_pairs * motor.flux_linkage
 
 
-@njit(cache=True)
+@compiled
 def limited_torque(motor, torque_reference):
     """The torque reference at the shaft within the torque limit [N m]."""
     return min(max(torque_reference, -motor.torque_limit), motor.torque_limit)

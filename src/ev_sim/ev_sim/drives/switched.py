@@ -25,9 +25,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from numba import njit
-
 from ev_msgs_py.parameters import ParameterError, group, parameter
+from ev_sim.compiled import compiled
 from ev_sim.drives.current_controller import CurrentControllerParameters, controlled_voltage
 from ev_sim.drives.motor import torque_constant
 
@@ -60,7 +59,7 @@ class SwitchedDriveParameters:
             )
 
 
-@njit(cache=True)
+@compiled
 def advance_switched(state, motor, switched, torque_reference, speed, bus_voltage, duration):
     """Advance the circuit under its current control and set the outputs of `state`; see `drive.advance_drive`.
 
@@ -79,7 +78,7 @@ def advance_switched(state, motor, switched, torque_reference, speed, bus_voltag
     state.electrical_power = energy / duration
 
 
-@njit(cache=True)
+@compiled
 def pair_current(high_current, off_current):
     """The current that is controlled [A]: of the high and the low phase the one that carries more, in from high to low.
 
@@ -90,7 +89,7 @@ def pair_current(high_current, off_current):
     return high_current if abs(high_current) > abs(returned) else returned
 
 
-@njit(cache=True)
+@compiled
 def _chop_by_hysteresis(state, motor, switched, current_reference, speed, bus_voltage, duration):
     """Exchange the rails whenever the current leaves its band; angular impulse [N m s] and electrical energy [J]."""
     impulse = 0.0
@@ -109,7 +108,7 @@ def _chop_by_hysteresis(state, motor, switched, current_reference, speed, bus_vo
     return impulse, energy
 
 
-@njit(cache=True)
+@compiled
 def _chop_by_pwm(state, motor, switched, current_reference, speed, bus_voltage, duration):
     """Exchange the rails by a centred carrier; angular impulse [N m s] and electrical energy [J].
 
@@ -135,7 +134,7 @@ def _chop_by_pwm(state, motor, switched, current_reference, speed, bus_voltage, 
     return impulse, energy
 
 
-@njit(cache=True)
+@compiled
 def _conduct(state, motor, micro_step, sign, limit, speed, bus_voltage, duration):
     """Let the circuit run with high on the upper rail (sign 1) or on the lower (sign -1) until the current limit.
 
@@ -196,21 +195,21 @@ def _conduct(state, motor, micro_step, sign, limit, speed, bus_voltage, duration
     return duration - remaining, impulse, energy
 
 
-@njit(cache=True)
+@compiled
 def _crossing_shape(sector, sector_angle):
     """EMF of the off phase over that of the flats: from 1 down to -1 in even sectors, up in odd ones."""
     falling = 1.0 - 2.0 * sector_angle / SECTOR
     return falling if sector % 2 == 0 else -falling
 
 
-@njit(cache=True)
+@compiled
 def _torque(motor, crossing, high_current, off_current):
     """Electromagnetic torque p psi (i_high - i_low + f_off i_off) [N m], where i_low = -(i_high + i_off)."""
     weighted = 2.0 * high_current + (1.0 + crossing) * off_current
     return motor.pole_pairs * motor.flux_linkage * weighted
 
 
-@njit(cache=True)
+@compiled
 def _off_phase(off_current, off_emf, bus_voltage):
     """Whether a diode of the off phase conducts, and the terminal's voltage above the lower rail [V].
 
@@ -225,14 +224,14 @@ def _off_phase(off_current, off_emf, bus_voltage):
     return False, floating
 
 
-@njit(cache=True)
+@compiled
 def _after(current, drive, motor, step):
     """Phase current after a step of the implicit midpoint rule for L i' = drive - R i [A]."""
     half_decay = step * motor.resistance / (2.0 * motor.inductance)
     return (current * (1.0 - half_decay) + step * drive / motor.inductance) / (1.0 + half_decay)
 
 
-@njit(cache=True)
+@compiled
 def _time_to_edge(sector_angle, electrical_speed):
     """Time until the rotor enters the next sector [s]; infinite at rest."""
     if electrical_speed > 0.0:
@@ -242,7 +241,7 @@ def _time_to_edge(sector_angle, electrical_speed):
     return math.inf
 
 
-@njit(cache=True)
+@compiled
 def _turned(sector_angle, electrical_speed, step, at_edge):
     """Angle within the sector after a step [rad], exactly on the edge where the step was cut to end there."""
     if at_edge:
@@ -250,7 +249,7 @@ def _turned(sector_angle, electrical_speed, step, at_edge):
     return min(max(sector_angle + electrical_speed * step, 0.0), SECTOR)
 
 
-@njit(cache=True)
+@compiled
 def _enter_sector(state, electrical_speed):
     """Commutate if the rotor stands on the edge that it moves across: one phase takes over from the off phase.
 

@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from ev_sim.compiled import compiled
 
 
-@njit(cache=True)
+@compiled
 def front_wheel_angles(road_wheel_angle, wheelbase, front_track):
     """Angles of the left and the right front wheel, left positive [rad] (eq 8)."""
     ahead = wheelbase * math.sin(road_wheel_angle)
@@ -24,13 +24,13 @@ def front_wheel_angles(road_wheel_angle, wheelbase, front_track):
     return math.atan2(ahead, to_centre - offset), math.atan2(ahead, to_centre + offset)
 
 
-@njit(cache=True)
+@compiled
 def path_curvature(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
     """Curvature 1/R of the path of the centre of mass, positive to the left [1/m] (eq 11 with the sign of delta)."""
     return math.sin(road_wheel_angle) / _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle)
 
 
-@njit(cache=True)
+@compiled
 def course_offset(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
     """Angle from the car's x axis to the path of its centre of mass, left positive [rad]; from fig 2.
 
@@ -39,7 +39,7 @@ def course_offset(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
     return math.atan2(centre_of_mass_to_rear_axle * math.sin(road_wheel_angle), wheelbase * math.cos(road_wheel_angle))
 
 
-@njit(cache=True)
+@compiled
 def wheel_speed_ratios(road_wheel_angle, wheelbase, front_track, rear_track, centre_of_mass_to_rear_axle):
     """Speeds V_j of the rolling wheels over the speed V of the centre of mass, in the order of Wheels (eqs 8 to 10).
 
@@ -59,7 +59,7 @@ def wheel_speed_ratios(road_wheel_angle, wheelbase, front_track, rear_track, cen
     )
 
 
-@njit(cache=True)
+@compiled
 def _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
     """|R sin(delta)|, which stays finite in straight running [m] (eq 11)."""
     return math.hypot(wheelbase * math.cos(road_wheel_angle), centre_of_mass_to_rear_axle * math.sin(road_wheel_angle))

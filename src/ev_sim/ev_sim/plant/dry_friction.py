@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from ev_sim.compiled import compiled
 
 
-@njit(cache=True)
+@compiled
 def move_with_dry_friction(speed, force, friction, mass, duration):
     """Speed [m/s] and travelled distance [m] after `duration` [s] of m V' = F - F_friction sgn(V).
 

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import parameter
@@ -21,6 +20,7 @@ from ev_msgs_py.signals import (
 )
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_sim.compiled import compiled
 from ev_sim.drives.drive import DriveParameters, advance_drive, drive_record, drives_at_rest
 from ev_sim.drives.records import record_of
 from ev_sim.plant.ackermann import course_offset, path_curvature, wheel_speed_ratios
@@ -178,7 +178,7 @@ class KinematicPlant:
                 raise ValueError(f"torque_command: {brake:g} N m of brake on {name}, a brake torque is never negative")
 
 
-@njit(cache=True)
+@compiled
 def _advance(cars, wheels, drives, torques, plants, drive_parameters, vehicles, road_wheel_angle, period):
     """Integrate the state arrays in place over one control period; parameters come as arrays of one record."""
     car, plant, vehicle = cars[0], plants[0], vehicles[0]
@@ -205,7 +205,7 @@ def _advance(cars, wheels, drives, torques, plants, drive_parameters, vehicles, 
     _move_on_arc(car, distance)
 
 
-@njit(cache=True)
+@compiled
 def _steer(car, wheels, vehicle, road_wheel_angle):
     """Set the path of the centre of mass and the speed ratios of the wheels (eqs 8 to 11)."""
     base, behind = vehicle.wheelbase, vehicle.centre_of_mass_to_rear_axle
@@ -216,7 +216,7 @@ def _steer(car, wheels, vehicle, road_wheel_angle):
         wheels[i].speed_ratio = ratios[i]
 
 
-@njit(cache=True)
+@compiled
 def _advance_drives(car, wheels, drives, torques, drive_parameters, bus_voltage, vehicle, step):
     """Advance all drives over one step; the sum of their torques at the wheels [N m], mean over the step."""
     wheel_torques = np.zeros(len(wheels))
@@ -230,13 +230,13 @@ def _advance_drives(car, wheels, drives, torques, drive_parameters, bus_voltage,
     return _sum_of_wheels(wheel_torques)
 
 
-@njit(cache=True)
+@compiled
 def _sum_of_wheels(values):
     """Sum axle by axle, so that mirrored cars stay mirrored to the last bit."""
     return (values[0] + values[1]) + (values[2] + values[3])
 
 
-@njit(cache=True)
+@compiled
 def _move_on_arc(car, distance):
     """Move along a circular arc: the chord, at the mean of the courses at its ends."""
     half_turn = car.path_curvature * distance / 2.0

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import rclpy
 from rclpy.parameter import Parameter
@@ -65,11 +67,16 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
     return Outcome(load(directory / "signals.npz"), wall_time, not_reproducible(run, observer.reports))
 
 
+def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:
+    """Dotted names and values as a node takes them."""
+    return [Parameter(name, value=value) for name, value in values.items()]
+
+
 def _node(name: str, namespace: str, values: dict, context: rclpy.Context) -> object:
     arguments = {
         "context": context,
         "namespace": namespace,
-        "parameter_overrides": [Parameter(key, value=value) for key, value in values.items()],
+        "parameter_overrides": parameter_overrides(values),
     }
     return RecorderNode(**arguments) if name == RECORDER else make_node(name, **arguments)
 
