@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.parameters import ParameterError, unknown_name
+from ev_msgs_py.roles import ROLES
 from ev_sim.scenario.scenario import Overrides
 
 _EVERY_NODE = "*"
@@ -27,6 +29,9 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--method", action="append", default=[], metavar="NODE=NAME", help="method of a node")
     parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
     parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
+    parser.add_argument(
+        "--node", action="append", default=[], metavar="NODE=COMMAND", help="your own node in the place of ours"
+    )
     parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of every run")
     parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/SCENARIO")
@@ -37,7 +42,20 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
         parser.error("which scenario? --list shows them")
     if given.offline and given.realtime:
         parser.error("--realtime needs DDS: leave out --offline")
+    if given.node and (given.offline or given.in_process):
+        parser.error("--node starts a process: leave out --offline and --in-process")
     return given
+
+
+def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
+    """Commands by role of the nodes that take the place of ours; ParameterError, in one line, for unknown roles."""
+    commands = {}
+    for word in given.node:
+        node, command = _split(word, "=", "--node", "NODE=COMMAND")
+        if node not in ROLES:
+            raise unknown_name("node", node, ROLES)
+        commands[node] = shlex.split(command)
+    return commands
 
 
 def overrides(given: argparse.Namespace) -> Overrides:
