@@ -92,8 +92,8 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     scenario file can serve several methods.
     """
     rest = dict(values)
-    name = rest.pop(_METHOD, ROLES[role].default_method)
-    method = find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false
+    method = chosen_method(role, rest)
+    rest.pop(_METHOD, None)
     common = build(CommonParameters, _taken(rest, CommonParameters))
     further = build(extra, _taken(rest, extra)) if extra is not None else None
     parameters = build(method.parameters, _taken(rest, method.parameters))
@@ -110,6 +110,12 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     return Configuration(role, method, parameters, common, further, tuple(sorted(rest)))
 
 
+def chosen_method(role: str, values: Mapping[str, Any]) -> Method:
+    """The method that the values choose for a role; ParameterError that lists the known ones if there is none."""
+    name = values.get(_METHOD, ROLES[role].default_method)
+    return find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false
+
+
 def _taken(values: dict[str, Any], of: type) -> dict[str, Any]:
     """Take the values that belong to a parameter dataclass out of a dictionary."""
     return {name: values.pop(name) for name in flatten(of()) if name in values}
@@ -118,7 +124,8 @@ def _taken(values: dict[str, Any], of: type) -> dict[str, Any]:
 def check_graph(configurations: Mapping[str, Configuration]) -> None:
     """ParameterError if the configured nodes do not fit together.
 
-    Nodes share one control period and one vehicle, and what a method reads must be written by the others.
+    Nodes share one control period and one vehicle, what a method reads must be written by the others, and the methods
+    that it requires must be chosen.
     """
     for name in ("control_period", "vehicle"):
         values = {role: getattr(configuration.common, name) for role, configuration in configurations.items()}
@@ -132,4 +139,11 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
                 raise ParameterError(
                     f"{configuration.role} method {configuration.method.name} reads {signal.__name__}, "
                     f"which none of the chosen methods writes ({names})"
+                )
+        for role, name in configuration.method.requires.items():
+            chosen = configurations[role].method.name
+            if chosen != name:
+                raise ParameterError(
+                    f"{configuration.role} method {configuration.method.name} requires {role} method {name}, "
+                    f"but {chosen} is chosen"
                 )
