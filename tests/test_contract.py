@@ -212,8 +212,9 @@ def test_joints_in_another_order_mean_the_same(topic, data):
     for kind in ("position", "velocity", "effort"):
         values = getattr(ours, kind)
         setattr(other, kind, [values[i] for i in order] if values else [])
-    assert topic.codec.decode(over_the_wire(other)) == signal
-    assert other.name == [ours.name[i] for i in order]  # the message is read, not changed
+    received = over_the_wire(other)
+    assert topic.codec.decode(received) == signal
+    assert received.name == [ours.name[i] for i in order]  # the message is read, not changed
     serialized = serialize_message(other)
     assert wire_format(topic.signal).unpack(serialized) == (7, signal)
     rows = CdrTemplate(topic).numbers([serialized, serialize_message(ours)])

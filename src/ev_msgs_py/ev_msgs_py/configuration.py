@@ -42,6 +42,7 @@ class CommonParameters:
 
 
 _METHOD = "method"
+_OWN = ("seed",)  # of the common parameters those that each node may have its own value of
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,13 +125,15 @@ def _taken(values: dict[str, Any], of: type) -> dict[str, Any]:
 def check_graph(configurations: Mapping[str, Configuration]) -> None:
     """ParameterError if the configured nodes do not fit together.
 
-    Nodes share one control period and one vehicle, what a method reads must be written by the others, and the methods
-    that it requires must be chosen.
+    Nodes share one control period, one mode and one vehicle, what a method reads must be written by the others, and
+    the methods that it requires must be chosen.
     """
-    for name in ("control_period", "vehicle"):
-        values = {role: getattr(configuration.common, name) for role, configuration in configurations.items()}
-        if len(set(values.values())) > 1:
-            raise ParameterError(f"{name} differs between nodes: {values}; allowed is one for all")
+    common = {role: flatten(configuration.common) for role, configuration in configurations.items()}
+    for name in flatten(CommonParameters()):
+        values = {role: values[name] for role, values in common.items()}
+        if name not in _OWN and len(set(values.values())) > 1:
+            said = ", ".join(f"{role} {value}" for role, value in values.items())
+            raise ParameterError(f"{name} differs between nodes: {said}; allowed is one for all")
     written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
     for configuration in configurations.values():
         for signal in configuration.method.inputs:

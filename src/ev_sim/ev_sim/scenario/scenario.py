@@ -151,6 +151,9 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}") from None
     check_graph(configurations)
+    period = configurations[MASTER].common.control_period
+    if duration < period:
+        raise ParameterError(f"duration: {duration!r} is refused, allowed is at least one control period, {period:g} s")
     return Run(name, namespace, configurations, duration)
 
 
