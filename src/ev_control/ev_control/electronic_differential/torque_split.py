@@ -51,13 +51,18 @@ class TorqueSplit:
         return WheelTorqueRequest(drive, Wheels(front_brake, front_brake, rear_brake, rear_brake))
 
 
-def require_driven_front_wheels(vehicle: Vehicle, law: str) -> None:
-    """ValueError, in the name of a law, unless both front wheels are driven."""
-    if not {"front_left", "front_right"} <= set(vehicle.driven_wheels):
+def require_driven_wheels(vehicle: Vehicle, law: str, needed: tuple[str, ...]) -> None:
+    """ValueError, in the name of a law, unless all the needed wheels are driven."""
+    if not set(needed) <= set(vehicle.driven_wheels):
         raise ValueError(
-            f"electronic_differential {law} needs front_left and front_right among the driven wheels,"
+            f"electronic_differential {law} needs {', '.join(needed[:-1])} and {needed[-1]} among the driven wheels,"
             f" vehicle {vehicle.name} drives {', '.join(vehicle.driven_wheels) or 'none'}"
         )
+
+
+def require_driven_front_wheels(vehicle: Vehicle, law: str) -> None:
+    """ValueError, in the name of a law, unless both front wheels are driven."""
+    require_driven_wheels(vehicle, law, ("front_left", "front_right"))
 
 
 def torque_difference_per_steering_moment(vehicle: Vehicle) -> float:

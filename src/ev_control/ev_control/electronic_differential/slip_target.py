@@ -1,0 +1,167 @@
+"""Each rear wheel is driven towards a target slip ratio, the outer one's set by the yaw rate (Ge & Ni 2005)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ev_control.electronic_differential.free_wheel_speed import free_wheel_speed
+from ev_control.electronic_differential.slip_ratio import slip_ratio
+from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit, require_driven_wheels
+from ev_msgs_py.methods import method
+from ev_msgs_py.parameters import group, parameter
+from ev_msgs_py.signals import (
+    BodyVelocity,
+    DriverCommand,
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueRequest,
+)
+from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import Wheels
+
+
+@dataclass(frozen=True, slots=True)
+class SlipTargetParameters:
+    """Targets and switching gains, and how the source's scan, which is damaged here, is read."""
+
+    reading: str = parameter(
+        "rate",
+        choices=("rate", "offset", "increment"),
+        about="what the switching control changes: the torque per second (rate), the torque itself (offset), or the "
+        "torque per control period (increment)",
+        source="Ge & Ni 2005; the scan leaves it open",
+    )
+    source: str = parameter(
+        "truth",
+        choices=("truth", "estimated"),
+        about="body velocity: as the twist topic gives it, or from the free front wheels and the yaw rate sensor",
+        source="Ge & Ni 2005 use the true one",
+    )
+    target_slip: float = parameter(
+        0.19, unit="1", low=0.0, high=1.0, about="target slip ratio of the inner wheel, l3*", source="Ge & Ni 2005"
+    )
+    yaw_gain: float = parameter(
+        0.11,
+        unit="s/rad",
+        low=0.0,
+        high=10.0,
+        about="difference of the target slip ratios per error of the yaw rate, K1",
+        source="Ge & Ni 2005, print damaged",
+    )
+    k_inner: float = parameter(
+        50.0,
+        unit="N m",
+        low=0.0,
+        high=10000.0,
+        about="switching gain of the inner wheel, k_L of a left turn, and of both straight ahead; for the reading rate "
+        "per second",
+        source="Ge & Ni 2005",
+    )
+    k_outer: float = parameter(
+        100.0,
+        unit="N m",
+        low=0.0,
+        high=10000.0,
+        about="switching gain of the outer wheel, k_R of a left turn; for the reading rate per second",
+        source="Ge & Ni 2005",
+    )
+    boundary_layer: bool = parameter(True, about="whether the control is linear within the boundary layer")
+    layer_width: float = parameter(
+        0.001, unit="1", low=1e-6, high=1.0, about="half width of the boundary layer, phi", source="Ge & Ni 2005"
+    )
+    largest_correction: float = parameter(
+        0.5,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="limit of each wheel's change of torque over its equal share, so that no torque comes without the pedal",
+        source="assumption",
+    )
+    slowest: float = parameter(
+        0.5, unit="m/s", low=0.01, high=10.0, about="least divisor of a slip ratio", source="assumption"
+    )
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+
+
+@dataclass(slots=True)
+class SlipTargetState:
+    """What the control has added to the equal torque of each rear wheel [N m]."""
+
+    left: float = 0.0
+    right: float = 0.0
+
+
+@method("electronic_differential", "slip_target")
+class SlipTarget:
+    """Drive each rear wheel towards a target slip ratio, with a slip difference that follows the yaw rate error.
+
+    In a left turn l_R* = l_L* - K1 (r - delta V/L), D_i = l_i* - l_i, and T = T* + c with the switching control
+    s = k sat(D/phi), or k sgn(D) without boundary layer: dc/dt = s (reading rate), c = s (offset), or c grows by s in
+    each control period (increment). Ge & Ni (2005), whose printed k = D/phi drops the gain. T* is half of the driver's
+    torque [N m]; slip ratios [1], yaw rate r [rad/s], road-wheel angle delta [rad], left positive. A right turn is the
+    mirror image (the source drives left only), and straight ahead both wheels count as inner ones. Each |c| stays below
+    largest_correction T*, and the correction is dropped while the driver asks for no drive torque or brakes.
+    ValueError unless the rear wheels, and only they, are driven.
+    """
+
+    parameters = SlipTargetParameters
+
+    def __init__(self, parameters: SlipTargetParameters, vehicle: Vehicle, period: float) -> None:
+        require_driven_wheels(vehicle, "slip_target", ("rear_left", "rear_right"))
+        if len(set(vehicle.driven_wheels)) > 2:
+            raise ValueError(
+                f"electronic_differential slip_target needs rear_left and rear_right as the only driven wheels,"
+                f" vehicle {vehicle.name} drives {', '.join(vehicle.driven_wheels)}"
+            )
+        self._p = parameters
+        self._vehicle = vehicle
+        self._split = TorqueSplit(parameters.brake, vehicle)
+        self._step_of_gain = {"rate": period, "offset": 1.0, "increment": 1.0}[parameters.reading]
+        self._accumulates = parameters.reading != "offset"
+        self.state = SlipTargetState()
+
+    def step(
+        self,
+        driver: DriverCommand,
+        column: SteeringColumnState,
+        wheels: WheelStates,
+        imu: InertialMeasurement,
+        body: BodyVelocity,
+    ) -> WheelTorqueRequest:
+        """Equal torques [N m] of the rear wheels, each with its correction."""
+        s, equal = self.state, self._split.request(driver)
+        if driver.drive_torque <= 0.0 or driver.brake_torque > 0.0:
+            s.left = s.right = 0.0
+            return equal
+        p, car, delta = self._p, self._vehicle, column.road_wheel_angle
+        if p.source == "truth":
+            u, speed, yaw_rate = body.longitudinal, body.along_path, body.yaw_rate
+        else:
+            yaw_rate = imu.yaw_rate
+            u = speed = free_wheel_speed(wheels.velocity, delta, yaw_rate, car)
+        side = yaw_rate * car.rear_track / 2
+        slip_left = slip_ratio(wheels.velocity.rear_left * car.wheel_radius, u - side, p.slowest)
+        slip_right = slip_ratio(wheels.velocity.rear_right * car.wheel_radius, u + side, p.slowest)
+        difference = p.yaw_gain * (yaw_rate - delta * speed / car.wheelbase)
+        share = equal.drive.rear_left
+        limit = p.largest_correction * share
+        turn = delta or yaw_rate
+        outer_left, outer_right = turn < 0.0, turn > 0.0
+        target_left = p.target_slip + difference if outer_left else p.target_slip
+        target_right = p.target_slip - difference if outer_right else p.target_slip
+        s.left = self._corrected(s.left, outer_left, target_left - slip_left, limit)
+        s.right = self._corrected(s.right, outer_right, target_right - slip_right, limit)
+        return WheelTorqueRequest(Wheels.rear(share + s.left, share + s.right), equal.brake)
+
+    def _corrected(self, correction: float, outer: bool, error: float, limit: float) -> float:
+        """The next correction of a wheel [N m] by its slip error [1], within the limit [N m]."""
+        p = self._p
+        gain = p.k_outer if outer else p.k_inner
+        if p.boundary_layer:
+            switched = min(max(error / p.layer_width, -1.0), 1.0)
+        else:
+            switched = math.copysign(1.0, error) if error else 0.0
+        change = gain * self._step_of_gain * switched
+        return min(max(correction + change if self._accumulates else change, -limit), limit)

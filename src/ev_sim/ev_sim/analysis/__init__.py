@@ -1,0 +1,1 @@
+"""Linear models of the steering car, beside the simulated one."""

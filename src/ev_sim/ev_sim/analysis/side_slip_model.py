@@ -1,0 +1,88 @@
+"""Linear model of the slip angles of a driven two-axle car and its transfer function W12 (Zhileykin 2018)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import StateSpace, TransferFunction
+
+
+@dataclass(frozen=True, slots=True)
+class SideSlipModel:
+    """Rates of the slip angles d1, d2 of a car with a = b = L/2 that accelerates with j cos(phi) at speed V.
+
+    Slip angles [rad] are positive in a left turn: d1 = Theta - (v + L r/2)/V, d2 = -(v - L r/2)/V, angles small. Each
+    axle carries K d, and the drive force h X of the front axle acts along its wheels. M_z = (1 - h) X q B is positive
+    against the turn and counts with L r = V (Theta + dA) as m_z = M_z/(J_z r). The rate of the steering angle is
+    dropped. Zhileykin (2018), eqs 1 to 7; the lever B is as printed (a difference q of the rear forces has B/2).
+    """
+
+    wheelbase: float  # L [m]
+    mass: float  # m [kg]
+    yaw_inertia: float  # J_z [kg m^2]
+    axle_cornering_stiffness: float  # K, of each axle [N/rad]
+    speed: float  # V, above zero [m/s]
+    longitudinal_acceleration: float = 0.0  # j cos(phi) [m/s^2]
+    drive_force: float = 0.0  # X, of both axles [N]
+    front_share: float = 0.0  # h [1]
+    rear_difference: float = 0.0  # q = (lambda - 1)/(lambda + 1) [1]
+    rear_track: float = 1.5  # B [m]
+    yaw_rate: float = 1.0  # r at which m_z is taken, not zero [rad/s]
+
+    @property
+    def stabilising_moment(self) -> float:
+        """M_z = (1 - h) X q B, positive against the turn [N m]."""
+        return (1 - self.front_share) * self.drive_force * self.rear_difference * self.rear_track
+
+    @property
+    def moment_rate(self) -> float:
+        """m_z = M_z/(J_z r) [1/s]."""
+        return self.stabilising_moment / (self.yaw_inertia * self.yaw_rate)
+
+    @property
+    def damping(self) -> float:
+        """D = K L^2/(2 V J_z) + j cos(phi)/V + m_z [1/s]; the model is stable if it is above zero."""
+        stiffness = self.axle_cornering_stiffness * self.wheelbase**2 / (2 * self.speed * self.yaw_inertia)
+        return stiffness + self.longitudinal_acceleration / self.speed + self.moment_rate
+
+    @property
+    def excitation(self) -> float:
+        """N = L^2 h X/(2 V J_z) - j cos(phi)/V - m_z [1/s]; zero means that the car steers neutrally."""
+        drive = self.wheelbase**2 * self.front_share * self.drive_force / (2 * self.speed * self.yaw_inertia)
+        return drive - self.longitudinal_acceleration / self.speed - self.moment_rate
+
+    @property
+    def neutral_front_share(self) -> float:
+        """Front share h that makes the car steer neutrally without M_z: 2 J_z j cos(phi)/(L^2 X) [1] (eq 4)."""
+        return 2 * self.yaw_inertia * self.longitudinal_acceleration / (self.wheelbase**2 * self.drive_force)
+
+    @property
+    def neutral_rear_difference(self) -> float:
+        """Difference q of the rear shares that makes the car steer neutrally at this h < 1 (eq 7) [1]."""
+        needed = self.excitation + self.moment_rate
+        rear_moment = (1 - self.front_share) * self.drive_force * self.rear_track
+        return needed * self.yaw_inertia * self.yaw_rate / rear_moment
+
+    def transfer_function(self) -> TransferFunction:
+        """W12(s) = dA/Theta = N/(D + s), with dA = d2 - d1 (eq 3, and eq 6 with M_z)."""
+        return TransferFunction([self.excitation], [1.0, self.damping])
+
+    def state_space(self) -> StateSpace:
+        """States and outputs d1, d2, input Theta, all in rad (eqs 1 and 2)."""
+        length, speed = self.wheelbase, self.speed
+        turn, growth = speed / length, self.longitudinal_acceleration / speed
+        lever = length**2 / (4 * self.yaw_inertia)
+        same, cross = 1 / self.mass + lever, 1 / self.mass - lever
+        stiffness, force = self.axle_cornering_stiffness / speed, self.front_share * self.drive_force / speed
+        moment = self.moment_rate / 2
+        a = [
+            [-turn - stiffness * same - growth - moment, turn - stiffness * cross + moment],
+            [-turn - stiffness * cross + moment, turn - stiffness * same - growth - moment],
+        ]
+        b = [[turn + growth - force * same + moment], [turn - force * cross - moment]]
+        return StateSpace(np.array(a), np.array(b), np.eye(2), np.zeros((2, 1)))
+
+    def magnitude(self, frequency: np.ndarray) -> np.ndarray:
+        """|W12(j w)| [1] at circular frequencies [rad/s] (eq 3)."""
+        return abs(self.excitation) / np.hypot(frequency, self.damping)
