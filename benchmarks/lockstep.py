@@ -2,8 +2,9 @@
 
     source scripts/setup.sh && python benchmarks/lockstep.py [--steps N] [--repeats N] [--json FILE]
 
-The ring has as many processes as the graph has nodes. Each relay waits for one message, takes it serialized and sends
-a message of the next type of the graph's chain; nothing is computed, so no graph over this middleware is faster.
+The rings have as many processes as the graph has nodes. Each relay waits for one message and sends one of the next type
+of the graph's chain; nothing is computed. There are two: `ring` is a node as rclpy offers it, typed messages on its
+fastest executor, and `raw_ring` the least that is possible over this middleware, serialized messages and one wait set.
 """
 
 from __future__ import annotations
@@ -17,11 +18,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import rclpy
+from rclpy.experimental import EventsExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
+from rclpy.serialization import deserialize_message
 
 from ev_msgs_py.run_role import make_node
 from ev_msgs_py.signals import (
@@ -50,13 +54,18 @@ STEPS_PER_SECOND = re.compile(r"([\d.]+) steps/s")
 class Relay(Node):
     """Sends the message of one type on when one of the type before has come."""
 
-    def __init__(self, place: int, context: rclpy.Context | None = None) -> None:
+    def __init__(self, place: int, raw: bool, context: rclpy.Context | None = None) -> None:
         super().__init__(f"relay{place}", context=context)
         incoming, outgoing = wire_format(CHAIN[place - 1]), wire_format(CHAIN[place])
-        self.incoming, self.message = incoming.message_class, outgoing.template
+        self.incoming = incoming.message_class
+        self.message = outgoing.template if raw else deserialize_message(outgoing.template, outgoing.message_class)
         self.sender = self.create_publisher(outgoing.message_class, f"ring{place}", QUALITY)
-        before = (place - 1) % len(CHAIN)
-        self.receiver = self.create_subscription(self.incoming, f"ring{before}", lambda message: None, QUALITY, raw=True)
+        before = f"ring{(place - 1) % len(CHAIN)}"
+        self.came = False
+        self.receiver = self.create_subscription(self.incoming, before, self._receive, QUALITY, raw=raw)
+
+    def _receive(self, message: object) -> None:
+        self.came = True
 
     def connected(self) -> bool:
         """Whether both neighbours are there."""
@@ -71,26 +80,40 @@ class Relay(Node):
         self.sender.publish(self.message)
 
 
-def wait_for(relay: Relay) -> None:
-    """Sleep until a message comes, a second at most."""
+def receive_raw(relay: Relay) -> None:
+    """Wait for a message, by a wait set of its own."""
+    while not relay.take():
+        _sleep(relay)
+
+
+def receive_typed(relay: Relay, executor: EventsExecutor) -> None:
+    """Wait for a message, by the executor."""
+    while not relay.came:
+        executor.spin_once(timeout_sec=1.0)
+    relay.came = False
+
+
+def _sleep(relay: Relay) -> None:
     with relay.context.handle:
         wait_set = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, relay.context.handle)
         wait_set.add_subscription(relay.receiver.handle)
         wait_set.wait(1_000_000_000)
 
 
-def relay_process(place: int, rounds: int) -> None:
-    """One process of the ring; the first one counts the rounds and prints their rate."""
+def relay_process(place: int, raw: bool, rounds: int) -> None:
+    """One process of a ring; the first one counts the rounds and prints their rate."""
     rclpy.init()
-    relay = Relay(place)
+    relay = Relay(place, raw)
+    executor = EventsExecutor()
+    executor.add_node(relay)
+    receive = partial(receive_raw, relay) if raw else partial(receive_typed, relay, executor)
     while not relay.connected():
         time.sleep(0.01)
     if place == 0:
         time.sleep(0.5)  # the others may still be connecting
         relay.send()
     for count in range(WARM_UP + rounds):
-        while not relay.take():
-            wait_for(relay)
+        receive()
         if place == 0 and count == WARM_UP:
             start = time.monotonic()
         relay.send()
@@ -117,11 +140,17 @@ def measured_rate(commands: list[list[str]], domain: int, directory: Path) -> fl
     return float(STEPS_PER_SECOND.findall(logs[0].read())[-1])
 
 
-def ring_of_processes(steps: int) -> float:
+def ring_of_processes(steps: int, *options: str) -> float:
     """Rounds per second of the ring with a process per relay."""
-    commands = [[sys.executable, __file__, "--relay", str(i), "--steps", str(steps)] for i in range(len(CHAIN))]
+    relay = [sys.executable, __file__, "--steps", str(steps), *options, "--relay"]
+    commands = [[*relay, str(place)] for place in range(len(CHAIN))]
     with free_domain() as domain, tempfile.TemporaryDirectory() as directory:
         return measured_rate(commands, domain, Path(directory))
+
+
+def raw_ring_of_processes(steps: int) -> float:
+    """The same of the ring of serialized messages."""
+    return ring_of_processes(steps, "--raw")
 
 
 def loaded_run(steps: int):
@@ -148,12 +177,12 @@ def graph_parameters(run, directory: Path) -> dict[str, dict]:
     return nodes
 
 
-def ring_in_one_process(rounds: int) -> float:
-    """Rounds per second of the ring with all relays in this process, polled in their order."""
+def raw_ring_in_one_process(rounds: int) -> float:
+    """Rounds per second of the ring of serialized messages with all relays in this process, polled in their order."""
     with free_domain() as domain:
         context = rclpy.Context()
         rclpy.init(context=context, domain_id=domain)
-        relays = [Relay(place, context) for place in range(len(CHAIN))]
+        relays = [Relay(place, True, context) for place in range(len(CHAIN))]
         while not all(relay.connected() for relay in relays):
             time.sleep(0.01)
         relays[0].send()
@@ -202,12 +231,20 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--relay", type=int, help=argparse.SUPPRESS)
+    parser.add_argument("--raw", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.relay is not None:
-        relay_process(given.relay, given.steps)
+        relay_process(given.relay, given.raw, given.steps)
         return
     offline(given.steps)  # compiles what is not compiled yet
-    measures = (ring_of_processes, graph_of_processes, ring_in_one_process, graph_in_one_process, offline)
+    measures = (
+        ring_of_processes,
+        raw_ring_of_processes,
+        graph_of_processes,
+        raw_ring_in_one_process,
+        graph_in_one_process,
+        offline,
+    )
     rates: dict[str, list[float]] = {measure.__name__: [] for measure in measures}
     for _ in range(given.repeats):
         for measure in measures:
@@ -215,12 +252,15 @@ def main() -> None:
     median = {name: statistics.median(values) for name, values in rates.items()}
     ratio = {
         "graph_of_processes / ring_of_processes": _ratio(rates, "graph_of_processes", "ring_of_processes"),
-        "graph_in_one_process / ring_in_one_process": _ratio(rates, "graph_in_one_process", "ring_in_one_process"),
+        "graph_of_processes / raw_ring_of_processes": _ratio(rates, "graph_of_processes", "raw_ring_of_processes"),
+        "graph_in_one_process / raw_ring_in_one_process": _ratio(
+            rates, "graph_in_one_process", "raw_ring_in_one_process"
+        ),
     }
     for name, values in rates.items():
         print(f"{name:24} {median[name]:9.0f} steps/s   ({min(values):.0f} to {max(values):.0f})")
     for name, value in ratio.items():
-        print(f"{name:44} {value:.2f}")
+        print(f"{name:48} {value:.2f}")
     if given.json:
         content = {"steps": given.steps, "steps_per_second": rates, "median": median, "ratio": ratio}
         given.json.write_text(json.dumps(content, indent=2) + "\n")

@@ -14,7 +14,6 @@ from ev_sim.documentation.pages import stale_pages
 from ev_sim.documentation.results import drive_all, result_table
 from ev_sim.recording.recording import load, signal_hash
 from ev_sim.run_scenario import main as run_scenario
-from ev_sim.scenario.domain import free_domain
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -99,25 +98,23 @@ def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def drive_with_own_node(built_in: Path, out: Path, *arguments: str) -> Path:
+def drive_with_own_node(out: Path, *arguments: str) -> Path:
     """The signals of the same run over DDS with own_node.py as the asr."""
-    script = EXAMPLES / "run_with_own_node.sh"
-    own_node = [sys.executable, EXAMPLES / "own_node.py", *arguments]
-    with free_domain() as domain:
-        environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
-        command = [script, built_in / "parameters.yaml", out, "asr", *own_node]
-        subprocess.run(command, env=environment, check=True, timeout=100)
+    command = " ".join([sys.executable, str(EXAMPLES / "own_node.py"), *arguments])
+    run_scenario(
+        ["shchur2019", "--no-record", "--duration", str(DURATION), "--out", str(out), "--node", f"asr={command}"]
+    )
     return out / "signals.npz"
 
 
 def test_own_node_with_an_equal_law_gives_the_equal_hash(built_in: Path, tmp_path: Path):
     """The limit of 1000 N m is never reached, so the law is that of `off`."""
-    own = drive_with_own_node(built_in, tmp_path / "own")
+    own = drive_with_own_node(tmp_path / "own")
     assert signal_hash(load(own)) == signal_hash(load(built_in / "signals.npz"))
 
 
-def test_own_node_replaces_the_built_in_one(built_in: Path, tmp_path: Path):
-    limited = load(drive_with_own_node(built_in, tmp_path / "own", "--ros-args", "-p", f"limit:={LIMIT}"))
+def test_own_node_replaces_the_built_in_one(tmp_path: Path):
+    limited = load(drive_with_own_node(tmp_path / "own", "--ros-args", "-p", f"limit:={LIMIT}"))
     assert np.max(limited.channels["torque_request.drive.front_left"]) > LIMIT
     assert np.max(limited.channels["torque_command.drive.front_left"]) == LIMIT
 

@@ -46,6 +46,7 @@ class CommonParameters:
 P = TypeVar("P")
 _METHOD = "method"
 _SENSORS = "sensors."
+_OWN = ("seed",)  # of the common parameters those that each node may have its own value of
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,8 +103,8 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     write, is checked and then listed as unused, so that one scenario file can serve several methods.
     """
     rest = dict(values)
-    name = rest.pop(_METHOD, ROLES[role].default_method)
-    method = find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false
+    method = chosen_method(role, rest)
+    rest.pop(_METHOD, None)
     common = _take(rest, CommonParameters)
     further = _take(rest, extra) if extra is not None else None
     parameters = _take(rest, method.parameters)
@@ -129,15 +130,24 @@ def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
     return build(of, {name: values.pop(name) for name in flatten(of(), prefix) if name in values}, prefix)
 
 
+def chosen_method(role: str, values: Mapping[str, Any]) -> Method:
+    """The method that the values choose for a role; ParameterError that lists the known ones if there is none."""
+    name = values.get(_METHOD, ROLES[role].default_method)
+    return find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false
+
+
 def check_graph(configurations: Mapping[str, Configuration]) -> None:
     """ParameterError if the configured nodes do not fit together.
 
-    Nodes share one control period and one vehicle, and what a method reads must be written by the others.
+    Nodes share one control period, one mode and one vehicle, what a method reads must be written by the others, and
+    the methods that it requires must be chosen.
     """
-    for name in ("control_period", "vehicle"):
-        values = {role: getattr(configuration.common, name) for role, configuration in configurations.items()}
-        if len(set(values.values())) > 1:
-            raise ParameterError(f"{name} differs between nodes: {values}; allowed is one for all")
+    common = {role: flatten(configuration.common) for role, configuration in configurations.items()}
+    for name in flatten(CommonParameters()):
+        values = {role: values[name] for role, values in common.items()}
+        if name not in _OWN and len(set(values.values())) > 1:
+            said = ", ".join(f"{role} {value}" for role, value in values.items())
+            raise ParameterError(f"{name} differs between nodes: {said}; allowed is one for all")
     written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
     for configuration in configurations.values():
         for signal in configuration.method.inputs:
@@ -146,4 +156,11 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
                 raise ParameterError(
                     f"{configuration.role} method {configuration.method.name} reads {signal.__name__}, "
                     f"which none of the chosen methods writes ({names})"
+                )
+        for role, name in configuration.method.requires.items():
+            chosen = configurations[role].method.name
+            if chosen != name:
+                raise ParameterError(
+                    f"{configuration.role} method {configuration.method.name} requires {role} method {name}, "
+                    f"but {chosen} is chosen"
                 )

@@ -18,7 +18,7 @@ from ev_sim.report.drawing import save_figures
 from ev_sim.report.registry import report_for
 from ev_sim.report.summary import Summary, write_summary
 from ev_sim.report.table import print_table
-from ev_sim.scenario.command_line import arguments, overrides
+from ev_sim.scenario.command_line import arguments, overrides, own_nodes
 from ev_sim.scenario.node_parameters import node_parameters, recorded_topics, write_parameter_file
 from ev_sim.scenario.offline import run_offline
 from ev_sim.scenario.outcome import Outcome, Progress, RunFailed
@@ -83,7 +83,7 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
             return run_in_process(run, directory, not given.no_record, progress)
         from ev_sim.scenario.processes import run_in_processes
 
-        return run_in_processes(run, directory, not given.no_record, progress)
+        return run_in_processes(run, directory, not given.no_record, progress, own_nodes(given))
 
 
 def _drive_offline(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
@@ -115,6 +115,7 @@ def _summary(scenario: Scenario, outcomes: dict[str, Outcome], given: argparse.N
         mode=f"{way}, realtime" if given.realtime else way,
         seed=first[MASTER].common.seed,
         methods={node: configuration.method.name for node, configuration in nodes.items()},
+        own_nodes={role: " ".join(words) for role, words in own_nodes(given).items()},
         parameters={node: configuration.values() for node, configuration in nodes.items()},
         vehicle=vehicle,
         runs=runs,

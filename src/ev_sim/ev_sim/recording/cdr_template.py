@@ -56,7 +56,8 @@ class CdrTemplate:
         ]
         if columns:
             rows[regular] = np.stack(columns, axis=1)
-        for i in {*range(len(messages))} - {regular[j] for j in np.flatnonzero(alike)}:
+            alike &= np.isfinite(rows[regular]).all(axis=1)
+        for i in sorted({*range(len(messages))} - {regular[j] for j in np.flatnonzero(alike)}):
             _, signal = self._wire.unpack(messages[i])
             rows[i] = self._wire.codec.shape.flat(signal)
         return rows

@@ -105,7 +105,7 @@ class RunRecorder:
     def checkpoint(self) -> None:
         """Bring what was written so far to the disk, for times when no message comes."""
         if self._bag is not None:
-            self._bag.checkpoint()
+            self._bag.checkpoint_where_due()
 
     def recording(self) -> Recording:
         """All complete steps as arrays; a topic that said nothing at all is left out."""

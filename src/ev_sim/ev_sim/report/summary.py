@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import platform
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,8 @@ PACKAGES = ("numpy", "scipy", "numba", "rclpy")
 class Summary:
     """Everything that summary.json says.
 
-    `methods`: role -> method. `mode`: offline, in-process, processes or realtime, with what it was asked for.
+    `methods`: role -> method. `own_nodes`: role -> command of a user's node that took its place.
+    `mode`: offline, in-process, processes or realtime, with what it was asked for.
     `wall_time` [s] is that of driving, without start, report and figures. `not_reproducible`: why another run may
     give other numbers, empty if it may not.
     """
@@ -39,6 +40,7 @@ class Summary:
     metrics: Mapping[str, Metric]
     wall_time: float
     not_reproducible: tuple[str, ...] = ()
+    own_nodes: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def simulated_time(self) -> float:
@@ -52,6 +54,7 @@ class Summary:
             "mode": self.mode,
             "seed": self.seed,
             "methods": dict(sorted(self.methods.items())),
+            "own_nodes": dict(sorted(self.own_nodes.items())),
             "metrics": {name: metric.as_json() for name, metric in self.metrics.items()},
             "signal_hash": combined_hash(self.runs),
             "reproducible": not self.not_reproducible,

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.parameters import ParameterError, unknown_name
+from ev_msgs_py.roles import ROLES
 from ev_sim.scenario.scenario import Overrides
+from ev_sim.scenario.yaml_text import read_yaml
 
 _EVERY_NODE = "*"
 
@@ -27,6 +30,9 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--method", action="append", default=[], metavar="NODE=NAME", help="method of a node")
     parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
     parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
+    parser.add_argument(
+        "--node", action="append", default=[], metavar="NODE=COMMAND", help="your own node in the place of ours"
+    )
     parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of every run")
     parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/SCENARIO")
@@ -37,7 +43,23 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
         parser.error("which scenario? --list shows them")
     if given.offline and given.realtime:
         parser.error("--realtime needs DDS: leave out --offline")
+    if given.node and (given.offline or given.in_process):
+        parser.error("--node starts a process: leave out --offline and --in-process")
     return given
+
+
+def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
+    """Commands by role of the nodes that take the place of ours; ParameterError, in one line, for unknown roles."""
+    commands = {}
+    for word in given.node:
+        node, command = _split(word, "=", "--node", "NODE=COMMAND")
+        if node not in ROLES:
+            raise unknown_name("node", node, ROLES)
+        try:
+            commands[node] = shlex.split(command)
+        except ValueError as error:
+            raise ParameterError(f"--node {word!r} is refused: {error}") from None
+    return commands
 
 
 def overrides(given: argparse.Namespace) -> Overrides:
@@ -67,15 +89,6 @@ def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:
 def _parsed(text: str) -> Any:
     """A value as a parameter file would read it."""
     try:
-        value = yaml.safe_load(text)
+        return read_yaml(text)
     except yaml.YAMLError:
         raise ParameterError(f"--set: {text!r} is no YAML value") from None
-    return _as_number(value) if isinstance(value, str) else value
-
-
-def _as_number(text: str) -> float | str:
-    """YAML 1.1 takes 1e-3 for a text; nobody means that."""
-    try:
-        return float(text)
-    except ValueError:
-        return text

@@ -7,7 +7,7 @@ import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -53,8 +53,12 @@ class NodeProcess:
         return f"node {self.name} {how}{said}"
 
 
-def run_in_processes(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
+def run_in_processes(
+    run: Run, directory: Path, bag: bool, progress: Progress, own_nodes: Mapping[str, Sequence[str]] | None = None
+) -> Outcome:
     """Drive a run to its end, every node as its own process over DDS; the recorder writes into `directory`.
+
+    `own_nodes` are commands by role that are started in the place of our nodes, with the same ROS arguments.
 
     RunFailed, with a line that names the node, if one ends before the run does; KeyboardInterrupt if Ctrl-C or SIGTERM
     came. All nodes are stopped then.
@@ -70,7 +74,8 @@ def run_in_processes(run: Run, directory: Path, bag: bool, progress: Progress) -
         nodes: list[NodeProcess] = []
         try:
             for name in parameters:
-                nodes.append(_start(name, run, file, directory / "log", domain))
+                words = (own_nodes or {}).get(name) or command(name)
+                nodes.append(_start(name, words, run, file, directory / "log", domain))
             return _watch(run, nodes, observer, directory, progress, stop)
         finally:
             _stop(nodes)
@@ -93,20 +98,25 @@ def command(name: str) -> list[str]:
     raise RunFailed(f"executable {package} {executable} is not found: source install/local_setup.bash of the workspace")
 
 
-def _start(name: str, run: Run, parameters: Path, logs: Path, domain: int) -> NodeProcess:
+def _start(
+    name: str, words: Sequence[str], run: Run, parameters: Path, logs: Path, domain: int
+) -> NodeProcess:
     logs.mkdir(exist_ok=True)
     log = logs / f"{name}.log"
     arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
     environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
     with log.open("wb") as output:
-        process = subprocess.Popen(
-            [*command(name), *arguments],
-            stdin=subprocess.DEVNULL,
-            stdout=output,
-            stderr=subprocess.STDOUT,
-            env=environment,
-            start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
-        )
+        try:
+            process = subprocess.Popen(
+                [*words, *arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=environment,
+                start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
+            )
+        except OSError as error:
+            raise RunFailed(f"node {name} cannot be started: {words[0]}: {error.strerror}") from None
     return NodeProcess(name, process, log)
 
 

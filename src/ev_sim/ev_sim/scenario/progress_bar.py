@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from ev_sim.scenario.outcome import Progress
 
-_FORMAT = "{desc} {percentage:3.0f} %|{bar:30}| {n:.1f}/{total:.1f} s simulated{postfix} x real time"
+_FORMAT = "{desc} {percentage:3.0f} %|{bar:30}| {n:.1f}/{total:.1f} s simulated, {unit} x real time"
 
 
 def announce(text: str) -> None:
@@ -27,7 +27,7 @@ def progress_bar(name: str, duration: float) -> Iterator[Progress]:
         desc=name,
         total=duration,
         bar_format=_FORMAT,
-        postfix="0.0",
+        unit="0.0",  # the place where the format has room for the real-time factor
         mininterval=0.1 if interactive else 5.0,
         delay=0.2,
         leave=True,
@@ -40,7 +40,7 @@ def progress_bar(name: str, duration: float) -> Iterator[Progress]:
             begun.append(time.monotonic())
         elapsed = time.monotonic() - begun[0] if begun else 0.0
         if elapsed > 0:
-            bar.postfix = f"{simulated / elapsed:.1f}"
+            bar.unit = f"{simulated / elapsed:.1f}"
         bar.update(min(simulated, duration) - bar.n)
 
     with bar:

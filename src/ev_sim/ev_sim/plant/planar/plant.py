@@ -78,7 +78,7 @@ class PlanarParameters(DriveParameters):
 
 @method("plant", "planar")
 class PlanarPlant:
-    """Body in the plane, four wheels on real tyres and real roads, drives and battery; docs/planar_plant.md.
+    """Body in the plane, four wheels on real tyres and real roads, drives and battery (docs/planar_plant.md).
 
     `state` is a float64 array (names in state.py), advanced in place; the plant is a pure function of its
     parameters and of the commands so far, to the bit.
