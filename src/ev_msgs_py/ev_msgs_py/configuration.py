@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from ev_msgs_py import stamps
+from ev_msgs_py.efficiency_map import with_map_from_file
 from ev_msgs_py.measured import behind_sensors
 from ev_msgs_py.methods import Method, create, find_method, methods_of
 from ev_msgs_py.parameters import (
@@ -119,6 +120,7 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
             known = [_METHOD, *flatten(common), *flatten(parameters), *(flatten(further) if further else ())]
             is_sensor = name.startswith(_SENSORS)  # there are many: listed where one is meant
             raise unknown_name(f"parameter of {role}", name, flatten(sensors, _SENSORS) if is_sensor else known)
+    common = dataclasses.replace(common, vehicle=with_map_from_file(common.vehicle))
     load_files = getattr(method.factory, "load_files", None)
     if load_files is not None:
         parameters = load_files(parameters)
