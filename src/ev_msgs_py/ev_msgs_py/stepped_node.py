@@ -173,7 +173,8 @@ class SteppedNode(Node):
             successor = configuration.create()
         except ValueError as error:
             return SetParametersResult(successful=False, reason=str(error))
-        if configuration.parameters != self.configuration.parameters:
+        before = self.configuration
+        if (configuration.parameters, configuration.sensors) != (before.parameters, before.sensors):
             successor.state = self.stepper.object.state
             self.stepper.object = successor
             self.warn(f"parameters changed to {given}: the run is not reproducible")
