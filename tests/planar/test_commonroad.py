@@ -89,7 +89,7 @@ def of_commonroad(speed: float, angle: float) -> np.ndarray:
 @pytest.mark.parametrize("speed", [10.0, 20.0, 30.0])
 @pytest.mark.parametrize("angle", [0.005, -0.005])
 def test_step_steer_is_that_of_commonroads_single_track_model(speed, angle):
-    """Within 2 % of the largest yaw rate and sideslip; what is left is the track width and the second order of angles."""
+    """Within 2 % of the largest yaw rate and sideslip; what is left are track width and second order of angles."""
     expected = of_commonroad(speed, angle)
     assert np.abs(expected[:, 0]).max() > 0.01
     largest = np.abs(expected).max(axis=0)
