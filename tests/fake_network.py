@@ -102,13 +102,16 @@ class FakeNetwork:
         self._publish(MASTER, self.master.answer)
 
     def run(self, patience: int = 200) -> None:
-        """Drive the run to its end; Stuck if the master repeats one state `patience` times in vain."""
-        stamp, since = self.now, self.silences
+        """Drive the run to its end; Stuck if the master repeats one state so often in vain, or nothing else happens."""
+        stamp, silences, turns = self.now, 0, 0
         while not self.at_end:
+            before = self.silences
             self.turn()
+            silences += self.silences - before
+            turns += 1
             if self.now != stamp:
-                stamp, since = self.now, self.silences
-            if self.silences - since > patience:
+                stamp, silences, turns = self.now, 0, 0
+            if silences > patience or turns > 100 * patience:
                 waits = {r: [k.__name__ for k in s.inbox.missing()] for r, s in self.steppers.items()}
                 raise Stuck(f"at step {stamp // self.master.period}, waiting: {waits}")
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from operator import attrgetter, itemgetter
 from typing import Any
 
-from ev_msgs_py.shape import Shape, shape_of
+from ev_msgs_py.shape import Shape, SignalError, shape_of
 from ev_msgs_py.wheels import WHEEL_NAMES
 
 
@@ -38,6 +38,10 @@ class Codec(ABC):
     @abstractmethod
     def decode(self, message: Any) -> Any:
         """The signal in a message; MessageError if names are wrong, numbers are missing or not finite."""
+
+    def numbers(self, signal: Any) -> Sequence[float]:
+        """The numbers that the message carries, in order of the channels; SignalError if one is not finite."""
+        return self.shape.flat(signal)
 
     def carried(self, signal: Any) -> Any:
         """The signal as it arrives at the other end: the same, unless the message carries single precision."""
@@ -115,7 +119,8 @@ class JointStateCodec(Codec):
             arrays = [getattr(message, kind) for kind, _ in self._rows]
             wrong = [kind for (kind, _), a in zip(self._rows, arrays, strict=True) if len(a) != len(self.names)]
             if wrong:
-                raise MessageError(f"{wrong[0]} does not have one number per joint, allowed are {len(self.names)}")
+                count = len(getattr(message, wrong[0]))
+                raise MessageError(f"{wrong[0]} has {count} numbers, allowed are {len(self.names)}, one per joint")
             return self.signal_with(self._gather([value for a in arrays for value in a]))
         return self.decode(self._reordered(message))
 
@@ -148,17 +153,30 @@ class FieldCodec(Codec):
         return message
 
     def encode(self, signal: Any, message: Any) -> None:
-        for place, value in zip(self._places, self.shape.flat(signal), strict=True):
+        for place, value in zip(self._places, self.numbers(signal), strict=True):
             parent, _, leaf = place.rpartition(".")
             setattr(attrgetter(parent)(message) if parent else message, leaf, value)
 
     def decode(self, message: Any) -> Any:
         return self.signal_with(self._get(message))
 
-    def carried(self, signal: Any) -> Any:
+    def numbers(self, signal: Any) -> Sequence[float]:
+        values = self.shape.flat(signal)
         if not self._single_precision:
-            return signal
-        return self.shape.signal_of(tuple(array("f", self.shape.flat(signal))))
+            return values
+        single = array("f", values)
+        if not math.isfinite(sum(single)):
+            self._refuse_overflow(values, single)
+        return single
+
+    def _refuse_overflow(self, values: Sequence[float], single: Sequence[float]) -> None:
+        for channel, value, carried in zip(self.shape.channels, values, single, strict=True):
+            if not math.isfinite(carried):
+                name = f"{self.shape.signal.__name__}.{channel}"
+                raise SignalError(f"{name} is {value}, allowed is what single precision holds, up to 3.4e38")
+
+    def carried(self, signal: Any) -> Any:
+        return self.shape.signal_of(tuple(self.numbers(signal))) if self._single_precision else signal
 
 
 class ImuCodec(FieldCodec):

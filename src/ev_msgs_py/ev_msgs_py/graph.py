@@ -24,7 +24,7 @@ def writers(roles: Mapping[str, Role]) -> dict[type, str]:
 
 
 def step_order(roles: Mapping[str, Role]) -> tuple[str, ...]:
-    """Names of the roles that answer at once, each after everything that it reads; ties in order of declaration.
+    """Names of the roles that answer at once, each after everything that it reads; always in the same order.
 
     GraphError if a signal that is read is written by nobody, or if instant reads form a cycle.
     """

@@ -39,7 +39,7 @@ class MasterNode(SteppedNode):
         self._steps_granted = 0
         self._newest: dict[type, tuple[int, Any]] = {}
         self._order = range(len(self.writers))  # in which the signals of an answer are published
-        self.overruns = 0  # realtime steps that came more than one period late
+        self._overruns = 0  # realtime steps that came more than one period late
         for name, handler in (
             ("pause", self._on_pause),
             ("resume", self._on_resume),
@@ -110,9 +110,9 @@ class MasterNode(SteppedNode):
         if self.stepper.inbox.complete() is None or not self._recorder_keeps_up():
             self._put_awaited_signals_first()
             self._publish(self.stepper.answer)
-            if wall - self._reached > self.time_parameters.answer_timeout and not self._named_silent:
-                self._named_silent = True
+            if wall - max(self._reached, self._named) > self.time_parameters.answer_timeout:
                 self._name_the_silent()
+                self._named = wall
 
     def reconfigured(self) -> None:
         """Time goes on from here at its new pace."""
@@ -122,7 +122,8 @@ class MasterNode(SteppedNode):
         self._recorded = -1
         self._newest.clear()
         self._steps_granted = 0
-        self._named_silent = False
+        self._named = 0.0  # wall time when silent nodes were looked for
+        self._silence = ""  # what was said of them
         self._publish(self.stepper.begin_run())
         self._reached = self._published
         self._pace_from_here()
@@ -186,12 +187,18 @@ class MasterNode(SteppedNode):
             self._steps_granted = max(self._steps_granted - 1, 0)
             overrun = self.realtime and time.monotonic() - self._due() > self.stepper.period / stamps.NANOSECONDS
             self._publish(self._held_step() if self.realtime else self.stepper.step())
-            self._reached, self._named_silent = self._published, False
+            self._reached, self._silence = self._published, ""
             if self.now == self.stepper.period:
                 self._pace_from_here()  # the first step has waited for all nodes to come up
             if overrun:
-                self.overruns += 1
-                self._pace_from_here()  # time that is lost stays lost: a burst of late steps would be no real time
+                self._note_overrun()
+
+    def _note_overrun(self) -> None:
+        """Time that is lost stays lost: a burst of late steps would be no real time."""
+        self._pace_from_here()
+        self._overruns += 1
+        if self._overruns == 1:
+            self.warn(f"realtime: the step to {stamps.to_seconds(self.now)} s came more than a period late")
 
     def _end(self) -> None:
         self.done = True
@@ -199,6 +206,8 @@ class MasterNode(SteppedNode):
         simulated = stamps.to_seconds(self.now - self._start_stamp)
         steps = (self.now - self._start_stamp) // self.stepper.period
         self.get_logger().info(f"{simulated:g} s simulated in {wall:.3f} s, {steps / wall:.1f} steps/s")
+        if self._overruns:
+            self.get_logger().warning(f"{self._overruns} steps came more than a period late")
 
     def _held_step(self) -> Answer:
         """One step with the newest inputs; without a torque command that is fresh enough the torque is zero."""
@@ -210,13 +219,16 @@ class MasterNode(SteppedNode):
         return self.stepper.step_with(self.now, inputs)
 
     def _name_the_silent(self) -> None:
+        """Say whom the run waits for, and again when more is known: a killed node leaves the graph seconds later."""
         names = {name for name, space in self.get_node_names_and_namespaces() if space == self.get_namespace()}
         gone = [role for role in ROLES if role not in names]
         missing = [kind.__name__ for kind in self.stepper.inbox.missing()]
         behind = ["the recorder"] if not missing else []
         waiting = f"waiting for {', '.join(missing + behind)} at {stamps.to_seconds(self.now)} s"
         where = f"not in the graph: {', '.join(gone)}" if gone else "all nodes are in the graph, one does not answer"
-        self.get_logger().error(f"{waiting} since {self.time_parameters.answer_timeout} s; {where}")
+        if where != self._silence:
+            self._silence = where
+            self.get_logger().error(f"{waiting} for {time.monotonic() - self._reached:.1f} s; {where}")
 
     def _on_pause(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._paused, self._steps_granted = True, 0

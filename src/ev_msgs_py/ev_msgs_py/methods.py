@@ -48,6 +48,11 @@ class Method:
         return getattr(self.factory, "writes", ROLES[self.role].writes)
 
     @property
+    def requires(self) -> dict[str, str]:
+        """By role the method without which this one makes no sense."""
+        return getattr(self.factory, "requires", {})
+
+    @property
     def about(self) -> str:
         """First line of the docstring."""
         return (inspect.getdoc(self.factory) or "").partition("\n")[0]
@@ -58,7 +63,9 @@ def method(role: str, name: str) -> Callable[[type], type]:
 
     The class has `parameters` (a parameter dataclass), `__init__(parameters, vehicle, period)` and, by the kind of
     its role, `step(...)` (answers at once) or `outputs()` and `advance(...)` (integrates). The annotations of `step`
-    or `advance` name the signals it reads; TypeError if its role may not read one of them.
+    or `advance` name the signals it reads; TypeError if its role may not read one of them. All that lasts between
+    steps is in its attribute `state`. It may say `writes` (the part of its role's signals that it can know) and
+    `requires` (by role the method without which it makes no sense).
     """
 
     def register(factory: type) -> type:

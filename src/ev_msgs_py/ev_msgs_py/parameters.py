@@ -123,7 +123,7 @@ def check(entry: Entry, value: Any) -> Any:
     Raises ParameterError for a wrong type, a value out of range, NaN or infinity.
     """
     if entry.is_array:
-        if isinstance(value, str) or not hasattr(value, "__iter__"):
+        if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, Iterable):
             raise _refused(entry, value, f"an array of {_type_word(entry.type)}")
         return tuple(_check_element(entry, element) for element in value)
     return _check_element(entry, value)
@@ -134,9 +134,13 @@ def _check_element(entry: Entry, value: Any) -> Any:
     if entry.type is float:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise _refused(entry, value, f"a number, {spec.allowed}")
-        value = float(value)
-        if not math.isfinite(value):
+        try:
+            number = float(value)
+        except OverflowError:  # a whole number beyond all floats
+            number = math.inf
+        if not math.isfinite(number):
             raise _refused(entry, value, f"a finite number, {spec.allowed}")
+        value = number
     elif entry.type is bool:
         if not isinstance(value, bool):
             raise _refused(entry, value, "true or false")

@@ -48,6 +48,7 @@ class SteppedNode(Node):
         self.role = role
         self.done = False
         self._gaps: set[Topic] = set()
+        self._joined_late = False
         self.configuration = configure(role, ros_parameters.overrides(self), self.extra_parameters)
         ros_parameters.declare(self, self.configuration.entries())
         self.stepper = Stepper(self.configuration.method, self._create, self.configuration.period, self.realtime)
@@ -126,7 +127,8 @@ class SteppedNode(Node):
         stamp, signal = received
         fresh = self.stepper.is_fresh
         arrival = self.stepper.offer(topic.signal, stamp, signal)
-        if fresh and stamp > 0:
+        if fresh and stamp > 0 and not self._joined_late:
+            self._joined_late = True
             self.warn(f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible")
         self.arrived(topic, stamp, arrival)
 
@@ -171,7 +173,8 @@ class SteppedNode(Node):
             successor = configuration.create()
         except ValueError as error:
             return SetParametersResult(successful=False, reason=str(error))
-        if configuration.parameters != self.configuration.parameters:
+        before = self.configuration
+        if (configuration.parameters, configuration.sensors) != (before.parameters, before.sensors):
             successor.state = self.stepper.object.state
             self.stepper.object = successor
             self.warn(f"parameters changed to {given}: the run is not reproducible")

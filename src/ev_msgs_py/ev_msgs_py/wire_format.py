@@ -67,7 +67,7 @@ class WireFormat:
 
     def pack(self, stamp: int, signal: Any) -> bytes:
         """The message of a signal; SignalError if one of its numbers is not finite."""
-        numbers = self.codec.shape.flat(signal)
+        numbers = self.codec.numbers(signal)
         return self._struct.pack(
             *self._in_order((*divmod(stamp, stamps.NANOSECONDS), *numbers, *self._constants))
         )

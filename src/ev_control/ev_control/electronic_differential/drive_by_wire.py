@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from ev_control.electronic_differential.torque_split import (
     BrakeSplitParameters,
@@ -39,6 +40,7 @@ class DriveByWire:
     """
 
     parameters = DriveByWireParameters
+    requires = MappingProxyType({"steering_column": "by_wire"})  # the hands must not turn the road wheels as well
     state = None  # nothing lasts between steps
 
     def __init__(self, parameters: DriveByWireParameters, vehicle: Vehicle, period: float) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from ev_control.electronic_differential.torque_split import (
     BrakeSplitParameters,
@@ -73,6 +74,7 @@ class SteerByWire:
     """
 
     parameters = SteerByWireParameters
+    requires = MappingProxyType({"steering_column": "by_wire"})  # the hands must not turn the road wheels as well
 
     def __init__(self, parameters: SteerByWireParameters, vehicle: Vehicle, period: float) -> None:
         require_driven_front_wheels(vehicle, "steer_by_wire")

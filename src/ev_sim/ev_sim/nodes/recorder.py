@@ -28,7 +28,6 @@ from ev_sim.recording.recording import save
 from ev_sim.recording.run_recorder import RunRecorder
 
 _POLL_PERIOD = 0.01  # s; several steps are taken in one go, which costs less than waking up for each message
-_CHECKPOINT_PERIOD = 0.5  # s; a recorder that is killed loses no more than that
 
 
 class RecorderNode(Node):
@@ -50,11 +49,12 @@ class RecorderNode(Node):
         names = [self.resolve_topic_name(topic.name) for topic in topics]
         period = stamps.from_seconds(p.control_period)
         self._last = stamps.from_seconds(p.duration) // period * period
-        self._recorder = RunRecorder(topics, names, period, bag, may_skip=p.mode == "realtime")
+        realtime = p.mode == "realtime"
+        self._recorder = RunRecorder(topics, names, period, bag, realtime, self._last or None)
         self._wrote = False
         self._told = -1
         self._clock = -1
-        self._next_poll = self._next_checkpoint = 0.0
+        self._next_poll = 0.0
         self._all_subscriptions = [self._subscribe(index, topic) for index, topic in enumerate(topics)]
         self._all_subscriptions.append(self.create_subscription(Clock, "/clock", self._on_clock, QUALITY, raw=True))
         self._all_subscriptions.append(
@@ -115,9 +115,7 @@ class RecorderNode(Node):
             self._progress.publisher.wait_for_all_acked(Duration(seconds=2.0))
             self.finish()
             self.done = True
-        if time.monotonic() >= self._next_checkpoint:
-            self._recorder.checkpoint()
-            self._next_checkpoint = time.monotonic() + _CHECKPOINT_PERIOD
+        self._recorder.checkpoint()
 
     def finish(self) -> None:
         """Write signals.npz with all complete steps and close the bag."""

@@ -44,7 +44,7 @@ class DurableBag:
     def __init__(
         self,
         directory: Path,
-        checkpoint_period: float = 0.5,
+        checkpoint_period: float = 0.8,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         if directory.exists():
@@ -85,14 +85,15 @@ class DurableBag:
         """Record one message, CDR with its encapsulation header as a raw subscription delivers it."""
         self._writer.write(handle, stamp_ns, data)
         self._pending = True
+        self.checkpoint_where_due()
+
+    def checkpoint_where_due(self) -> None:
+        """A checkpoint if the period is over; `write` calls this, and whoever may fall silent does so as well."""
         if self._clock() >= self._next_checkpoint:
             self.checkpoint()
 
     def checkpoint(self) -> None:
-        """Make the bag on disk hold everything written so far; free when it already does.
-
-        Only `write` looks at the clock: whoever may fall silent calls this now and then.
-        """
+        """Make the bag on disk hold everything written so far; free when it already does."""
         if self._pending:
             self._commit()
 

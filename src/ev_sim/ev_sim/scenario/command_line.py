@@ -12,6 +12,7 @@ import yaml
 from ev_msgs_py.parameters import ParameterError, unknown_name
 from ev_msgs_py.roles import ROLES
 from ev_sim.scenario.scenario import Overrides
+from ev_sim.scenario.yaml_text import read_yaml
 
 _EVERY_NODE = "*"
 
@@ -54,7 +55,10 @@ def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
         node, command = _split(word, "=", "--node", "NODE=COMMAND")
         if node not in ROLES:
             raise unknown_name("node", node, ROLES)
-        commands[node] = shlex.split(command)
+        try:
+            commands[node] = shlex.split(command)
+        except ValueError as error:
+            raise ParameterError(f"--node {word!r} is refused: {error}") from None
     return commands
 
 
@@ -85,15 +89,6 @@ def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:
 def _parsed(text: str) -> Any:
     """A value as a parameter file would read it."""
     try:
-        value = yaml.safe_load(text)
+        return read_yaml(text)
     except yaml.YAMLError:
         raise ParameterError(f"--set: {text!r} is no YAML value") from None
-    return _as_number(value) if isinstance(value, str) else value
-
-
-def _as_number(text: str) -> float | str:
-    """YAML 1.1 takes 1e-3 for a text; nobody means that."""
-    try:
-        return float(text)
-    except ValueError:
-        return text

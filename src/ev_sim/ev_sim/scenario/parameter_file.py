@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from ev_msgs_py.parameters import ParameterError
+from ev_sim.scenario.yaml_text import read_yaml
 
 _SECTION = "ros__parameters"
 
@@ -23,7 +24,7 @@ class ParameterFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         try:
-            content = yaml.safe_load(path.read_text(encoding="utf-8"))
+            content = read_yaml(path.read_text(encoding="utf-8"))
         except OSError as error:
             raise ParameterError(f"{path}: {error.strerror}") from None
         except (yaml.YAMLError, UnicodeDecodeError) as error:

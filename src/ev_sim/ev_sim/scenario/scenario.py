@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.configuration import Configuration, check_graph, configure
+from ev_msgs_py.config_directory import config_directory
+from ev_msgs_py.configuration import Configuration, check_graph, chosen_method, configure
 from ev_msgs_py.master_parameters import MasterParameters
 from ev_msgs_py.parameters import ParameterError, build, parameter, unknown_name
 from ev_msgs_py.roles import MASTER, ROLES
-from ev_sim.config_directory import config_directory
 from ev_sim.scenario.parameter_file import ParameterFile, matches
 
 NAMESPACE = "/ev"
@@ -136,18 +136,30 @@ def _refuse_unknown_overrides(overrides: Overrides) -> None:
 
 
 def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides, duration: float) -> Run:
+    values = {role: _values(role, namespace, files, overrides) for role in ROLES}
+    values[MASTER]["duration"] = duration
     configurations = {}
     for role in ROLES:
-        values: dict[str, Any] = {}
-        for file in files:
-            values.update(file.values_for(f"{namespace}/{role}"))
-        values.update({key: value for node, key, value in overrides.values if node in ("*", role)})
-        extra = MasterParameters if role == MASTER else None
-        if extra is not None:
-            values["duration"] = duration
         try:
-            configurations[role] = configure(role, values, extra)
+            for other, needed in chosen_method(role, values[role]).requires.items():
+                values[other].setdefault("method", needed)
+        except ParameterError as error:
+            raise ParameterError(f"{role}: {error}") from None
+    for role in ROLES:
+        try:
+            configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}") from None
     check_graph(configurations)
+    period = configurations[MASTER].common.control_period
+    if duration < period:
+        raise ParameterError(f"duration: {duration!r} is refused, allowed is at least one control period, {period:g} s")
     return Run(name, namespace, configurations, duration)
+
+
+def _values(role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for file in files:
+        values.update(file.values_for(f"{namespace}/{role}"))
+    values.update({key: value for node, key, value in overrides.values if node in ("*", role)})
+    return values

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group, parameter
+from ev_msgs_py.parameters import ParameterError, group, parameter
 from ev_msgs_py.signals import (
     BatteryCondition,
     BodyPose,
@@ -78,10 +78,11 @@ class PlanarParameters(DriveParameters):
 
 @method("plant", "planar")
 class PlanarPlant:
-    """Body in the plane, four wheels on real tyres and real roads, drives and battery; docs/planar_plant.md.
+    """Body in the plane, four wheels on real tyres and real roads, drives and battery (docs/planar_plant.md).
 
     `state` is a float64 array (names in state.py), advanced in place; the plant is a pure function of its
-    parameters and of the commands so far, to the bit.
+    parameters and of the commands so far, to the bit. Raises ParameterError if the vehicle names an efficiency map
+    that has not been read (`ev_msgs_py.efficiency_map`).
     """
 
     parameters = PlanarParameters
@@ -246,6 +247,8 @@ def _track_arrays(segments: Segments, vehicle: Vehicle) -> tuple[np.ndarray, np.
 
 def _efficiency_map(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     motor = vehicle.motor
+    if motor.map_file:
+        raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
     shape = (len(motor.map_speed), len(motor.map_torque))
     if not motor.map_efficiency:
         return np.zeros(1), np.zeros(1), np.zeros((1, 1))

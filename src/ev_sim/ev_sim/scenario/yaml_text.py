@@ -1,0 +1,25 @@
+"""YAML as ROS reads it: also a number without a point or without a sign in its exponent is a number."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import yaml
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML 1.1 takes 1e-3 and 1.0e3 for texts; ROS and YAML 1.2 do not."""
+
+
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
+)
+
+
+def read_yaml(text: str) -> Any:
+    """The content of a YAML text; yaml.YAMLError if it is none."""
+    try:
+        return yaml.load(text, _Loader)
+    except ValueError as error:  # what looks like a date and is none
+        raise yaml.YAMLError(str(error)) from None
