@@ -85,7 +85,9 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     speed = panel("Speed", "speed [m/s]", lambda: motion.curve_of_each_run(runs, quantities.speed))
     return {
         "speed": sheet([speed], "time [s]", columns=1),
-        "deceleration": sheet([panel("Deceleration", "deceleration [m/s²]", loads)], "speed [km/h]", columns=1, start=0.0),
+        "deceleration": sheet(
+            [panel("Deceleration", "deceleration [m/s²]", loads)], "speed [km/h]", columns=1, start=0.0
+        ),
     }
 
 

@@ -57,12 +57,15 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
             lambda: motion.curve_of_each_run(runs, lambda run: channel(run, f"tire_forces.slip_ratio.{driven}")),
         ),
     ]
-    begin = min((float(run.time[0]) for run in runs.values()), default=0.0)
+    return {"pull_away": sheet(panels, "time [s]", start=_pull_away(runs))}
+
+
+def _pull_away(runs: Runs) -> float | None:
+    """A second before the first release of the brake [s]; None if there is none."""
     try:
-        begin = min(float(run.time[_release(run)]) for run in runs.values()) - 1.0
+        return min(float(run.time[_release(run)]) for run in runs.values()) - 1.0
     except NotMeasured:
-        pass
-    return {"pull_away": sheet(panels, "time [s]", start=begin)}
+        return None
 
 
 def _release(run: Recording) -> int:

@@ -41,7 +41,8 @@ def lanes(vehicle: Vehicle) -> tuple[Lane, ...]:
     edges = np.concatenate(([0.0], np.cumsum(LENGTHS)))
     widths = [factor * body_width(vehicle) + MARGIN for factor in WIDTHS]
     return tuple(
-        Lane(float(edges[2 * n]), float(edges[2 * n + 1]), LANE_OFFSET * (n % 2), width) for n, width in enumerate(widths)
+        Lane(float(edges[2 * n]), float(edges[2 * n + 1]), LANE_OFFSET * (n % 2), width)
+        for n, width in enumerate(widths)
     )
 
 

@@ -34,7 +34,10 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
             "peak_yaw_deviation": metric(lambda: by_then(motion.heading(run)), "rad"),
             "peak_lateral_deviation": metric(lambda: by_then(channel(run, "pose.y")), "m"),
             "peak_steering_wheel_angle": metric(lambda: by_then(channel(run, motion.STEERING_WHEEL_ANGLE)), "rad"),
-            **{f"{wheel}_peak_slip": metric(lambda wheel=wheel: _slip(run, wheel), "1") for wheel in vehicle.driven_wheels},
+            **{
+                f"{wheel}_peak_slip": metric(lambda wheel=wheel: _slip(run, wheel), "1")
+                for wheel in vehicle.driven_wheels
+            },
         }
 
     return motion.of_each_run(runs, of)

@@ -68,7 +68,9 @@ def value_at(run: Recording, values: np.ndarray, time: float) -> float:
 def of_each_run(runs: Runs, measure: Callable[[Recording], dict[str, Metric]]) -> dict[str, Metric]:
     """The metrics of every run; the name of the run stands in front if there are several."""
     return {
-        f"{name}_{key}" if len(runs) > 1 else key: value for name, run in runs.items() for key, value in measure(run).items()
+        f"{name}_{key}" if len(runs) > 1 else key: value
+        for name, run in runs.items()
+        for key, value in measure(run).items()
     }
 
 

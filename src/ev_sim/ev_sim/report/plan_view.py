@@ -13,7 +13,9 @@ from ev_sim.report.panels import Curve
 WIDTH, HEIGHT = 9.2, 3.2  # [inch]
 
 
-def plan_view(title: str, tracks: Sequence[Curve], cones: np.ndarray | None = None, hit: np.ndarray | None = None) -> Figure:
+def plan_view(
+    title: str, tracks: Sequence[Curve], cones: np.ndarray | None = None, hit: np.ndarray | None = None
+) -> Figure:
     """A figure of tracks, y over x [m], to the scale that fits (across and along differ).
 
     `cones` (n, 2) [m] are drawn as rings, filled where `hit` (n,) says so.

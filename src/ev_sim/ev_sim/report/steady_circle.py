@@ -15,7 +15,7 @@ from ev_sim.recording.recording import Recording
 from ev_sim.report import motion, quantities
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.report.panels import Curve, panel
-from ev_sim.report.samples import Parameters, Runs, channel, run_named
+from ev_sim.report.samples import Parameters, Runs, channel
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

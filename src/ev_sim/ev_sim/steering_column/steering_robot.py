@@ -31,7 +31,13 @@ class SineWithDwellParameters:
     """One period of a sine that stays at its second peak for a while."""
 
     begin: float = parameter(1.0, unit="s", low=0.0, high=1e5, about="when the sine begins")
-    amplitude: float = parameter(1.0, unit="rad", low=-30.0, high=30.0, about="of the steering wheel, first to the left")
+    amplitude: float = parameter(
+        1.0,
+        unit="rad",
+        low=-30.0,
+        high=30.0,
+        about="of the steering wheel, first to the left",
+    )
     frequency: float = parameter(0.7, unit="Hz", low=0.01, high=10.0, about="of the sine", source="UN R140, FMVSS 126")
     dwell: float = parameter(
         0.5, unit="s", low=0.0, high=10.0, about="stay at the second peak", source="UN R140, FMVSS 126"
