@@ -36,8 +36,6 @@ SCENARIOS = (
     "step_steer",
     "straight_brake_split_mu",
 )
-# Runs in which the car turns round: small differences grow without bound in a spin.
-SPINS = {("sine_with_dwell", "times_5_0"), ("straight_brake_split_mu", "fixed_steering")}
 # What 60 s or more of the same motion add shows in the first seconds, too.
 HALVED_DURATION = {"coast_down": 20.0, "steady_circle": 40.0}
 CASES = [(scenario, run.name) for scenario in SCENARIOS for run in load_scenario(scenario).runs]
@@ -75,9 +73,9 @@ def metrics_of(scenario: str) -> dict[str, float | None]:
     return {name: metric.value for name, metric in report_for(scenario).metrics(runs, vehicle, {}).items()}
 
 
-@pytest.mark.parametrize(("scenario", "name"), [case for case in CASES if case not in SPINS])
+@pytest.mark.parametrize(("scenario", "name"), CASES)
 def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
-    """Less than 0.1 % of the way and of the largest speeds of the run, at its end; spins excepted."""
+    """Less than 0.1 % of the way and of the largest speeds of the run, at its end; measured is 8e-6 at most, in spins."""
     recording, coarse = driven(scenario, name)
     _, fine = driven(scenario, name, halved=True)
     assert fine.steps == 2 * coarse.steps
