@@ -142,6 +142,7 @@ class MasterNode(SteppedNode):
         stamps.write(self._clock_message.clock, answer.stamp)
         self._clock_publisher.publish(self._clock_message)
         self._published = time.monotonic()
+        self.pass_notes_on()
 
     def _due(self) -> float:
         """Wall time at which the next instant is due."""

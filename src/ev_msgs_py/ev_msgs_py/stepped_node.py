@@ -16,6 +16,7 @@ from ev_msgs_py import ros_parameters, stamps
 from ev_msgs_py.codec import MessageError
 from ev_msgs_py.configuration import configure
 from ev_msgs_py.inbox import Arrival
+from ev_msgs_py.notes import Notes
 from ev_msgs_py.stepper import Answer, Stepper, arrival_place
 from ev_msgs_py.topics import QUEUE_DEPTH, TOPICS, Topic
 from ev_msgs_py.wire_format import stamp_of, wire_format
@@ -48,6 +49,7 @@ class SteppedNode(Node):
         self.role = role
         self.done = False
         self._gaps: set[Topic] = set()
+        self._notes = Notes()
         self._joined_late = False
         self.configuration = configure(role, ros_parameters.overrides(self), self.extra_parameters)
         ros_parameters.declare(self, self.configuration.entries())
@@ -153,11 +155,21 @@ class SteppedNode(Node):
         """Publish an answer."""
         for signal in answer.signals:
             self.writers[type(signal)].write(answer.stamp, signal)
+        self.pass_notes_on()
+
+    def pass_notes_on(self) -> None:
+        """Say what the object of the method has to say, in the log and, as OK, in /diagnostics."""
+        for text in self._notes.new(self.stepper.object):
+            self.get_logger().info(text)
+            self._diagnose(DiagnosticStatus.OK, text)
 
     def warn(self, text: str) -> None:
-        """Say something once in the log and in /diagnostics."""
+        """Say something once in the log and in /diagnostics: the run may not be reproducible."""
         self.get_logger().warning(text)
-        status = DiagnosticStatus(level=DiagnosticStatus.WARN, name=self.get_fully_qualified_name(), message=text)
+        self._diagnose(DiagnosticStatus.WARN, text)
+
+    def _diagnose(self, level: bytes, text: str) -> None:
+        status = DiagnosticStatus(level=level, name=self.get_fully_qualified_name(), message=text)
         status.values = [KeyValue(key="role", value=self.role)]
         report = DiagnosticArray(status=[status])
         report.header.stamp = self.get_clock().now().to_msg()

@@ -142,7 +142,8 @@ def _watch(
                 raise RunFailed(f"{node.failure()}, at {observer.time:g} s of simulated time")
     wall_time = time.monotonic() - (started if started is not None else time.monotonic())
     progress(run.duration)
-    return Outcome(load(directory / "signals.npz"), wall_time, not_reproducible(run, observer.reports))
+    warnings, notes = not_reproducible(run, observer.warnings), tuple(observer.notes)
+    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes)
 
 
 def _stop(nodes: list[NodeProcess]) -> None:
