@@ -49,7 +49,8 @@ class RecorderNode(Node):
         names = [self.resolve_topic_name(topic.name) for topic in topics]
         period = stamps.from_seconds(p.control_period)
         self._last = stamps.from_seconds(p.duration) // period * period
-        self._recorder = RunRecorder(topics, names, period, bag, may_skip=p.mode == "realtime")
+        realtime = p.mode == "realtime"
+        self._recorder = RunRecorder(topics, names, period, bag, realtime, self._last or None)
         self._wrote = False
         self._told = -1
         self._clock = -1

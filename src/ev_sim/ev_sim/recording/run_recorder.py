@@ -22,18 +22,26 @@ class RunRecorder:
     `names` are the full topic names by which the bag knows the topics; `period` is the step in nanoseconds. Without a
     `bag` directory only the arrays are kept. With `may_skip` (realtime) a step that never comes holds the one before,
     and the run is as far as its master; without, it is as far as its slowest topic, and a missing step is a loss.
+    Nothing behind the stamp `last` is kept: an integrating node is one step ahead of the end.
 
     When the master goes back to step zero (reset), a new run begins: the arrays begin anew, and so does the bag, the
     one before is kept beside it.
     """
 
     def __init__(
-        self, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path | None, may_skip: bool = False
+        self,
+        topics: Sequence[Topic],
+        names: Sequence[str],
+        period: int,
+        bag: Path | None,
+        may_skip: bool = False,
+        last: int | None = None,
     ) -> None:
         self._topics = tuple(topics)
         self._names = tuple(names)
         self._period = period
         self._may_skip = may_skip
+        self._steps = float("inf") if last is None else last // period + 1
         self._messages: list[list[bytes]] = [[] for _ in topics]
         self._masters = {i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes}
         self._pacing = [self._messages[i] for i in self._masters] if may_skip else self._messages
@@ -57,7 +65,7 @@ class RunRecorder:
         step = stamp_of(message) // self._period
         if step == 0 and len(kept) > 1 and index in self._masters:
             self._begin_anew()
-        if step < len(kept) or (self._stale and index not in self._masters):
+        if step >= self._steps or step < len(kept) or (self._stale and index not in self._masters):
             return
         if step > len(kept):
             if self._may_skip:

@@ -11,6 +11,7 @@ from ev_msgs_py import stamps
 from ev_msgs_py.configuration import Configuration, check_graph
 from ev_msgs_py.graph import step_order
 from ev_msgs_py.roles import ROLES, RoleKind
+from ev_msgs_py.shape import Shape
 from ev_msgs_py.signals import Instant
 from ev_msgs_py.topics import TOPICS
 from ev_sim.recording.recording import Recording
@@ -27,6 +28,16 @@ class _Player:
         self._reads = configuration.method.reads
         self._codecs = [(signal, TOPICS[signal].codec) for signal in configuration.method.writes]
         self._now = now
+        self._rows: list[tuple[type, Shape, np.ndarray]] = []
+
+    def record_into(self, rows: Mapping[type, np.ndarray]) -> None:
+        """Tell where the rows of its signals go."""
+        self._rows = [(kind, codec.shape, rows[kind]) for kind, codec in self._codecs]
+
+    def record(self, step: int) -> None:
+        """Keep its signals; SignalError, before anybody goes on with them, if one is not finite."""
+        for kind, shape, rows in self._rows:
+            rows[step] = shape.flat(self._now[kind])
 
     def state(self) -> None:
         """Put the outputs of an integrating object among the signals."""
@@ -60,17 +71,18 @@ def run_offline(
     answering = [players[role] for role in step_order(ROLES)]
     written = [TOPICS[signal] for configuration in configurations.values() for signal in configuration.method.writes]
     rows = {topic.signal: np.empty((steps + 1, len(topic.channels))) for topic in written}
-    columns = [(topic.signal, topic.codec.shape.flat, rows[topic.signal]) for topic in written]
+    for player in players.values():
+        player.record_into(rows)
     time = np.array([stamps.to_seconds(step * period) for step in range(steps + 1)])
 
     for step in range(steps + 1):
         now[Instant] = Instant(float(time[step]))
         for player in integrating:
             player.state()
+            player.record(step)
         for player in answering:
             player.answer()
-        for signal, flat, array in columns:
-            array[step] = flat(now[signal])
+            player.record(step)
         if step < steps:
             for player in integrating:
                 player.advance()

@@ -19,4 +19,7 @@ _Loader.add_implicit_resolver(
 
 def read_yaml(text: str) -> Any:
     """The content of a YAML text; yaml.YAMLError if it is none."""
-    return yaml.load(text, _Loader)
+    try:
+        return yaml.load(text, _Loader)
+    except ValueError as error:  # what looks like a date and is none
+        raise yaml.YAMLError(str(error)) from None
