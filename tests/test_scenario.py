@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from ev_msgs_py.config_directory import config_directory
 from ev_msgs_py.parameters import ParameterError
 from ev_msgs_py.roles import ROLES
-from ev_sim.config_directory import config_directory
 from ev_sim.scenario.scenario import Overrides, describe_scenario, load_scenario, scenario_names
 
 CONFIG = config_directory()
