@@ -91,6 +91,8 @@ class MasterNode(SteppedNode):
         elif self.realtime:
             received = self.unpacked(topic, message)
             if received is not None:
+                if topic.signal not in self._newest:
+                    self._pace_from_here()  # realtime begins when the last input has come
                 self._newest[topic.signal] = received
         else:
             super().receive(topic, message)
@@ -174,10 +176,7 @@ class MasterNode(SteppedNode):
 
     def _has_inputs_to_hold(self) -> bool:
         """Realtime begins when everything but the torque command, which may be zero, has been heard once."""
-        held = all(kind in self._newest for kind in self.stepper.reads if kind is not WheelTorqueCommand)
-        if not held:
-            self._pace_from_here()
-        return held
+        return all(kind in self._newest for kind in self.stepper.reads if kind is not WheelTorqueCommand)
 
     def _advance_where_due(self) -> None:
         while not self.done and self._may_advance():

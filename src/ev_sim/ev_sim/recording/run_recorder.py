@@ -67,6 +67,8 @@ class RunRecorder:
             self._begin_anew()
         if step >= self._steps or step < len(kept) or (self._stale and index not in self._masters):
             return
+        if self._may_skip and index not in self._masters and step > min(map(len, self._pacing)) + 1:
+            return  # nobody can be ahead of the master by more than one step: a stranger's stamp
         if step > len(kept):
             if self._may_skip:
                 kept.extend([kept[-1] if kept else message] * (step - len(kept)))
