@@ -15,7 +15,7 @@ CYCLES = Path(__file__).parents[1] / "config" / "cycles"
 
 
 def points(name: str) -> list[tuple[float, float]]:
-    profile = with_profile_from_file(SpeedProfileParameters(file=f"{name}.csv"), CYCLES)
+    profile = with_profile_from_file(SpeedProfileParameters(file=f"cycles/{name}.csv"))
     return list(zip(profile.time, profile.speed, strict=True))
 
 
