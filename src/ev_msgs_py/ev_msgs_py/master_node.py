@@ -17,7 +17,7 @@ from ev_msgs_py.master_parameters import RECORDER_LAG, MasterParameters
 from ev_msgs_py.roles import MASTER, RECORDER_WRITES, ROLES
 from ev_msgs_py.signals import WheelTorqueCommand
 from ev_msgs_py.stepped_node import QUALITY, SteppedNode
-from ev_msgs_py.stepper import Answer, arrival_place
+from ev_msgs_py.stepper import WRITERS, Answer, arrival_place
 from ev_msgs_py.topics import Topic
 from ev_msgs_py.wheels import NO_WHEELS
 from ev_msgs_py.wire_format import stamp_of
@@ -222,9 +222,8 @@ class MasterNode(SteppedNode):
         """Say whom the run waits for, and again when more is known: a killed node leaves the graph seconds later."""
         names = {name for name, space in self.get_node_names_and_namespaces() if space == self.get_namespace()}
         gone = [role for role in ROLES if role not in names]
-        missing = [kind.__name__ for kind in self.stepper.inbox.missing()]
-        behind = ["the recorder"] if not missing else []
-        waiting = f"waiting for {', '.join(missing + behind)} at {stamps.to_seconds(self.now)} s"
+        missing = [f"{kind.__name__} of {WRITERS[kind]}" for kind in self.stepper.inbox.missing()]
+        waiting = f"waiting for {', '.join(missing or ['the recorder'])} at {stamps.to_seconds(self.now)} s"
         where = f"not in the graph: {', '.join(gone)}" if gone else "all nodes are in the graph, one does not answer"
         if where != self._silence:
             self._silence = where

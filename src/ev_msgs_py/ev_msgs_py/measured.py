@@ -1,4 +1,4 @@
-"""An object that integrates, behind its sensors: the one place where truth and measurement part (docs/sensors.md)."""
+"""An object that integrates, behind its sensors: where truth and measurement part (docs/sensors.md)."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ def sensor_parameters(unit: str, largest: float) -> type:
             0.0, unit=unit, low=0.0, high=largest, about="standard deviation of the Gaussian error, new in every period"
         )
         quantisation: float = parameter(
-            0.0, unit=unit, low=0.0, high=largest, about="distance of the values that the sensor can tell; 0: no such"
+            0.0, unit=unit, low=0.0, high=largest, about="distance between the values that it can show; 0: shows all"
         )
         delay: int = parameter(0, unit="1", low=0, high=1000, about="age of the value, in whole control periods")
         dropout: float = parameter(
@@ -65,4 +65,6 @@ class Sensor:
     def _sample(self, true: float, normal: float) -> float:
         p = self._p
         value = true + p.bias + p.noise * normal
-        return value - math.remainder(value, p.quantisation) if p.quantisation > 0.0 else value
+        if p.quantisation == 0.0 or not math.isfinite(value):  # whoever publishes it says which number is not finite
+            return value
+        return value - math.remainder(value, p.quantisation)

@@ -51,6 +51,7 @@ class SteppedNode(Node):
         self._gaps: set[Topic] = set()
         self._notes = Notes()
         self._joined_late = False
+        self._before_reset = -1  # stamp up to which late messages may still be of the run before a reset
         self.configuration = configure(role, ros_parameters.overrides(self), self.extra_parameters)
         ros_parameters.declare(self, self.configuration.entries())
         self.stepper = Stepper(self.configuration.method, self._create, self.configuration.period, self.realtime)
@@ -127,8 +128,10 @@ class SteppedNode(Node):
         if received is None:
             return
         stamp, signal = received
-        fresh = self.stepper.is_fresh
+        fresh, last = self.stepper.is_fresh, self.stepper.inbox.last
         arrival = self.stepper.offer(topic.signal, stamp, signal)
+        if arrival is Arrival.RESTART:
+            self._before_reset = last + 2 * self.stepper.period
         if fresh and stamp > 0 and not self._joined_late:
             self._joined_late = True
             self.warn(f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible")
@@ -144,7 +147,7 @@ class SteppedNode(Node):
 
     def arrived(self, topic: Topic, stamp: int, arrival: Arrival) -> None:
         """Answer a message, or report it if it cannot belong to this run."""
-        if arrival is Arrival.GAP and topic not in self._gaps:
+        if arrival is Arrival.GAP and topic not in self._gaps and stamp > self._before_reset:
             self._gaps.add(topic)
             due = stamps.to_seconds(self.stepper.inbox.last + self.stepper.period)
             self.warn(f"{topic.name} at {stamps.to_seconds(stamp)} s ignored (reported once): {due} s is due")

@@ -105,10 +105,10 @@ class RecorderNode(Node):
         """Tell how far the recording is, and end it when it is complete."""
         self._recorder.took_all()
         held = self._recorder.held
-        if held != self._told:
+        if held != self._told or self._recorder.asked:
             if held >= 0:
                 self._progress.write(held, RecorderProgress())
-            self._told = held
+            self._told, self._recorder.asked = held, False
         if self._recorder.loss:
             raise RuntimeError(f"the recording has a gap: {self._recorder.loss}")
         if 0 < self._last <= held:
