@@ -75,7 +75,7 @@ def metrics_of(scenario: str) -> dict[str, float | None]:
 
 @pytest.mark.parametrize(("scenario", "name"), CASES)
 def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
-    """Less than 0.1 % of the way and of the largest speeds at the end of the run; measured: at most 8e-6, in spins."""
+    """Less than 0.1 % of the way and of the largest speeds at its end; measured is 8e-6 at most, in a spin."""
     recording, coarse = driven(scenario, name)
     _, fine = driven(scenario, name, halved=True)
     assert fine.steps == 2 * coarse.steps

@@ -80,7 +80,8 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
         rolling, area = road_load(run, vehicle)
         force = vehicle.mass * GRAVITY * rolling + 0.5 * vehicle.air_density * area * speed**2
         fitted = force / effective_mass(vehicle)
-        return [Curve(3.6 * speed, deceleration, "measured"), Curve(3.6 * speed, fitted, "fitted")]
+        rising = 3.6 * speed[::-1]
+        return [Curve(rising, deceleration[::-1], "measured"), Curve(rising, fitted[::-1], "fitted")]
 
     speed = panel("Speed", "speed [m/s]", lambda: motion.curve_of_each_run(runs, quantities.speed))
     return {

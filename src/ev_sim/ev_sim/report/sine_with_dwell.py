@@ -61,7 +61,7 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
             "Steering-wheel angle", "angle [deg]", of(lambda run: np.degrees(channel(run, motion.STEERING_WHEEL_ANGLE)))
         ),
         panel("Yaw rate", "yaw rate [deg/s]", of(lambda run: np.degrees(channel(run, motion.YAW_RATE)))),
-        panel("Sideslip angle", "angle [deg]", of(lambda run: np.degrees(motion.sideslip_angle(run)))),
+        panel("Sideslip angle", "angle [deg]", of(lambda run: np.degrees(np.unwrap(motion.sideslip_angle(run))))),
         panel("Lateral displacement", "y [m]", of(lambda run: channel(run, "pose.y"))),
     ]
 
