@@ -113,8 +113,13 @@ def test_a_law_that_gives_no_number_ends_its_node(tmp_path: Path):
         mouth = probe.publisher_of(WheelTorqueRequest)
         words = [sys.executable, str(script), "--ros-args", "-p", "method:=broken", "-r", f"__ns:={NAMESPACE}"]
         process = start(words, context.get_domain_id())
-        wait_until(lambda: mouth.get_subscription_count() > 0)
-        mouth.publish(probe.message(0.0, WheelTorqueRequest(Wheels.all(1.0))))
+        request = probe.message(0.0, WheelTorqueRequest(Wheels.all(1.0)))
+
+        def ended() -> bool:
+            mouth.publish(request)  # again and again: the node may not have found the probe yet
+            return process.poll() is not None
+
+        wait_until(ended)
         said, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1
     assert said == "asr: WheelTorqueCommand.drive.front_left is nan, only finite numbers are allowed\n"
