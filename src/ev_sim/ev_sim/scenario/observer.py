@@ -5,14 +5,14 @@ from __future__ import annotations
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from std_msgs.msg import Header
 
 from ev_msgs_py import stamps
 from ev_msgs_py.roles import RECORDER_WRITES
 from ev_msgs_py.topics import TOPICS
 
-_LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+_LATEST = QoSProfile(depth=1)  # reliable: the last word of the recorder says that the run is complete
 
 
 class Observer(Node):
