@@ -7,7 +7,6 @@ import pytest
 from ev_sim.scenario import domain
 from ev_sim.scenario.domain import NoFreeDomain, free_domain, reserved_domains
 
-
 FIRST_PORT = 2000
 
 
