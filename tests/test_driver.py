@@ -340,14 +340,14 @@ def test_hands_recover_from_their_limit():
 
 def write(folder, text: str) -> SpeedProfileParameters:
     (folder / "cycle.csv").write_text(text)
-    return SpeedProfileParameters(file="cycle.csv")
+    return SpeedProfileParameters(file=str(folder / "cycle.csv"))
 
 
 @pytest.mark.parametrize(("header", "speeds"), [("t_s,v_kmh", "36.0,-18"), ("v_mps, t_s,note", "10, -5.0")])
 def test_profile_file_in_either_unit(tmp_path, header, speeds):
     first, second = speeds.split(",")
     rows = f"0,{first}\n2.5,{second}\n" if header.startswith("t_s") else f"{first},0,a\n{second},2.5,b\n"
-    got = with_profile_from_file(write(tmp_path, f"{header}\n{rows}"), tmp_path)
+    got = with_profile_from_file(write(tmp_path, f"{header}\n{rows}"))
     assert got.time == (0.0, 2.5)
     assert got.speed == pytest.approx((10.0, -5.0), rel=1e-15)
     assert got.file == ""
@@ -371,21 +371,22 @@ def test_without_a_file_nothing_is_read():
         ("t_s,v_mps\n0,0\ninf,1\n", "line 3: t_s is 'inf', allowed is a finite number"),
         ("t_s,v_mps\n0,fast\n", "line 2: v_mps is 'fast', allowed is a finite number"),
         ("t_s,v_mps\n0\n", "line 2: v_mps is None, allowed is a finite number"),
+        ("t_s,v_kmh\n0,3600\n", "speed: 1000.0 is refused, allowed is -100 to 100 m/s"),
     ],
 )
 def test_bad_profile_files_are_refused_in_one_line(tmp_path, text, message):
     with pytest.raises(ParameterError, match=message) as error:
-        with_profile_from_file(write(tmp_path, text), tmp_path)
+        with_profile_from_file(write(tmp_path, text))
     assert str(error.value).startswith(f"speed_profile.file: {tmp_path / 'cycle.csv'}: ")
     assert "\n" not in str(error.value)
 
 
 def test_missing_and_binary_profile_files_are_named(tmp_path):
     with pytest.raises(ParameterError, match=r"^speed_profile.file: .*none.csv: No such file or directory$"):
-        with_profile_from_file(SpeedProfileParameters(file="none.csv"), tmp_path)
+        with_profile_from_file(SpeedProfileParameters(file="none.csv"))
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00t_s")
     with pytest.raises(ParameterError, match=r"^speed_profile.file: .*binary.csv: no CSV text$"):
-        with_profile_from_file(SpeedProfileParameters(file="binary.csv"), tmp_path)
+        with_profile_from_file(SpeedProfileParameters(file=str(tmp_path / "binary.csv")))
 
 
 def test_driver_reads_files_only_when_told_to(tmp_path):

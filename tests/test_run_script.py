@@ -227,19 +227,38 @@ def test_realtime_takes_its_time_and_says_that_it_is_not_reproducible(tmp_path: 
     assert content["wall_time"] > 1.8
 
 
-def test_inspect_shows_the_running_graph(tmp_path: Path):
-    """Rates on a graph that is held at real time: 100 steps/s, measured over half a second on a busy machine."""
-    running = Running(tmp_path / "out", "--set", "plant.real_time_factor=1")
-    try:
-        domain = re.search(r"ROS_DOMAIN_ID=(\d+)", running.text())[1]
-        environment = {**ENVIRONMENT, "ROS_DOMAIN_ID": domain}
-        words = [ROOT / "scripts" / "inspect.sh", "--seconds", "0.5"]
-        shown = subprocess.run(words, env=environment, check=True, capture_output=True, text=True, timeout=60).stdout
-    finally:
-        os.killpg(running.script.pid, signal.SIGINT)
-        running.end(within=10.0)
-    for node in ("plant", "steering_column", "driver", "electronic_differential", "asr", "recorder"):
-        assert re.search(rf"^  /ev/{node}$", shown, re.MULTILINE), shown
-    rate = re.search(r"/ev/wheel_states  sensor_msgs/msg/JointState +([\d.]+) Hz", shown)
-    assert rate is not None, shown
-    assert 30 < float(rate[1]) < 130
+@pytest.mark.parametrize("way", [(), ("--in-process",)], ids=["dds", "one"])
+def test_sigterm_stops_everything_too(way: tuple[str, ...], tmp_path: Path):
+    """What `timeout` and a cancelled job send; only the script gets it, not its nodes."""
+    running = Running(tmp_path / "out", *way)
+    running.script.send_signal(signal.SIGTERM)
+    assert running.end(within=10.0) == 130
+    assert running.text().endswith("stopped\n") and "Traceback" not in running.text()
+    assert running.left_behind() == ({}, set())
+    assert len(load(running.folder / "signals.npz").time) > 50
+
+
+@pytest.mark.parametrize("name", ["plant", "recorder"])
+def test_a_node_that_is_told_to_stop_ends_the_run(name: str, tmp_path: Path):
+    """It ends with status 0, as these two do at the end of a run."""
+    running = Running(tmp_path / "out")
+    os.kill(running.node(name), signal.SIGTERM)
+    assert running.end(within=10.0) == 1
+    assert re.search(rf"error: node {name} was stopped at [\d.]+ s of simulated time$", running.text())
+    assert running.left_behind() == ({}, set())
+
+
+def test_a_folder_that_holds_something_else_is_not_touched(tmp_path: Path):
+    (tmp_path / "log").mkdir()
+    (tmp_path / "map.png").touch()
+    result = run("shchur2019", "--offline", "--duration", 1, "--out", tmp_path, check=False)
+    assert result.returncode == 1
+    assert "log there is not of an earlier run" in result.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["log", "map.png"]
+
+
+def test_a_second_run_replaces_the_first(tmp_path: Path):
+    run("shchur2019", "--offline", "--duration", 1, "--out", tmp_path)
+    run("shchur2019", "--offline", "--duration", 1, "--no-record", "--out", tmp_path)
+    assert not (tmp_path / "bag").exists()
+    assert summary(tmp_path)["simulated_time"] == 1.0

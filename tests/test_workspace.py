@@ -32,7 +32,7 @@ def test_versions_agree():
 
 def test_requirements_are_pinned():
     lines = [line.partition("#")[0].strip() for line in (ROOT / "requirements.txt").read_text().splitlines()]
-    loose = [line for line in lines if line and not re.fullmatch(r"[\w-]+(\[\w+\])?==\d+(\.\d+)+", line)]
+    loose = [line for line in lines if line and not re.fullmatch(r"[\w.-]+(\[\w+\])?==\d+(\.\d+)+", line)]
     assert not loose
 
 

@@ -7,13 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from ev_msgs_py.parameters import ParameterError, build
+from ev_msgs_py.parameters import build
 from ev_msgs_py.signals import BatteryCondition, SteeringColumnState, WheelStates, WheelTorqueCommand
 from ev_msgs_py.vehicle import Battery, Driveline, Motor, Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
 from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
 from ev_sim.driveline.couplings import wheel_torques
-from ev_sim.motor.efficiency_map import efficiency_map_parameters
 from ev_sim.motor.losses import loss_power, map_loss_power
 from ev_sim.motor.torque_controlled import limited_torque
 from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
@@ -76,17 +75,12 @@ def test_losses_and_efficiency_map_agree():
     assert generated == pytest.approx(power[1, 2] * (1.0 - efficiency[1, 2]))
 
 
-def test_efficiency_map_from_csv():
-    values = efficiency_map_parameters(["speed,10,100", "100,0.8,0.9", "400,0.85,0.95"])
-    motor = build(Motor, values)
-    assert motor.map_speed == (100.0, 400.0)
-    assert motor.map_efficiency == (0.8, 0.9, 0.85, 0.95)
+def test_efficiency_map_in_the_plant():
+    motor = Motor(map_speed=(100.0, 400.0), map_torque=(10.0, 100.0), map_efficiency=(0.8, 0.9, 0.85, 0.95))
     car = PlanarPlant(PlanarParameters(initial_speed=10.0), Vehicle(motor=motor), 0.01)
     drive(car, 1.0, Wheels.front(265.0, 265.0))
     given, used = car.state[index("battery_work")], car.state[index("drive_work")]
     assert used / given == pytest.approx(0.9, abs=0.02)  # at 100 N m and about 100 rad/s
-    with pytest.raises(ParameterError, match="efficiency map"):
-        efficiency_map_parameters(["speed,10,100", "100,0.8"])
 
 
 def test_open_differential_passes_equal_torque():

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 from ev_msgs_py import stamps
+from ev_msgs_py.efficiency_map import with_map_from_file
+from ev_msgs_py.measured import behind_sensors
 from ev_msgs_py.methods import Method, create, find_method, methods_of
 from ev_msgs_py.parameters import (
     Entry,
@@ -20,6 +22,7 @@ from ev_msgs_py.parameters import (
     parameter,
     unknown_name,
 )
+from ev_msgs_py.quantities import sensors_for
 from ev_msgs_py.roles import ROLES
 from ev_msgs_py.vehicle import Vehicle
 
@@ -41,13 +44,18 @@ class CommonParameters:
     vehicle: Vehicle = group(Vehicle)
 
 
+P = TypeVar("P")
 _METHOD = "method"
+_SENSORS = "sensors."
 _OWN = ("seed",)  # of the common parameters those that each node may have its own value of
 
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """A role, the method that plays it and all their parameters; `unused` belong to other methods of the role."""
+    """A role, the method that plays it and all their parameters.
+
+    `sensors` are those of the signals that the method writes; `unused` values belong to other methods of the role.
+    """
 
     role: str
     method: Method
@@ -55,6 +63,7 @@ class Configuration:
     common: CommonParameters
     extra: Any
     unused: tuple[str, ...] = ()
+    sensors: Any = field(default_factory=sensors_for(()))
 
     @property
     def period(self) -> int:
@@ -62,14 +71,16 @@ class Configuration:
         return stamps.from_seconds(self.common.control_period)
 
     def create(self) -> Any:
-        """A new object of the method, at rest."""
-        return create(self.method, self.parameters, self.common.vehicle, self.common.control_period)
+        """A new object of the method, at rest, behind its sensors."""
+        made = create(self.method, self.parameters, self.common.vehicle, self.common.control_period)
+        return behind_sensors(made, self.sensors, self.common.seed)
 
     def entries(self) -> tuple[Entry, ...]:
         """Every parameter of the node with its present value as default."""
         fixed = [dataclasses.replace(e, spec=dataclasses.replace(e.spec, read_only=True)) for e in entries(self.common)]
         extra = entries(self.extra) if self.extra is not None else ()
-        return (_method_entry(self.role, self.method.name), *fixed, *extra, *entries(self.parameters))
+        of_method = (*entries(self.parameters), *entries(self.sensors, _SENSORS))
+        return (_method_entry(self.role, self.method.name), *fixed, *extra, *of_method)
 
     def values(self) -> dict[str, Any]:
         """Dotted names and present values of every parameter of the node."""
@@ -89,37 +100,42 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     """The configuration of a role from dotted parameter names and values; what is not named keeps its default.
 
     `extra` is a dataclass of further parameters that only this node has. Raises ParameterError for unknown names and
-    refused values. A value for another method of the same role is checked and then listed as unused, so that one
-    scenario file can serve several methods.
+    refused values. A value for another method of the same role, or for a sensor of a signal that this method does not
+    write, is checked and then listed as unused, so that one scenario file can serve several methods.
     """
     rest = dict(values)
     method = chosen_method(role, rest)
     rest.pop(_METHOD, None)
-    common = build(CommonParameters, _taken(rest, CommonParameters))
-    further = build(extra, _taken(rest, extra)) if extra is not None else None
-    parameters = build(method.parameters, _taken(rest, method.parameters))
-    for other in methods_of(role).values():
-        build(other.parameters, {k: v for k, v in rest.items() if k in flatten(other.parameters())})
-    elsewhere = {name for other in methods_of(role).values() for name in flatten(other.parameters())}
+    common = _take(rest, CommonParameters)
+    further = _take(rest, extra) if extra is not None else None
+    parameters = _take(rest, method.parameters)
+    sensors = _take(rest, sensors_for(method.writes), _SENSORS)
+    others = [(other.parameters, "") for other in methods_of(role).values()]
+    others.append((sensors_for(ROLES[role].writes), _SENSORS))
+    for of, prefix in others:
+        _take(dict(rest), of, prefix)
+    elsewhere = {name for of, prefix in others for name in flatten(of(), prefix)}
     for name in rest:
         if name not in elsewhere:
             known = [_METHOD, *flatten(common), *flatten(parameters), *(flatten(further) if further else ())]
-            raise unknown_name(f"parameter of {role}", name, known)
+            is_sensor = name.startswith(_SENSORS)  # there are many: listed where one is meant
+            raise unknown_name(f"parameter of {role}", name, flatten(sensors, _SENSORS) if is_sensor else known)
+    common = dataclasses.replace(common, vehicle=with_map_from_file(common.vehicle))
     load_files = getattr(method.factory, "load_files", None)
     if load_files is not None:
         parameters = load_files(parameters)
-    return Configuration(role, method, parameters, common, further, tuple(sorted(rest)))
+    return Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors)
+
+
+def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
+    """Build a parameter dataclass from what a dictionary says about it, and take that out of the dictionary."""
+    return build(of, {name: values.pop(name) for name in flatten(of(), prefix) if name in values}, prefix)
 
 
 def chosen_method(role: str, values: Mapping[str, Any]) -> Method:
     """The method that the values choose for a role; ParameterError that lists the known ones if there is none."""
     name = values.get(_METHOD, ROLES[role].default_method)
     return find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false
-
-
-def _taken(values: dict[str, Any], of: type) -> dict[str, Any]:
-    """Take the values that belong to a parameter dataclass out of a dictionary."""
-    return {name: values.pop(name) for name in flatten(of()) if name in values}
 
 
 def check_graph(configurations: Mapping[str, Configuration]) -> None:

@@ -17,7 +17,7 @@ from ev_msgs_py.master_parameters import RECORDER_LAG, MasterParameters
 from ev_msgs_py.roles import MASTER, RECORDER_WRITES, ROLES
 from ev_msgs_py.signals import WheelTorqueCommand
 from ev_msgs_py.stepped_node import QUALITY, SteppedNode
-from ev_msgs_py.stepper import Answer, arrival_place
+from ev_msgs_py.stepper import WRITERS, Answer, arrival_place
 from ev_msgs_py.topics import Topic
 from ev_msgs_py.wheels import NO_WHEELS
 from ev_msgs_py.wire_format import stamp_of
@@ -91,6 +91,8 @@ class MasterNode(SteppedNode):
         elif self.realtime:
             received = self.unpacked(topic, message)
             if received is not None:
+                if topic.signal not in self._newest:
+                    self._pace_from_here()  # realtime begins when the last input has come
                 self._newest[topic.signal] = received
         else:
             super().receive(topic, message)
@@ -140,6 +142,7 @@ class MasterNode(SteppedNode):
         stamps.write(self._clock_message.clock, answer.stamp)
         self._clock_publisher.publish(self._clock_message)
         self._published = time.monotonic()
+        self.pass_notes_on()
 
     def _due(self) -> float:
         """Wall time at which the next instant is due."""
@@ -174,10 +177,7 @@ class MasterNode(SteppedNode):
 
     def _has_inputs_to_hold(self) -> bool:
         """Realtime begins when everything but the torque command, which may be zero, has been heard once."""
-        held = all(kind in self._newest for kind in self.stepper.reads if kind is not WheelTorqueCommand)
-        if not held:
-            self._pace_from_here()
-        return held
+        return all(kind in self._newest for kind in self.stepper.reads if kind is not WheelTorqueCommand)
 
     def _advance_where_due(self) -> None:
         while not self.done and self._may_advance():
@@ -222,9 +222,8 @@ class MasterNode(SteppedNode):
         """Say whom the run waits for, and again when more is known: a killed node leaves the graph seconds later."""
         names = {name for name, space in self.get_node_names_and_namespaces() if space == self.get_namespace()}
         gone = [role for role in ROLES if role not in names]
-        missing = [kind.__name__ for kind in self.stepper.inbox.missing()]
-        behind = ["the recorder"] if not missing else []
-        waiting = f"waiting for {', '.join(missing + behind)} at {stamps.to_seconds(self.now)} s"
+        missing = [f"{kind.__name__} of {WRITERS[kind]}" for kind in self.stepper.inbox.missing()]
+        waiting = f"waiting for {', '.join(missing or ['the recorder'])} at {stamps.to_seconds(self.now)} s"
         where = f"not in the graph: {', '.join(gone)}" if gone else "all nodes are in the graph, one does not answer"
         if where != self._silence:
             self._silence = where

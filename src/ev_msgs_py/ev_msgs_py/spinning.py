@@ -1,8 +1,8 @@
 """Runs stepped nodes: polls what their next steps wait for and sleeps only when nothing of that has arrived.
 
 rclpy's executors build a wait set of everything for every message, services included. Here a step wakes up for one
-subscription, its last input, and polls the others; services, parameters and timers go through an ordinary executor
-that is looked at now and then.
+subscription, its last input, and polls the others; services, and so parameters, are looked at now and then, and what
+there may be besides goes through an ordinary executor.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Protocol
 
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.service import Service
 from rclpy.subscription import Subscription
 
 _SERVICE_PERIOD = 0.05  # s between looks at services
@@ -43,6 +44,7 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
     executor = SingleThreadedExecutor(context=context)
     for node in nodes:
         executor.add_node(node)  # type: ignore[arg-type]
+    services = [service for node in nodes for service in node.services]  # type: ignore[attr-defined]
     next_look = 0.0
     while context.ok() and not finished():
         progressed = False
@@ -55,9 +57,21 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
                 for node in nodes:
                     node.sweep()
         if time.monotonic() >= next_look and context.ok():
+            for service in services:
+                _answer(service)
             executor.spin_once(timeout_sec=0.0)
             next_look = time.monotonic() + _SERVICE_PERIOD
     executor.shutdown(timeout_sec=0.0)
+
+
+def _answer(service: Service) -> None:
+    """Answer all calls that have arrived; the executor would look at one thing of one node at a time."""
+    while True:
+        with service.handle:
+            request, header = service.handle.service_take_request(service.srv_type.Request)
+        if header is None:
+            return
+        service.send_response(service.callback(request, service.srv_type.Response()), header)
 
 
 def _wait(nodes: Sequence[Spinnable]) -> bool:

@@ -16,6 +16,7 @@ from ev_msgs_py import ros_parameters, stamps
 from ev_msgs_py.codec import MessageError
 from ev_msgs_py.configuration import configure
 from ev_msgs_py.inbox import Arrival
+from ev_msgs_py.notes import Notes
 from ev_msgs_py.stepper import Answer, Stepper, arrival_place
 from ev_msgs_py.topics import QUEUE_DEPTH, TOPICS, Topic
 from ev_msgs_py.wire_format import stamp_of, wire_format
@@ -48,7 +49,9 @@ class SteppedNode(Node):
         self.role = role
         self.done = False
         self._gaps: set[Topic] = set()
+        self._notes = Notes()
         self._joined_late = False
+        self._before_reset = -1  # stamp up to which late messages may still be of the run before a reset
         self.configuration = configure(role, ros_parameters.overrides(self), self.extra_parameters)
         ros_parameters.declare(self, self.configuration.entries())
         self.stepper = Stepper(self.configuration.method, self._create, self.configuration.period, self.realtime)
@@ -125,8 +128,10 @@ class SteppedNode(Node):
         if received is None:
             return
         stamp, signal = received
-        fresh = self.stepper.is_fresh
+        fresh, last = self.stepper.is_fresh, self.stepper.inbox.last
         arrival = self.stepper.offer(topic.signal, stamp, signal)
+        if arrival is Arrival.RESTART:
+            self._before_reset = last + 2 * self.stepper.period
         if fresh and stamp > 0 and not self._joined_late:
             self._joined_late = True
             self.warn(f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible")
@@ -142,7 +147,7 @@ class SteppedNode(Node):
 
     def arrived(self, topic: Topic, stamp: int, arrival: Arrival) -> None:
         """Answer a message, or report it if it cannot belong to this run."""
-        if arrival is Arrival.GAP and topic not in self._gaps:
+        if arrival is Arrival.GAP and topic not in self._gaps and stamp > self._before_reset:
             self._gaps.add(topic)
             due = stamps.to_seconds(self.stepper.inbox.last + self.stepper.period)
             self.warn(f"{topic.name} at {stamps.to_seconds(stamp)} s ignored (reported once): {due} s is due")
@@ -153,11 +158,21 @@ class SteppedNode(Node):
         """Publish an answer."""
         for signal in answer.signals:
             self.writers[type(signal)].write(answer.stamp, signal)
+        self.pass_notes_on()
+
+    def pass_notes_on(self) -> None:
+        """Say what the object of the method has to say, in the log and, as OK, in /diagnostics."""
+        for text in self._notes.new(self.stepper.object):
+            self.get_logger().info(text)
+            self._diagnose(DiagnosticStatus.OK, text)
 
     def warn(self, text: str) -> None:
-        """Say something once in the log and in /diagnostics."""
+        """Say something once in the log and in /diagnostics: the run may not be reproducible."""
         self.get_logger().warning(text)
-        status = DiagnosticStatus(level=DiagnosticStatus.WARN, name=self.get_fully_qualified_name(), message=text)
+        self._diagnose(DiagnosticStatus.WARN, text)
+
+    def _diagnose(self, level: bytes, text: str) -> None:
+        status = DiagnosticStatus(level=level, name=self.get_fully_qualified_name(), message=text)
         status.values = [KeyValue(key="role", value=self.role)]
         report = DiagnosticArray(status=[status])
         report.header.stamp = self.get_clock().now().to_msg()
@@ -173,7 +188,8 @@ class SteppedNode(Node):
             successor = configuration.create()
         except ValueError as error:
             return SetParametersResult(successful=False, reason=str(error))
-        if configuration.parameters != self.configuration.parameters:
+        before = self.configuration
+        if (configuration.parameters, configuration.sensors) != (before.parameters, before.sensors):
             successor.state = self.stepper.object.state
             self.stepper.object = successor
             self.warn(f"parameters changed to {given}: the run is not reproducible")

@@ -22,13 +22,13 @@ class Answer:
     signals: tuple[Any, ...]
 
 
-_WRITERS = writers(ROLES)
+WRITERS = writers(ROLES)
 _ORDER = {role: place for place, role in enumerate(sequence(ROLES))}
 
 
 def arrival_place(signal: type) -> int:
     """Place of a signal's writer within one step: the higher, the later it arrives."""
-    return _ORDER[_WRITERS[signal]]
+    return _ORDER[WRITERS[signal]]
 
 
 def upstream_signals(role: str) -> frozenset[type]:
@@ -37,7 +37,7 @@ def upstream_signals(role: str) -> frozenset[type]:
     Repeated ones call for a repeated answer. That of a role behind would not only be useless: two nodes that read
     each other would repeat their answers for ever.
     """
-    return frozenset(signal for signal in _WRITERS if arrival_place(signal) < _ORDER[role])
+    return frozenset(signal for signal in WRITERS if arrival_place(signal) < _ORDER[role])
 
 
 class Stepper:

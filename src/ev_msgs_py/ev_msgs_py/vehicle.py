@@ -113,6 +113,11 @@ class Motor:
     map_efficiency: tuple[float, ...] = parameter(
         (), unit="1", low=0.01, high=1.0, about="efficiency of motor and inverter, speed by speed (row by row)"
     )
+    map_file: str = parameter(
+        "",
+        about="CSV file with the columns speed_radps or speed_rpm, torque_nm and efficiency, instead of the map; empty "
+        "for none",
+    )
 
     def __post_init__(self) -> None:
         if len(self.map_efficiency) != len(self.map_speed) * len(self.map_torque):

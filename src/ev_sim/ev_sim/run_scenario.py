@@ -65,6 +65,8 @@ def run_scenario(given: argparse.Namespace) -> None:
     save_figures(report_for(scenario.name).figures(summary.runs, summary.vehicle), folder.directory)
     write_summary(folder.directory / "summary.json", summary)
     print_table(summary.metrics)
+    for note in summary.notes:
+        print(f"note: {note}")
     for reason in summary.not_reproducible:
         print(f"not reproducible: {reason}")
     content = summary.as_json()
@@ -89,14 +91,17 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
 def _drive_offline(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
     write_parameter_file(directory / "parameters.yaml", run, node_parameters(run, directory, bag))
     start = time.monotonic()
-    recording = run_offline(run.configurations, run.duration, progress)
+    notes: list[str] = []
+    recording = run_offline(
+        run.configurations, run.duration, progress, lambda role, text: notes.append(f"{run.namespace}/{role}: {text}")
+    )
     wall_time = time.monotonic() - start
     save(recording, directory / "signals.npz")
     if bag:
         topics = recorded_topics(run)
         names = [f"{run.namespace}/{topic.name}" for topic in topics]
         write_bag(recording, topics, names, run.period, directory / "bag")
-    return Outcome(recording, wall_time)
+    return Outcome(recording, wall_time, notes=tuple(notes))
 
 
 def _summary(scenario: Scenario, outcomes: dict[str, Outcome], given: argparse.Namespace) -> Summary:
@@ -122,4 +127,5 @@ def _summary(scenario: Scenario, outcomes: dict[str, Outcome], given: argparse.N
         metrics=report_for(scenario.name).metrics(runs, vehicle, by_role),
         wall_time=sum(outcome.wall_time for outcome in outcomes.values()),
         not_reproducible=tuple(reason for outcome in outcomes.values() for reason in outcome.not_reproducible),
+        notes=tuple(note for outcome in outcomes.values() for note in outcome.notes),
     )

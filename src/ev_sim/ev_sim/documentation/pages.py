@@ -21,6 +21,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "master parameters": parameter_reference.master_parameters,
     "recorder parameters": parameter_reference.recorder_parameters,
     "scenario parameters": parameter_reference.scenario_parameters,
+    "sensor parameters": parameter_reference.sensor_parameters,
     "method parameters": parameter_reference.method_parameters,
     "topics": topic_reference.topic_table,
     "wheel names": topic_reference.wheel_names,

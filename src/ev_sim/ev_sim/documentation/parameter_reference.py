@@ -7,7 +7,9 @@ from typing import Any
 from ev_msgs_py.configuration import CommonParameters
 from ev_msgs_py.master_parameters import MasterParameters
 from ev_msgs_py.parameters import Entry, entries
+from ev_msgs_py.quantities import QUANTITIES
 from ev_msgs_py.roles import ROLES
+from ev_msgs_py.topics import TOPICS
 from ev_msgs_py.vehicle import Vehicle
 from ev_sim.documentation.markdown import code, codes, table
 from ev_sim.documentation.own_methods import own_methods
@@ -52,6 +54,33 @@ def method_parameters() -> str:
             default = " (default)" if name == role.default_method else ""
             sections.append(f"### {role.name}: {name}{default}\n\n{method.about}\n\n{_of_method(method.parameters)}")
     return "\n".join(sections)
+
+
+def sensor_parameters() -> str:
+    """What each sensor measures, and the errors that every one of them may have."""
+    columns = ("parameters", "of", "topic", "fields", "unit", "largest error")
+    rows = [
+        (
+            code(f"sensors.{quantity.name}.*"),
+            next(role.name for role in ROLES.values() if quantity.signal in role.writes),
+            code(TOPICS[quantity.signal].name),
+            codes(quantity.fields),
+            quantity.unit,
+            f"{quantity.largest:g}",
+        )
+        for quantity in QUANTITIES
+    ]
+    errors = [_error_row(entry) for entry in entries(QUANTITIES[0].parameters)]
+    return f"{table(columns, rows)}\n{table(('parameter', 'default', 'unit', 'allowed', 'description'), errors)}"
+
+
+def _error_row(entry: Entry) -> tuple[str, ...]:
+    """A parameter that all sensors have, in words where its unit and range are those of the quantity."""
+    spec = entry.spec
+    unit, allowed = spec.unit, _allowed(entry)
+    if unit == QUANTITIES[0].unit:
+        unit, allowed = "of the sensor", "largest error either way" if spec.low else "0 to largest error"
+    return code(entry.name), _default(entry), unit, allowed, spec.about
 
 
 def _of_method(parameters: type) -> str:

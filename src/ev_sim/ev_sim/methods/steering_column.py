@@ -2,4 +2,5 @@
 
 import ev_sim.steering_column.by_wire
 import ev_sim.steering_column.manual
-import ev_sim.steering_column.powered  # noqa: F401
+import ev_sim.steering_column.powered
+import ev_sim.steering_column.steering_robot  # noqa: F401

@@ -17,7 +17,7 @@ from rosgraph_msgs.msg import Clock
 from ev_msgs_py import ros_parameters, stamps
 from ev_msgs_py.message_classes import message_class
 from ev_msgs_py.parameters import ParameterError, build, entries
-from ev_msgs_py.roles import RECORDER_WRITES
+from ev_msgs_py.roles import MASTER, RECORDER_WRITES, ROLES
 from ev_msgs_py.run_role import run_node
 from ev_msgs_py.signals import RecorderProgress
 from ev_msgs_py.stepped_node import QUALITY, SignalWriter
@@ -55,7 +55,9 @@ class RecorderNode(Node):
         self._told = -1
         self._clock = -1
         self._next_poll = 0.0
-        self._all_subscriptions = [self._subscribe(index, topic) for index, topic in enumerate(topics)]
+        # The master's first: nobody speaks of an instant before the master does, so nothing seems to be ahead of it.
+        masters_first = sorted(enumerate(topics), key=lambda place: place[1].signal not in ROLES[MASTER].writes)
+        self._all_subscriptions = [self._subscribe(index, topic) for index, topic in masters_first]
         self._all_subscriptions.append(self.create_subscription(Clock, "/clock", self._on_clock, QUALITY, raw=True))
         self._all_subscriptions.append(
             self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, QUALITY, raw=True)
@@ -105,10 +107,10 @@ class RecorderNode(Node):
         """Tell how far the recording is, and end it when it is complete."""
         self._recorder.took_all()
         held = self._recorder.held
-        if held != self._told:
+        if held != self._told or self._recorder.asked:
             if held >= 0:
                 self._progress.write(held, RecorderProgress())
-            self._told = held
+            self._told, self._recorder.asked = held, False
         if self._recorder.loss:
             raise RuntimeError(f"the recording has a gap: {self._recorder.loss}")
         if 0 < self._last <= held:

@@ -50,6 +50,7 @@ class RunRecorder:
         self._stale = False  # whether messages of the run before a reset may still come
         self._begin_bag()
         self.loss = ""
+        self.asked = False  # whether the master has repeated itself: it may wait for the recorder
 
     def _begin_bag(self) -> None:
         self._bag = DurableBag(self._directory) if self._directory is not None else None
@@ -63,10 +64,13 @@ class RunRecorder:
         """Keep a message of the topic with this index; one that repeats an earlier stamp adds nothing."""
         kept = self._messages[index]
         step = stamp_of(message) // self._period
-        if step == 0 and len(kept) > 1 and index in self._masters:
+        if step == 0 and index in self._masters and (len(kept) > 1 or (kept and message != kept[0])):
             self._begin_anew()
         if step >= self._steps or step < len(kept) or (self._stale and index not in self._masters):
+            self.asked = self.asked or index in self._masters
             return
+        if self._may_skip and index not in self._masters and step > min(map(len, self._pacing)) + 1:
+            return  # nobody can be ahead of the master by more than one step: a stranger's stamp
         if step > len(kept):
             if self._may_skip:
                 kept.extend([kept[-1] if kept else message] * (step - len(kept)))

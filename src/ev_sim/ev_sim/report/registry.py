@@ -13,8 +13,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 REPORTS = {
+    "coast_down": "ev_sim.report.coast_down",
+    "double_lane_change": "ev_sim.report.double_lane_change",
+    "hill_start": "ev_sim.report.hill_start",
+    "launch_split_mu": "ev_sim.report.launch_split_mu",
     "shchur2019": "ev_sim.report.shchur2019",
     "shchur2019_steps": "ev_sim.report.shchur2019_steps",
+    "sine_with_dwell": "ev_sim.report.sine_with_dwell",
+    "steady_circle": "ev_sim.report.steady_circle",
+    "step_steer": "ev_sim.report.step_steer",
+    "straight_brake_split_mu": "ev_sim.report.straight_brake_split_mu",
 }
 GENERIC = "ev_sim.report.generic"
 

@@ -40,6 +40,7 @@ class Summary:
     metrics: Mapping[str, Metric]
     wall_time: float
     not_reproducible: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     own_nodes: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -59,6 +60,7 @@ class Summary:
             "signal_hash": combined_hash(self.runs),
             "reproducible": not self.not_reproducible,
             "not_reproducible": list(self.not_reproducible),
+            "notes": list(self.notes),
             "runs": {
                 name: {
                     "signal_hash": signal_hash(run),

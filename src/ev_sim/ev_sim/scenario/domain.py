@@ -14,6 +14,7 @@ from ev_sim.scenario.outcome import RunFailed
 
 _DOMAINS = range(1, 102)  # those that are safe on every operating system
 _FIRST_PORT, _PORTS_PER_DOMAIN = 7400, 250  # of DDS: multicast discovery of a domain
+_PARTICIPANTS = 32  # among which nodes look for each other (config/fastdds.xml)
 _UNICAST = 10  # offset of the first participant's port
 
 
@@ -67,9 +68,9 @@ def _lock_file(domain: int) -> Path:
 
 
 def _is_silent(domain: int) -> bool:
-    """Whether the ports of the first participant and of discovery can be had."""
+    """Whether the ports of all participants can be had; the first ones may be gone while later ones live on."""
     base = _FIRST_PORT + _PORTS_PER_DOMAIN * domain
-    for port in (base, base + _UNICAST):
+    for port in (base, *(base + _UNICAST + 2 * participant for participant in range(_PARTICIPANTS))):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
                 probe.bind(("", port))

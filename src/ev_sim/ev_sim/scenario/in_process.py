@@ -64,7 +64,8 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
                 node.close()
                 node.destroy_node()
             context.try_shutdown()
-    return Outcome(load(directory / "signals.npz"), wall_time, not_reproducible(run, observer.reports))
+    warnings, notes = not_reproducible(run, observer.warnings), tuple(observer.notes)
+    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes)
 
 
 def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:

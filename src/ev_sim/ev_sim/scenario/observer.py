@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from std_msgs.msg import Header
 
 from ev_msgs_py import stamps
 from ev_msgs_py.roles import RECORDER_WRITES
 from ev_msgs_py.topics import TOPICS
 
-_LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+_LATEST = QoSProfile(depth=1)  # reliable: the last word of the recorder says that the run is complete
 
 
 class Observer(Node):
@@ -21,7 +21,8 @@ class Observer(Node):
     def __init__(self, context: Context, namespace: str) -> None:
         super().__init__("run_scenario", context=context, namespace=namespace, start_parameter_services=False)
         self.time = 0.0
-        self.reports: list[str] = []
+        self.warnings: list[str] = []
+        self.notes: list[str] = []
         self._progress = self.create_subscription(Header, TOPICS[RECORDER_WRITES].name, lambda message: None, _LATEST)
         self._diagnostics = self.create_subscription(DiagnosticArray, "/diagnostics", lambda message: None, 100)
 
@@ -30,4 +31,6 @@ class Observer(Node):
         while (taken := self._progress.handle.take_message(Header, False)) is not None:
             self.time = stamps.to_seconds(stamps.read(taken[0].stamp))
         while (taken := self._diagnostics.handle.take_message(DiagnosticArray, False)) is not None:
-            self.reports += [f"{status.name}: {status.message}" for status in taken[0].status]
+            for status in taken[0].status:
+                texts = self.notes if status.level == DiagnosticStatus.OK else self.warnings
+                texts.append(f"{status.name}: {status.message}")

@@ -10,6 +10,7 @@ import numpy as np
 from ev_msgs_py import stamps
 from ev_msgs_py.configuration import Configuration, check_graph
 from ev_msgs_py.graph import step_order
+from ev_msgs_py.notes import Notes
 from ev_msgs_py.roles import ROLES, RoleKind
 from ev_msgs_py.shape import Shape
 from ev_msgs_py.signals import Instant
@@ -25,6 +26,7 @@ class _Player:
 
     def __init__(self, configuration: Configuration, now: dict[type, Any]) -> None:
         self._object = configuration.create()
+        self._notes = Notes()
         self._reads = configuration.method.reads
         self._codecs = [(signal, TOPICS[signal].codec) for signal in configuration.method.writes]
         self._now = now
@@ -49,18 +51,25 @@ class _Player:
         kind, codec = self._codecs[0]
         self._now[kind] = codec.carried(self._object.step(*[self._now[kind] for kind in self._reads]))
 
+    def notes(self) -> list[str]:
+        """What the object has to say for the first time."""
+        return self._notes.new(self._object)
+
     def advance(self) -> None:
         """Integrate with the present signals to the next instant."""
         self._object.advance(*[self._now[kind] for kind in self._reads])
 
 
 def run_offline(
-    configurations: Mapping[str, Configuration], duration: float, progress: Progress = lambda time: None
+    configurations: Mapping[str, Configuration],
+    duration: float,
+    progress: Progress = lambda time: None,
+    note: Callable[[str, str], None] = lambda role, text: None,
 ) -> Recording:
     """The recording of all roles from rest to `duration` seconds, both ends included.
 
-    `progress` is told the simulated time now and then. Raises ParameterError if the roles do not fit together, and
-    SignalError if one of them gives a number that is not finite.
+    `progress` is told the simulated time now and then, `note` each text that the object of a role has to say. Raises
+    ParameterError if the roles do not fit together, and SignalError if one of them gives a number that is not finite.
     """
     check_graph(configurations)
     period = next(iter(configurations.values())).period
@@ -83,6 +92,9 @@ def run_offline(
         for player in answering:
             player.answer()
             player.record(step)
+        for role, player in players.items():
+            for text in player.notes():
+                note(role, text)
         if step < steps:
             for player in integrating:
                 player.advance()

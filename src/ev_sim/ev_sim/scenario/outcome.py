@@ -17,13 +17,14 @@ class RunFailed(RuntimeError):
 
 @dataclass(frozen=True)
 class Outcome:
-    """The signals of a run, the wall time of driving [s], and why the run may not be reproducible."""
+    """The signals of a run, the wall time of driving [s], why it may not be reproducible, and what nodes noted."""
 
     recording: Recording
     wall_time: float
     not_reproducible: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
-def not_reproducible(run: Run, reports: Sequence[str]) -> tuple[str, ...]:
+def not_reproducible(run: Run, warnings: Sequence[str]) -> tuple[str, ...]:
     """Why a run that was driven over DDS may not give the same numbers again."""
-    return (*(["driven by the wall clock"] if run.realtime else []), *reports)
+    return (*(["driven by the wall clock"] if run.realtime else []), *warnings)

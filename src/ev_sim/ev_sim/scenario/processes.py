@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import shutil
 import signal
@@ -14,6 +15,7 @@ from pathlib import Path
 
 import rclpy
 
+from ev_msgs_py import stamps
 from ev_msgs_py.roles import MASTER
 from ev_msgs_py.stop_request import StopRequest
 from ev_sim.recording.recording import load
@@ -33,7 +35,7 @@ EXECUTABLES = {
     RECORDER: ("ev_sim", "recorder"),
 }
 _LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
-_PATIENCE = 2.0  # s for a process to stop when it is asked to
+_PATIENCE = 2.0  # s for a process to stop when it is asked to, and for a last word to arrive
 
 
 @dataclass
@@ -126,6 +128,8 @@ def _watch(
     """Look at processes and time until plant and recorder have come to their end by themselves."""
     started = None
     ending = {MASTER, RECORDER}
+    last = stamps.to_seconds(stamps.from_seconds(run.duration) // run.period * run.period)
+    patience = math.inf  # wall time up to which the recorder may tell that it has everything
     while ending:
         if stop.received:
             raise KeyboardInterrupt
@@ -138,11 +142,15 @@ def _watch(
             code = node.process.poll()
             if code == 0 and node.name in (MASTER, RECORDER):
                 ending.discard(node.name)
+                patience = min(patience, time.monotonic() + _PATIENCE)
+                if observer.time < last and time.monotonic() > patience:
+                    raise RunFailed(f"node {node.name} was stopped at {observer.time:g} s of simulated time")
             elif code is not None:
                 raise RunFailed(f"{node.failure()}, at {observer.time:g} s of simulated time")
     wall_time = time.monotonic() - (started if started is not None else time.monotonic())
     progress(run.duration)
-    return Outcome(load(directory / "signals.npz"), wall_time, not_reproducible(run, observer.reports))
+    warnings, notes = not_reproducible(run, observer.warnings), tuple(observer.notes)
+    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes)
 
 
 def _stop(nodes: list[NodeProcess]) -> None:

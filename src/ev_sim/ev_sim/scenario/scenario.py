@@ -7,16 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ev_msgs_py.config_directory import config_directory
 from ev_msgs_py.configuration import Configuration, check_graph, chosen_method, configure
 from ev_msgs_py.master_parameters import MasterParameters
 from ev_msgs_py.parameters import ParameterError, build, parameter, unknown_name
 from ev_msgs_py.roles import MASTER, ROLES
-from ev_sim.config_directory import config_directory
 from ev_sim.scenario.parameter_file import ParameterFile, matches
 
 NAMESPACE = "/ev"
 _SCENARIO_NODE = "scenario"
-_OTHER_NODES = (_SCENARIO_NODE, "recorder")
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +92,7 @@ def load_scenario(name: str, overrides: Overrides | None = None) -> Scenario:
     files = [_vehicle_file(about.vehicle), own, *map(ParameterFile, overrides.files)]
     namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
     for file in files:
-        _refuse_unknown_nodes(file, namespaces.values())
+        _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, _SCENARIO_NODE) if file is own else tuple(ROLES))
     _refuse_unknown_overrides(overrides)
     duration = about.duration if overrides.duration is None else overrides.duration
     if not 0 < duration < 1e5:
@@ -122,8 +121,8 @@ def _vehicle_file(name: str) -> ParameterFile:
     return ParameterFile(directory / f"{name}.yaml")
 
 
-def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str]) -> None:
-    nodes = (*ROLES, *_OTHER_NODES)
+def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:
+    """What a scenario says about itself stands in its own file only, and the runner tells the recorder what to do."""
     for pattern in file.sections:
         if not any(matches(pattern, f"{space}/{node}") for space in (*namespaces, NAMESPACE) for node in nodes):
             raise ParameterError(f"{file.path}: section {pattern!r} means no node; known: {', '.join(nodes)}")
@@ -137,6 +136,8 @@ def _refuse_unknown_overrides(overrides: Overrides) -> None:
 
 def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides, duration: float) -> Run:
     values = {role: _values(role, namespace, files, overrides) for role in ROLES}
+    if "duration" in values[MASTER]:
+        raise ParameterError("plant.duration is refused: the duration of a run is that of the scenario, or --duration")
     values[MASTER]["duration"] = duration
     configurations = {}
     for role in ROLES:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group, parameter
+from ev_msgs_py.parameters import ParameterError, group, parameter
 from ev_msgs_py.signals import (
     BatteryCondition,
     BodyPose,
@@ -21,7 +21,7 @@ from ev_msgs_py.signals import (
     WheelTorqueCommand,
 )
 from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
 from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
 from ev_sim.driveline.couplings import shaft_speeds
 from ev_sim.drives.drive import DRIVES, DriveParameters, drives_at_rest
@@ -81,7 +81,8 @@ class PlanarPlant:
     """Body in the plane, four wheels on real tyres and real roads, drives and battery (docs/planar_plant.md).
 
     `state` is a float64 array (names in state.py), advanced in place; the plant is a pure function of its
-    parameters and of the commands so far, to the bit.
+    parameters and of the commands so far, to the bit. Raises ParameterError if the vehicle names an efficiency map
+    that has not been read (`ev_msgs_py.efficiency_map`).
     """
 
     parameters = PlanarParameters
@@ -123,6 +124,7 @@ class PlanarPlant:
         self._stage, self._slopes = np.zeros(INTEGRATED_SIZE), np.zeros((4, INTEGRATED_SIZE))
         self._work = np.zeros((5, 4))
         self._angle = 0.0
+        self._lifted = np.zeros(4, bool)
         self._start(p)
         self._observe()
 
@@ -145,6 +147,7 @@ class PlanarPlant:
 
     def _observe(self) -> None:
         observe(self.state, self._car, self._step, self._road, self._angle, self._stage)
+        self._lifted |= self._step[0]["load"] == 0.0
 
     def advance(self, command: WheelTorqueCommand, column: SteeringColumnState) -> None:
         """Integrate over one period under a command that is held and a steering angle that goes on at its rate."""
@@ -213,6 +216,16 @@ class PlanarPlant:
         )
         return BatteryCondition(*(float(np.float32(value)) for value in values))
 
+    def reports(self) -> tuple[str, ...]:
+        """Commands that were not taken as they came, counted by powers of ten, and wheels that have left the ground."""
+        counts = (
+            ("values of commands were not finite", self.guard.non_finite),
+            ("values of commands were out of range", self.guard.out_of_range),
+        )
+        refused = (f"{10 ** (len(str(count)) - 1)} or more {what}" for what, count in counts if count)
+        lifted = (f"{name} wheel left the ground" for name, was in zip(WHEEL_NAMES, self._lifted, strict=True) if was)
+        return (*refused, *lifted)
+
     @property
     def diagnostics(self) -> dict[str, float]:
         """Counts of commands that were not taken as they came, and of wheels off the ground now."""
@@ -246,6 +259,8 @@ def _track_arrays(segments: Segments, vehicle: Vehicle) -> tuple[np.ndarray, np.
 
 def _efficiency_map(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     motor = vehicle.motor
+    if motor.map_file:
+        raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
     shape = (len(motor.map_speed), len(motor.map_torque))
     if not motor.map_efficiency:
         return np.zeros(1), np.zeros(1), np.zeros((1, 1))

@@ -1,0 +1,53 @@
+"""Steering towards a point of the path that lies ahead (pure pursuit)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ev_msgs_py.parameters import parameter
+from ev_msgs_py.signals import BodyPose
+from ev_msgs_py.vehicle import Vehicle
+from ev_sim.driver.path import Path
+
+
+@dataclass(frozen=True, slots=True)
+class PurePursuitParameters:
+    """How far ahead the driver looks."""
+
+    preview_time: float = parameter(
+        0.6, unit="s", low=0.0, high=10.0, about="the driver looks as far as the car goes in this time",
+        source="assumption; 0.5 to 1.5 s are usual for drivers",
+    )  # fmt: skip
+    shortest_preview: float = parameter(
+        4.0, unit="m", low=0.5, high=100.0, about="but at least this far", source="assumption"
+    )
+    max_angle: float = parameter(
+        0.6, unit="rad", low=0.01, high=1.4, about="largest road-wheel angle, either way", source="assumption"
+    )
+
+
+class PurePursuit:
+    """Steer so that the rear axle rolls on the circle through the point of the path at the preview distance.
+
+    tan delta = 2 L y/(x^2 + y^2), (x, y) the point as seen from the rear axle (Coulter, Implementation of the pure
+    pursuit path tracking algorithm, CMU-RI-TR-92-01, 1992). In reverse the point lies behind, the equation is the
+    same: the rear axle, which leads then, does what it did forwards.
+    """
+
+    def __init__(self, parameters: PurePursuitParameters, path: Path, vehicle: Vehicle) -> None:
+        self._p, self._path = parameters, path
+        self._wheelbase, self._rear_arm = vehicle.wheelbase, vehicle.centre_of_mass_to_rear_axle
+
+    def step(self, pose: BodyPose, speed: float, leg: int) -> tuple[float, int]:
+        """Road-wheel angle [rad] at a speed, negative in reverse [m/s], and the leg of the path that is reached."""
+        p, heading = self._p, pose.heading
+        cosine, sine = math.cos(heading), math.sin(heading)
+        rear_x, rear_y = pose.x - self._rear_arm * cosine, pose.y - self._rear_arm * sine
+        preview = math.copysign(max(p.preview_time * abs(speed), p.shortest_preview), speed)
+        distance, leg = self._path.nearest(rear_x, rear_y, leg)
+        goal_x, goal_y = self._path.at(distance + preview, leg)
+        ahead = (goal_x - rear_x) * cosine + (goal_y - rear_y) * sine
+        aside = (goal_y - rear_y) * cosine - (goal_x - rear_x) * sine
+        angle = math.atan2(2 * self._wheelbase * aside, ahead * ahead + aside * aside)
+        return min(max(angle, -p.max_angle), p.max_angle), leg

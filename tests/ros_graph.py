@@ -1,0 +1,205 @@
+"""All nodes of a run in this process, over DDS, in a domain of their own, and a probe that looks from outside."""
+
+from __future__ import annotations
+
+import gc
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
+
+from ev_msgs_py.message_classes import message_class
+from ev_msgs_py.run_role import make_node
+from ev_msgs_py.spinning import spin
+from ev_msgs_py.stamps import from_seconds, to_seconds
+from ev_msgs_py.stepped_node import QUALITY
+from ev_msgs_py.topics import TOPICS
+from ev_msgs_py.wire_format import wire_format
+from ev_sim.nodes.recorder import RecorderNode
+from ev_sim.scenario.domain import free_domain
+from ev_sim.scenario.node_parameters import RECORDER, node_parameters
+from ev_sim.scenario.scenario import Overrides, Run, load_scenario
+
+NAMESPACE = "/ev"
+SERVICES = ("pause", "resume", "step", "reset")
+PATIENCE = 30.0  # s of wall time after which a test that waits in vain fails
+_LOOK_PERIOD = 0.005
+
+
+def shchur(duration: float, **values: Any) -> Run:
+    """The run of shchur2019; `plant__drive="averaged"` sets a parameter."""
+    words = [(*name.split("__", 1), value) for name, value in values.items()]
+    return load_scenario("shchur2019", Overrides(values=words, duration=duration)).runs[0]
+
+
+@contextmanager
+def ros_domain() -> Iterator[Context]:
+    """A context in a domain that nobody else uses."""
+    with free_domain() as domain:
+        context = Context()
+        rclpy.init(context=context, domain_id=domain)
+        try:
+            yield context
+        finally:
+            context.try_shutdown()
+
+
+def node_of(context: Context, name: str, values: dict[str, Any], namespace: str = NAMESPACE) -> Any:
+    """A node by its name, with these parameters."""
+    arguments: dict[str, Any] = {
+        "context": context,
+        "namespace": namespace,
+        "parameter_overrides": [Parameter(key, value=value) for key, value in values.items()],
+    }
+    return RecorderNode(**arguments) if name == RECORDER else make_node(name, **arguments)
+
+
+class Probe(Node):
+    """Looks at a graph and speaks to it."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__("probe", context=context, namespace=NAMESPACE)
+        self._executor = SingleThreadedExecutor(context=context)
+        self._executor.add_node(self)
+        self._publishers_of: dict[type, Any] = {}
+        self.callers = {name: self.create_client(Trigger, f"plant/{name}") for name in SERVICES}
+        self.heard: dict[type, list[tuple[int, Any]]] = {}
+        self.reports: list[str] = []
+        self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 100)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        self.reports += [f"{status.name}: {status.message}" for status in message.status]
+
+    def listen(self, signal: type) -> list[tuple[int, Any]]:
+        """The list to which stamps and signals of a topic are added from now on."""
+        heard = self.heard.setdefault(signal, [])
+        topic = TOPICS[signal]
+        kind = message_class(topic.codec.message_type)
+        unpack = wire_format(signal).unpack
+        self.create_subscription(kind, topic.name, lambda message: heard.append(unpack(message)), QUALITY, raw=True)
+        return heard
+
+    def message(self, seconds: float, signal: Any) -> Any:
+        """A message object, for tests that spoil it."""
+        topic = TOPICS[type(signal)]
+        message = topic.codec.prepare(message_class(topic.codec.message_type)())
+        topic.codec.encode(signal, message)
+        message.header.frame_id = topic.frame
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(from_seconds(seconds), 1_000_000_000)
+        return message
+
+    def publisher_of(self, signal: type) -> Any:
+        """The probe's publisher of a signal."""
+        if signal not in self._publishers_of:
+            topic = TOPICS[signal]
+            kind = message_class(topic.codec.message_type)
+            self._publishers_of[signal] = self.create_publisher(kind, topic.name, QUALITY)
+        return self._publishers_of[signal]
+
+    def look(self) -> None:
+        """Take what has come."""
+        for _ in range(20):
+            self._executor.spin_once(timeout_sec=0.0)
+
+
+class Graph:
+    """Nodes of one context, run by one of the three ways there are."""
+
+    def __init__(
+        self, context: Context, run: Run, directory: Path, names: Sequence[str] | None = None, bag: bool = False
+    ) -> None:
+        self.context = context
+        self.directory = directory
+        self.parameters = node_parameters(run, directory, bag)
+        self.nodes: dict[str, Any] = {}
+        self.probe = Probe(context)
+        for name in self.parameters if names is None else names:
+            self.start(name)
+
+    def start(self, name: str) -> Any:
+        """Bring a node up."""
+        self.nodes[name] = node_of(self.context, name, self.parameters[name])
+        return self.nodes[name]
+
+    def kill(self, name: str) -> None:
+        """Take a node out as if its process had ended."""
+        self.nodes.pop(name).destroy_node()
+        gc.collect()  # a node is in the graph for as long as anything holds it
+
+    @property
+    def time(self) -> float:
+        """Where the master of time is [s]."""
+        return to_seconds(self.nodes["plant"].now)
+
+    def run(self, until: Callable[[], bool] | None = None, way: Callable[..., None] = spin) -> None:
+        """Run until something holds, by default until the recorder has all; fails where that takes too long."""
+        until = until or (lambda: self.nodes[RECORDER].done)
+        deadline = time.monotonic() + PATIENCE
+        next_look = 0.0
+
+        def finished() -> bool:
+            nonlocal next_look
+            if time.monotonic() >= next_look:
+                self.probe.look()
+                next_look = time.monotonic() + _LOOK_PERIOD
+            assert time.monotonic() < deadline, f"at {self.time} s; {self.probe.reports}"
+            return until()
+
+        way(list(self.nodes.values()), finished)
+
+    def run_for(self, seconds: float) -> None:
+        """Run for some wall time."""
+        end = time.monotonic() + seconds
+        self.run(lambda: time.monotonic() >= end)
+
+    def can_be_called(self) -> bool:
+        """Whether the services of the plant are known."""
+        return all(client.service_is_ready() for client in self.probe.callers.values())
+
+    def call(self, service: str) -> str:
+        """What the plant answers to a call of one of its services while the run is under way."""
+        answer = self.probe.callers[service].call_async(Trigger.Request())
+        self.run(answer.done)
+        assert answer.result().success
+        assert RECORDER not in self.nodes or not self.nodes[RECORDER].done, "the run ended before the call"
+        return answer.result().message
+
+
+@contextmanager
+def graph(run: Run, directory: Path, names: Sequence[str] | None = None, bag: bool = False) -> Iterator[Graph]:
+    """A graph in a domain of its own."""
+    with ros_domain() as context:
+        yield Graph(context, run, directory, names, bag)
+
+
+def by_rclpy(executor_type: type) -> Callable[[Sequence[Node], Callable[[], bool]], None]:
+    """Run nodes by one of rclpy's executors, as somebody would who embeds them."""
+
+    def run(nodes: Sequence[Node], finished: Callable[[], bool]) -> None:
+        executor = executor_type(context=nodes[0].context)
+        for node in nodes:
+            executor.add_node(node)
+        while not finished():
+            executor.spin_once(timeout_sec=0.01)
+        for node in nodes:
+            executor.remove_node(node)
+        executor.shutdown()
+
+    return run
+
+
+WAYS = {
+    "spin": spin,
+    "SingleThreadedExecutor": by_rclpy(SingleThreadedExecutor),
+    "EventsExecutor": by_rclpy(EventsExecutor),
+}

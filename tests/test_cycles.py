@@ -1,0 +1,50 @@
+"""The speed cycles of config/cycles, read as the driver reads them."""
+
+from __future__ import annotations
+
+import csv
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from ev_sim.driver.profile_file import with_profile_from_file
+from ev_sim.driver.speed_control import SpeedProfileParameters
+
+CYCLES = Path(__file__).parents[1] / "config" / "cycles"
+
+
+def points(name: str) -> list[tuple[float, float]]:
+    profile = with_profile_from_file(SpeedProfileParameters(file=f"cycles/{name}.csv"))
+    return list(zip(profile.time, profile.speed, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("name", "duration", "distance", "tolerance"),
+    [
+        ("trrl_1_1", 580.0, 4402.6, 0.05),  # printed to 0.1 m
+        ("ece_15", 195.0, 1013.0, 2.0),  # Regulation 83; its tables are rounded
+        ("nedc", 1180.0, 11007.0, 11.0),  # Regulation 83; within 0.1 %
+        ("wltc_class_3b", 1800.0, 23266.0, 1.0),  # GTR 15
+    ],
+)
+def test_duration_and_distance(name, duration, distance, tolerance):
+    rows = points(name)
+    driven = sum((v0 + v1) / 2 * (t1 - t0) for (t0, v0), (t1, v1) in pairwise(rows))
+    assert rows[-1][0] - rows[0][0] == duration
+    assert driven == pytest.approx(distance, abs=tolerance)
+    assert rows[0][1] == rows[-1][1] == 0.0
+
+
+def test_wltc_checksum_of_the_regulation():
+    """GTR 15 prints the sum of the speeds of class 3b: 83758.6 km/h."""
+    assert sum(v for _, v in points("wltc_class_3b")) * 3.6 == pytest.approx(83758.6, abs=0.05)
+
+
+def test_modes_cover_the_urban_cycle_with_355_2_s_of_traction():
+    with (CYCLES / "trrl_1_1_modes.csv").open(newline="") as file:
+        windows = [(float(row["t0_s"]), float(row["t1_s"]), row["mode"]) for row in csv.DictReader(file)]
+    assert len(windows) == 19
+    assert windows[0][0] == 0.0 and windows[-1][1] == 580.0
+    assert all(end == start for (_, end, _), (start, _, _) in pairwise(windows))
+    assert sum(end - start for start, end, mode in windows if mode == "traction") == pytest.approx(355.2)

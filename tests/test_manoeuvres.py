@@ -1,0 +1,316 @@
+"""The scenarios of a test engineer: physics, power balance, and independence of the step."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+
+from ev_msgs_py.methods import find_method
+from ev_msgs_py.parameters import build
+from ev_msgs_py.signals import BodyPose, BodyVelocity, Instant, SteeringColumnState
+from ev_msgs_py.vehicle import Vehicle
+from ev_sim.driver.path import Path, PathParameters
+from ev_sim.driver.path_follower import PathFollower
+from ev_sim.driver.pedal_profile import Feet, FeetParameters, FeetState
+from ev_sim.driver.pure_pursuit import PurePursuit, PurePursuitParameters
+from ev_sim.plant.planar.plant import PlanarPlant
+from ev_sim.plant.planar.state import index
+from ev_sim.recording.recording import Recording
+from ev_sim.report.registry import report_for
+from ev_sim.scenario.offline import run_offline
+from ev_sim.scenario.scenario import Overrides, Run, load_scenario
+from ev_sim.steering_column.steering_robot import SteeringRobot, SteeringRobotParameters
+
+PERIOD = 0.01
+SCENARIOS = (
+    "coast_down",
+    "double_lane_change",
+    "hill_start",
+    "launch_split_mu",
+    "sine_with_dwell",
+    "steady_circle",
+    "step_steer",
+    "straight_brake_split_mu",
+)
+# What 60 s or more of the same motion add shows in the first seconds, too.
+HALVED_DURATION = {"coast_down": 20.0, "steady_circle": 40.0}
+CASES = [(scenario, run.name) for scenario in SCENARIOS for run in load_scenario(scenario).runs]
+
+
+@cache
+def driven(scenario: str, name: str, halved: bool = False) -> tuple[Recording, PlanarPlant]:
+    """The signals of a run and its plant at the end."""
+    step = [("plant", "step", 0.5e-3)] if halved else []
+    duration = HALVED_DURATION.get(scenario)
+    run = next(r for r in load_scenario(scenario, Overrides((), step, duration)).runs if r.name == name)
+    return drive(run)
+
+
+def drive(run: Run) -> tuple[Recording, PlanarPlant]:
+    plants = []
+
+    class Kept(PlanarPlant):
+        def __init__(self, *arguments) -> None:
+            super().__init__(*arguments)
+            plants.append(self)
+
+    plant = run.configurations["plant"]
+    kept = dataclasses.replace(plant, method=dataclasses.replace(plant.method, factory=Kept))
+    recording = run_offline({**run.configurations, "plant": kept}, run.duration)
+    return recording, plants[-1]
+
+
+@cache
+def metrics_of(scenario: str) -> dict[str, float | None]:
+    loaded = load_scenario(scenario)
+    whole = scenario not in HALVED_DURATION
+    runs = {run.name: driven(scenario, run.name)[0] if whole else drive(run)[0] for run in loaded.runs}
+    vehicle = loaded.runs[0].configurations["plant"].common.vehicle
+    return {name: metric.value for name, metric in report_for(scenario).metrics(runs, vehicle, {}).items()}
+
+
+@pytest.mark.parametrize(("scenario", "name"), CASES)
+def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
+    """Less than 0.1 % of the way and of the largest speeds at its end; measured is 8e-6 at most, in a spin."""
+    recording, coarse = driven(scenario, name)
+    _, fine = driven(scenario, name, halved=True)
+    assert fine.steps == 2 * coarse.steps
+
+    def largest(*channels: str) -> float:
+        return max(float(np.abs(recording.channels[channel]).max()) for channel in channels)
+
+    speed, length = largest("twist.longitudinal", "twist.lateral"), largest("pose.x", "pose.y")
+    scales = {
+        "longitudinal_velocity": speed,
+        "lateral_velocity": speed,
+        "yaw_rate": max(largest("twist.yaw_rate"), 1e-3),
+        "heading": 1.0,
+        "x": length,
+        "y": length,
+        "battery_work": max(abs(fine.state[index("battery_work")]), 1.0),
+    }
+    for entry, scale in scales.items():
+        place = index(entry)
+        assert coarse.state[place] == pytest.approx(fine.state[place], rel=0, abs=1e-3 * scale), entry
+
+
+@pytest.mark.parametrize(("scenario", "name"), CASES)
+def test_power_balance_closes(scenario, name):
+    """Battery work = losses + drive work, drive work = kinetic energy + tyres + resistance, within 0.1 %."""
+    run = next(r for r in load_scenario(scenario).runs if r.name == name)
+    start = run.configurations["plant"].create()
+    _, end = driven(scenario, name)
+
+    def work(entry: str) -> float:
+        return float(end.state[index(entry)])
+
+    battery = work("motor_loss") + work("driveline_loss") + work("auxiliary_work") + work("drive_work")
+    sinks = [work(f"{kind}_work") for kind in ("tyre", "friction", "drag", "gravity")]
+    gain = kinetic_energy(end) - kinetic_energy(start)
+    flow = max(abs(gain), abs(work("drive_work")), *map(abs, sinks))
+    assert work("battery_work") == pytest.approx(battery, rel=1e-3, abs=1e-3 * flow)
+    assert work("drive_work") == pytest.approx(gain + sum(sinks), rel=0, abs=1e-3 * flow)
+
+
+def kinetic_energy(plant: PlanarPlant) -> float:
+    s, car = plant.state, plant._car[0]
+    place = index("wheel_speed")
+    wheels = float(np.sum(car["wheel_inertia"] * s[place : place + 4] ** 2))
+    along, across = s[index("longitudinal_velocity")], s[index("lateral_velocity")]
+    return 0.5 * float(car["mass"] * (along**2 + across**2) + car["yaw_inertia"] * s[index("yaw_rate")] ** 2 + wheels)
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_every_metric_is_measured(scenario):
+    assert [name for name, value in metrics_of(scenario).items() if value is None] == []
+
+
+@pytest.mark.parametrize("name", ["forward", "backward"])
+def test_hill_start(name):
+    """Held on 20 % for a minute within 1 mm, no roll-back, and the slip of the pull-away keeps its sign."""
+    metrics = metrics_of("hill_start")
+    assert metrics[f"{name}_holding_time"] >= 60.0
+    assert metrics[f"{name}_movement_while_holding"] < 1e-3
+    assert metrics[f"{name}_roll_back"] < 1e-3
+    assert metrics[f"{name}_slip_sign_changes"] == 0
+
+
+@pytest.mark.parametrize("surface", ["dry_asphalt", "ice"])
+@pytest.mark.parametrize("torque", [400.0, -400.0])
+def test_pull_away_slip_keeps_its_sign(surface, torque):
+    """On the level, at the default step: 625 N at each front wheel, more than ice carries, little on dry asphalt."""
+    values = [
+        ("plant", "road.grade", [0.0]),
+        ("plant", "road.left", [surface]),
+        ("plant", "road.right", [surface]),
+        ("driver", "pedals.time", [0.0, 0.2]),
+        ("driver", "pedals.brake_torque", [0.0, 0.0]),
+        ("driver", "pedals.drive_torque", [0.0, torque]),
+    ]
+    recording, _ = drive(load_scenario("hill_start", Overrides((), values, 4.0)).runs[0])
+    for wheel in ("front_left", "front_right"):
+        force = recording.channels[f"tire_forces.longitudinal_force.{wheel}"]
+        slip = recording.channels[f"tire_forces.slip_ratio.{wheel}"]
+        assert (slip * math.copysign(1.0, torque) >= 0.0).all()
+        assert (force * math.copysign(1.0, torque) >= 0.0).all()
+
+
+def test_coast_down_gives_the_road_load_back():
+    """Slip of free-rolling wheels and the central differences of a second leave less than 0.1 %."""
+    metrics, vehicle = metrics_of("coast_down"), Vehicle()
+    assert metrics["rolling_resistance"] == pytest.approx(vehicle.rolling_resistance, rel=1e-3)
+    assert metrics["drag_area"] == pytest.approx(vehicle.drag_coefficient * vehicle.frontal_area, rel=1e-3)
+
+
+def test_step_steer_is_the_same_to_the_left_and_to_the_right():
+    metrics = metrics_of("step_steer")
+    for name in ("yaw_rate_response_time", "yaw_rate_overshoot", "yaw_rate_gain", "sideslip_angle_gain"):
+        assert metrics[f"left_{name}"] == metrics[f"right_{name}"]
+    assert metrics["left_lateral_acceleration"] == pytest.approx(4.0, rel=0.05)  # what ISO 7401 prefers
+
+
+def test_steady_circle_agrees_with_the_closed_form():
+    """K = m (b/C_f - a/C_r)/L within 5 %: the drive forces of the front wheels pull the car inwards, 1 % of 2500 N."""
+    metrics = metrics_of("steady_circle")
+    mass, length, rear_arm = Vehicle().mass, Vehicle().wheelbase, Vehicle().centre_of_mass_to_rear_axle
+    gradient = mass / length * (rear_arm / 90e3 - (length - rear_arm) / 130e3)
+    assert metrics["linear_understeer_gradient"] == pytest.approx(gradient, rel=0.05)
+    sideslip = -mass * (length - rear_arm) / (130e3 * length)
+    assert metrics["linear_sideslip_gradient"] == pytest.approx(sideslip, rel=0.01)
+
+
+def test_lane_change_leaves_all_cones_standing():
+    metrics = metrics_of("double_lane_change")
+    assert metrics["cones_hit"] == 0
+    assert metrics["exit_speed"] == pytest.approx(80 / 3.6, rel=0.01)
+
+
+def test_a_car_beside_its_lane_hits_the_cones_of_one_row():
+    """Straight on at y = 2 m its body covers 1.16 to 2.84 m: the right row of lane 2 (2.37 m), the left one of 3."""
+    values = [("plant", "initial_y", 2.0), ("driver", "path.y", [2.0] * 7)]
+    recording, _ = drive(load_scenario("double_lane_change", Overrides((), values)).runs[0])
+    assert report_for("double_lane_change").metrics({"run": recording}, Vehicle(), {})["cones_hit"].value == 8
+
+
+def test_sine_with_dwell_multiples_of_a():
+    """The amplitudes in the scenario are the multiples that their names say of the A that its first run gives."""
+    metrics = metrics_of("sine_with_dwell")
+    for name, multiple in (("times_1_5", 1.5), ("times_2_5", 2.5), ("times_3_5", 3.5), ("times_5_0", 5.0)):
+        assert metrics[f"{name}_amplitude_over_a"] == pytest.approx(multiple, rel=0.01)
+    assert metrics["times_1_5_passed"] == 1
+    assert metrics["times_5_0_passed"] == 0  # without stability control
+
+
+def test_split_friction():
+    """Steering holds the car that spins with a fixed steering wheel; wheels on snow lock, on asphalt they do not."""
+    metrics = metrics_of("straight_brake_split_mu")
+    assert metrics["steered_peak_yaw_deviation"] < 0.2 < metrics["fixed_steering_peak_yaw_deviation"]
+    assert metrics["steered_front_left_locked"] > 50.0
+    assert metrics["steered_front_right_locked"] == 0.0
+    launch = metrics_of("launch_split_mu")
+    assert launch["steered_peak_yaw_deviation"] < launch["fixed_steering_peak_yaw_deviation"]
+    assert launch["steered_front_left_peak_slip"] > 0.9
+    assert launch["steered_front_right_peak_slip"] < 0.2
+
+
+def test_pedals_change_over_at_time_and_speed():
+    feet = Feet(
+        build(
+            FeetParameters,
+            {
+                "pedals.begin": True,
+                "pedals.begin_time": 1.0,
+                "pedals.begin_speed": 10.0,
+                "pedals.time": [0.0, 1.0],
+                "pedals.drive_torque": [0.0, 0.0],
+                "pedals.brake_torque": [0.0, 800.0],
+            },
+        ),
+        PERIOD,
+    )
+    state = FeetState()
+    assert feet.step(0.5, 12.0, state)[1] != 400.0 and state.begun is None
+    feet.step(1.5, 9.0, state)
+    assert state.begun is None
+    assert feet.step(2.0, 11.0, state) == (0.0, 0.0)
+    assert feet.step(2.5, 3.0, state) == (0.0, 400.0)
+
+
+def test_robot_angle_goes_on_at_its_rate_without_jumps():
+    values = {"profile.time": [0.1, 0.2], "profile.angle": [0.0, 5.0], "max_rate": 10.0}
+    robot = SteeringRobot(build(SteeringRobotParameters, values), Vehicle(), PERIOD)
+    (before,) = robot.outputs()
+    for n in range(100):
+        robot.advance(Instant(n * PERIOD))
+        (column,) = robot.outputs()
+        assert column.angle == pytest.approx(before.angle + before.rate * PERIOD, abs=1e-12)
+        assert abs(column.rate) <= 10.0 + 1e-9
+        before = column
+    assert column.angle == pytest.approx(5.0)
+
+
+def test_sine_with_dwell_shape():
+    """0.7 Hz: peak at 0.357 s, second peak from 1.071 s for half a second, back at zero after 1.929 s."""
+    values = {"shape": "sine_with_dwell", "sine_with_dwell.begin": 0.0, "sine_with_dwell.amplitude": 2.0}
+    robot = SteeringRobot(build(SteeringRobotParameters, values), Vehicle(), 1e-3)
+    angles = []
+    for n in range(2500):
+        angles.append(robot.outputs()[0].angle)
+        robot.advance(Instant(n * 1e-3))
+    assert np.argmax(angles) == pytest.approx(357, abs=1)
+    assert max(angles) == pytest.approx(2.0, rel=1e-5)
+    held = [n for n, angle in enumerate(angles) if angle == pytest.approx(-2.0, rel=1e-5)]
+    assert (held[0], held[-1]) == (pytest.approx(1071, abs=3), pytest.approx(1571, abs=3))
+    assert angles[1925] < 0.0 == angles[1930]
+
+
+def test_path_of_arcs_and_its_nearest_point():
+    """A quarter of a circle of 10 m ends at (10, 10); the chords of half a metre stay within 4 mm of it."""
+    arcs = {"shape": "arcs", "length": [5 * math.pi], "curvature": [0.1]}
+    path = Path(build(PathParameters, arcs))
+    assert path.at(5 * math.pi, 0) == pytest.approx((10.0, 10.0), abs=0.02)
+    distance, _ = path.nearest(10 * math.sin(0.5), 10 - 10 * math.cos(0.5), 0)
+    assert distance == pytest.approx(5.0, abs=0.01)
+    assert path.nearest(-3.0, 0.0, 0)[0] == pytest.approx(-3.0, abs=0.1)  # straight on before the beginning
+
+
+@pytest.mark.parametrize("speed", [2.0, -2.0])
+def test_pure_pursuit_comes_back_to_the_path(speed):
+    """A rolling car 1 m beside a straight path, 0.2 rad off its direction, within 5 cm after 30 m, either way."""
+    vehicle = Vehicle()
+    path = Path(build(PathParameters, {"x": [-100.0, 100.0], "y": [0.0, 0.0]}))
+    pursuit = PurePursuit(PurePursuitParameters(), path, vehicle)
+    rear_x, rear_y, heading, leg = 0.0, 1.0, 0.2, 0
+    for _ in range(1500):
+        b = vehicle.centre_of_mass_to_rear_axle
+        pose = BodyPose.at(rear_x + b * math.cos(heading), rear_y + b * math.sin(heading), heading)
+        angle, leg = pursuit.step(pose, speed, leg)
+        heading += speed / vehicle.wheelbase * math.tan(angle) * PERIOD
+        rear_x += speed * math.cos(heading) * PERIOD
+        rear_y += speed * math.sin(heading) * PERIOD
+    assert abs(rear_y) < 0.05
+    assert abs(heading) < 0.02
+
+
+def test_path_follower_turns_the_steering_wheel_towards_the_path():
+    driver = PathFollower(build(find_method("driver", "path_follower").parameters, {}), Vehicle(), PERIOD)
+    column = SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0)
+    right_of_path = driver.step(Instant(0.0), BodyVelocity(5.0, 0.0, 0.0), BodyPose.at(0.0, -1.0, 0.0), column)
+    assert right_of_path.hand_torque > 0.0
+
+
+def test_plant_notes_refused_commands_and_lifted_wheels():
+    """Each text once, counts by powers of ten; the launch asks 7500 N m of motors that have 5328 N m."""
+    too_much = [("driver", "pedals.drive_torque", [0.0, 0.0, 7500.0])]
+    run = load_scenario("launch_split_mu", Overrides((), too_much, 2.0)).runs[0]
+    notes = []
+    run_offline(run.configurations, run.duration, note=lambda role, text: notes.append((role, text)))
+    assert notes == [("plant", f"{n} or more values of commands were out of range") for n in (1, 10, 100)]
+    high = [("*", "vehicle.centre_of_mass_height", 2.0)]
+    run = load_scenario("double_lane_change", Overrides((), high, 4.0)).runs[0]
+    run_offline(run.configurations, run.duration, note=lambda role, text: notes.append((role, text)))
+    assert any("left the ground" in text for _, text in notes)
