@@ -9,6 +9,7 @@ from toy_methods import toy, toy_graph
 
 from ev_msgs_py.configuration import check_graph, configure
 from ev_msgs_py.master_parameters import MasterParameters
+from ev_msgs_py.methods import methods_of
 from ev_msgs_py.parameters import ParameterError
 from ev_msgs_py.roles import ROLES
 from ev_msgs_py.signals import BodyVelocity, SteeringColumnState
@@ -91,7 +92,8 @@ def test_bad_common_and_further_values_are_refused_by_name(values):
 def test_the_entries_are_what_ros_declares():
     """`ros2 param list`: the method and the common part are fixed when the node starts, the rest can be set."""
     entries = {entry.name: entry for entry in configure(DIFFERENTIAL, {"gamma": 2.0}, MasterParameters).entries()}
-    assert entries["method"].spec.choices == ("drive_by_wire", "equal_torque", "power_steering", "steer_by_wire")
+    assert entries["method"].spec.choices == tuple(methods_of(DIFFERENTIAL))
+    assert {"drive_by_wire", "equal_torque", "power_steering", "steer_by_wire"} <= {*methods_of(DIFFERENTIAL)}
     fixed = {name for name, entry in entries.items() if entry.spec.read_only}
     assert {"method", "control_period", "mode", "seed", "vehicle.mass", "await_recorder"} <= fixed
     assert not {"gamma", "real_time_factor"} & fixed
