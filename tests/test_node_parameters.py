@@ -12,6 +12,7 @@ from ev_msgs_py.configuration import Configuration, configure
 from ev_msgs_py.methods import all_methods
 from ev_msgs_py.parameters import entries
 from ev_msgs_py.roles import ROLES
+from ev_msgs_py.wheels import WHEEL_NAMES
 from ev_sim.recording.recorder_parameters import RecorderParameters
 
 LAW = "electronic_differential"
@@ -136,7 +137,10 @@ def neighbour(configuration: Configuration) -> Configuration | None:
 @pytest.mark.parametrize(("role", "name"), EVERY_METHOD, ids=lambda word: word)
 def test_every_method_can_hand_its_state_to_a_successor(role, name):
     """A node that takes new parameters over live makes a new object and gives it the state of the old one."""
-    configuration = configure(role, {"method": name})
+    # Laws of other sources need rear drives, or all four.
+    driven = {"slip_target": ["rear_left", "rear_right"], "axle_redistribution": list(WHEEL_NAMES)}
+    layout = {"vehicle.driven_wheels": driven[name]} if name in driven else {}
+    configuration = configure(role, {"method": name, **layout})
     changed = neighbour(configuration) or configuration
     old, new = configuration.create(), changed.create()
     assert type(new.state) is type(old.state)
