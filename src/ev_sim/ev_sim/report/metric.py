@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-Band = tuple[float, float]
+Band = tuple[float, float]  # an end that is not finite is open
 
 
 class NotMeasured(Exception):
@@ -68,7 +68,7 @@ class Metric:
             "value": self.value,
             "unit": self.unit,
             "published": reference.value if reference else None,
-            "band": list(reference.band) if reference else None,
+            "band": [end if math.isfinite(end) else None for end in reference.band] if reference else None,
             "verdict": self.verdict,
             "source": reference.source if reference else None,
             "assumption": (reference.assumption or None) if reference else None,

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 REPORTS = {
     "coast_down": "ev_sim.report.coast_down",
     "double_lane_change": "ev_sim.report.double_lane_change",
+    "ge_ni2005": "ev_sim.report.ge_ni2005",
     "hill_start": "ev_sim.report.hill_start",
     "launch_split_mu": "ev_sim.report.launch_split_mu",
     "shchur2019": "ev_sim.report.shchur2019",
