@@ -43,6 +43,8 @@ def table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) -> str:
 def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
     reference = metric.reference
     value = _number(metric.value)
+    if metric.standard_deviation is not None:
+        value += f" ± {metric.standard_deviation:.2g}"
     return {
         "metric": name,
         "value": f"{value} ({math.degrees(metric.value):.2f} deg)" if metric.unit == "rad" and metric.value else value,
