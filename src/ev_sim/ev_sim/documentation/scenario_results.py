@@ -39,6 +39,11 @@ SCENARIO_PAGES = {
         ),
         ("fig3_fig4", "boundary_layer"),
     ),
+    "docs/tatar_chudzik.md": Page(
+        "tatar_chudzik",
+        (tuple(f"{layout}_{control}" for layout in ("front", "rear", "all") for control in ("equal", "corrected")),),
+        ("lateral_forces",),
+    ),
 }
 
 

@@ -24,6 +24,7 @@ REPORTS = {
     "steady_circle": "ev_sim.report.steady_circle",
     "step_steer": "ev_sim.report.step_steer",
     "straight_brake_split_mu": "ev_sim.report.straight_brake_split_mu",
+    "tatar_chudzik": "ev_sim.report.tatar_chudzik",
 }
 GENERIC = "ev_sim.report.generic"
 
