@@ -35,18 +35,22 @@ def _write_results(root: Path) -> None:
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
     driven = results.drive_all()
-    _write(root, "docs/shchur2019.md", results.result_table(driven))
+    _write(root / "docs" / "shchur2019.md", {RESULTS: results.result_table(driven)})
     results.save_images(driven, images)
     for name, page in scenario_results.SCENARIO_PAGES.items():
         run = results.drive(page.scenario)
-        _write(root, name, scenario_results.results_of(page, run))
+        texts = {RESULTS: scenario_results.results_of(page, run)}
         scenario_results.save_images(page, run, images)
+        if page.sweep:
+            cases = scenario_results.drive_sweep(page.sweep)
+            texts[page.sweep] = scenario_results.sweep_table(page.sweep, cases)
+            scenario_results.save_sweep_images(page.sweep, cases, images)
+        _write(root / name, texts)
 
 
-def _write(root: Path, name: str, text: str) -> None:
-    page = root / name
-    page.write_text(with_blocks(page.read_text(encoding="utf-8"), {RESULTS: text}), encoding="utf-8")
-    print(f"written: results in {name}")
+def _write(page: Path, texts: dict[str, str]) -> None:
+    page.write_text(with_blocks(page.read_text(encoding="utf-8"), texts), encoding="utf-8")
+    print(f"written: results in {page.name}, images")
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ PAGES = {
     "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
     "docs/topics.md": ("topics", "wheel names", "fields"),
     "docs/shchur2019.md": (RESULTS,),
-    **dict.fromkeys(SCENARIO_PAGES, (RESULTS,)),
+    **{name: (RESULTS, page.sweep) if page.sweep else (RESULTS,) for name, page in SCENARIO_PAGES.items()},
 }
 
 

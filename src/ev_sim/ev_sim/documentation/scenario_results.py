@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,15 +12,21 @@ from ev_sim.documentation.markdown import code, table
 from ev_sim.documentation.results import Driven
 from ev_sim.report.metric import Metric
 from ev_sim.report.registry import report_for
+from ev_sim.study.study import Results, study_named
+from ev_sim.study.workers import drive_cases
 
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """Whose results a page shows: one table for each group of names with which metrics end, and figures."""
+    """Whose results a page shows: one table for each group of names with which metrics end, and figures.
+
+    `sweep` names a study with `COLUMNS` and `rows` whose table stands on the page as a part of that name.
+    """
 
     scenario: str
     columns: tuple[tuple[str, ...], ...]
     figures: tuple[str, ...]
+    sweep: str = ""
 
 
 _CONTROLS = ("equal_torque", "rate", "offset", "increment")
@@ -44,6 +51,12 @@ SCENARIO_PAGES = {
         (tuple(f"{layout}_{control}" for layout in ("front", "rear", "all") for control in ("equal", "corrected")),),
         ("lateral_forces",),
     ),
+    "docs/zhileykin2018.md": Page(
+        "zhileykin2018",
+        (("rear_drive", "k05", "k1", "k1_estimated", "fixed_split"),),
+        ("fig3_fig4", "fig5"),
+        sweep="zhileykin2018_sweep",
+    ),
 }
 
 
@@ -51,6 +64,29 @@ def results_of(page: Page, driven: Driven) -> str:
     """The tables of a page: metrics by run, then those with a reference, with both numbers and verdict."""
     metrics = driven.metrics
     return "\n".join([*_by_run(metrics, page.columns), _compared(metrics)])
+
+
+def drive_sweep(name: str) -> Results:
+    """All cases of a study."""
+    study = study_named(name)
+    cases = study.cases(argparse.Namespace())
+    return {result.name: result for result in drive_cases(cases, study.measure)}
+
+
+def sweep_table(name: str, results: Results) -> str:
+    """The rows of a study, and below them what they add up to."""
+    study = study_named(name)
+    metrics = study.metrics(argparse.Namespace(), results)
+    sums = table(("metric", "value"), ((code(key), _number(metric)) for key, metric in metrics.items()))
+    return f"{table(study.COLUMNS, study.rows(results))}\n{sums}"
+
+
+def save_sweep_images(name: str, results: Results, folder: Path) -> None:
+    """The figures of a study as STUDY_FIGURE.png."""
+    from ev_sim.report.drawing import save_figures  # matplotlib is slow to import
+
+    figures = study_named(name).figures(argparse.Namespace(), results)
+    save_figures({f"{name}_{key}": figure for key, figure in figures.items()}, folder)
 
 
 def save_images(page: Page, driven: Driven, folder: Path) -> None:

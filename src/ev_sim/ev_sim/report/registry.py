@@ -25,6 +25,7 @@ REPORTS = {
     "step_steer": "ev_sim.report.step_steer",
     "straight_brake_split_mu": "ev_sim.report.straight_brake_split_mu",
     "tatar_chudzik": "ev_sim.report.tatar_chudzik",
+    "zhileykin2018": "ev_sim.report.zhileykin2018",
 }
 GENERIC = "ev_sim.report.generic"
 
