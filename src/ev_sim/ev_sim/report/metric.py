@@ -7,7 +7,7 @@ import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-Band = tuple[float, float]
+Band = tuple[float, float]  # an end that is not finite is open
 
 
 class NotMeasured(Exception):
@@ -79,7 +79,7 @@ class Metric:
             "unit": self.unit,
             **({"std": self.standard_deviation, "per_seed": list(self.per_seed)} if self.per_seed else {}),
             "published": reference.value if reference else None,
-            "band": list(reference.band) if reference else None,
+            "band": [end if math.isfinite(end) else None for end in reference.band] if reference else None,
             "verdict": self.verdict,
             "source": reference.source if reference else None,
             "assumption": (reference.assumption or None) if reference else None,

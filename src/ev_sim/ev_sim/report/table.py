@@ -51,7 +51,7 @@ def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
         "value in rad": value,
         "unit": metric.unit,
         "published": _number(reference.value) if reference else "-",
-        "band": f"{_number(reference.band[0])} .. {_number(reference.band[1])}" if reference else "-",
+        "band": " .. ".join(_number(end) if math.isfinite(end) else "" for end in reference.band) if reference else "-",
         "verdict": _judgement(metric, notes),
     }
 

@@ -15,7 +15,9 @@ from ev_sim.study.case import Case, CaseResult
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-STUDIES = {}
+STUDIES: dict[str, str] = {
+    "zhileykin2018_sweep": "ev_sim.study.zhileykin2018_sweep",
+}
 
 Results = Mapping[str, CaseResult]  # name of the case -> what came out
 

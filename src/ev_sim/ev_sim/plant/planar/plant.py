@@ -58,6 +58,12 @@ class PlanarParameters(DriveParameters):
     initial_x: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
     initial_y: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
     initial_heading: float = parameter(0.0, unit="rad", low=-10.0, high=10.0, about="at the start")
+    hold_speed: bool = parameter(
+        False,
+        about="keep the longitudinal velocity of the centre of mass, as an ideal dynamometer does: a force along the "
+        "car in the plane of the road takes or gives what that needs",
+        source="Ge & Ni 2005: u is held",
+    )
     road: RoadParameters = group(RoadParameters)
 
 
@@ -84,7 +90,7 @@ class PlanarPlant:
         self.h = period / self.steps
         self.state = at_rest()
         self.guard = CommandGuard(vehicle, p.motor.torque_limit if p.drive in DRIVES else vehicle.motor.peak_torque)
-        self._car = car_record(vehicle, p.load_transfer_lag, p.drive in DRIVES)
+        self._car = car_record(vehicle, p.load_transfer_lag, p.drive in DRIVES, p.hold_speed)
         self._step = np.zeros(1, STEP)
         self._step["cos_steer"] = 1.0
         self._step["segment"] = -1  # nothing is found yet
