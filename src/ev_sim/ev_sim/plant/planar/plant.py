@@ -26,6 +26,7 @@ from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
 from ev_sim.driveline.couplings import shaft_speeds
 from ev_sim.drives.drive import DRIVES, DriveParameters, drives_at_rest
 from ev_sim.drives.records import record_of
+from ev_sim.plant.commands import CommandGuard
 from ev_sim.plant.planar.body import (
     DEFLECTION_X,
     DEFLECTION_Y,
@@ -38,7 +39,6 @@ from ev_sim.plant.planar.body import (
     WHEEL_SPEED,
     YAW_RATE,
 )
-from ev_sim.plant.planar.commands import CommandGuard
 from ev_sim.plant.planar.observing import observe
 from ev_sim.plant.planar.powertrain import BATTERY_POWER, MOTOR_TORQUE, STATE_OF_CHARGE, TORQUE_SHARE
 from ev_sim.plant.planar.records import STEP, car_record
@@ -106,7 +106,8 @@ class PlanarPlant:
         self.steps = max(math.ceil(period / longest * (1.0 - 1e-12)), 1)
         self.h = period / self.steps
         self.state = at_rest()
-        self.guard = CommandGuard(vehicle, p.motor.torque_limit if p.drive in DRIVES else vehicle.motor.peak_torque)
+        motor_torque = p.motor.torque_limit if p.drive in DRIVES else motor.peak_torque
+        self.guard = CommandGuard(vehicle, motor_torque, vehicle.maximum_road_wheel_angle)
         self._car = car_record(vehicle, p.load_transfer_lag, p.drive in DRIVES)
         self._step = np.zeros(1, STEP)
         self._step["cos_steer"] = 1.0
@@ -151,9 +152,9 @@ class PlanarPlant:
 
     def advance(self, command: WheelTorqueCommand, column: SteeringColumnState) -> None:
         """Integrate over one period under a command that is held and a steering angle that goes on at its rate."""
-        drive, brake, angle, rate = self.guard.accept(command, column, self.period)
+        angle, rate = self.guard.angle(column), self.guard.rate(column, self.period)
         step = self._step[0]
-        step["drive_command"], step["brake_command"] = drive, brake
+        step["drive_command"], step["brake_command"] = self.guard.torques(command)
         step["steering_angle"], step["steering_rate"] = angle, rate
         run(
             self.state,
@@ -218,22 +219,13 @@ class PlanarPlant:
 
     def reports(self) -> tuple[str, ...]:
         """Commands that were not taken as they came, counted by powers of ten, and wheels that have left the ground."""
-        counts = (
-            ("values of commands were not finite", self.guard.non_finite),
-            ("values of commands were out of range", self.guard.out_of_range),
-        )
-        refused = (f"{10 ** (len(str(count)) - 1)} or more {what}" for what, count in counts if count)
         lifted = (f"{name} wheel left the ground" for name, was in zip(WHEEL_NAMES, self._lifted, strict=True) if was)
-        return (*refused, *lifted)
+        return (*self.guard.reports(), *lifted)
 
     @property
     def diagnostics(self) -> dict[str, float]:
         """Counts of commands that were not taken as they came, and of wheels off the ground now."""
-        return {
-            "non_finite_commands": self.guard.non_finite,
-            "out_of_range_commands": self.guard.out_of_range,
-            "lifted_wheels": int(np.count_nonzero(self._step[0]["load"] == 0.0)),
-        }
+        return {**self.guard.diagnostics, "lifted_wheels": int(np.count_nonzero(self._step[0]["load"] == 0.0))}
 
 
 def _wheels(values: np.ndarray) -> Wheels:
