@@ -33,7 +33,7 @@ class AdhesionLimitParameters:
         0.02, unit="s", low=0.0, high=1.0, about="time constant of the friction in use", source="assumption"
     )
     rise: float = parameter(
-        0.1,
+        0.3,
         unit="1/s",
         low=0.0,
         high=100.0,

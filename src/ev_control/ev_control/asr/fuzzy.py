@@ -58,9 +58,9 @@ class Fuzzy(SlipRegulator):
     """Move the limit by nine rules about the slip error and the rate of the slip.
 
     Error and rate, over their widths, each belong to three triangular sets (below, at, above; falls, stays, rises)
-    whose degrees add up to one. A rule counts with the product of its two degrees, and the rate of the limit is the
-    sum of the rules' (`RULES`) times `largest_rate` times the limit: the weighted mean, as in Takagi and Sugeno. The rules take
-    torque away faster than they give it back. The dissertation (section 1.3) reports fuzzy slip control without a
+    whose degrees add up to one. A rule counts with the product of its two degrees; the limit changes by the sum of the
+    rules' (`RULES`) times `largest_rate` times itself, which is the weighted mean as in Takagi and Sugeno. The rules
+    take torque away faster than they give it back. The dissertation (section 1.3) reports fuzzy slip control without a
     rule, so these are an assumption.
     """
 
