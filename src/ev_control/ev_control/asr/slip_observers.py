@@ -45,7 +45,15 @@ class SlipObserverParameters:
         unit="rad/s^2",
         low=0.1,
         high=1000.0,
-        about="disturbance: wheel acceleration below which the last slip stays, because eq 1.10 divides by it",
+        about="disturbance: wheel acceleration below which eq 1.10, which divides by it, says nothing",
+        source="assumption",
+    )
+    forget_time: float = parameter(
+        0.3,
+        unit="s",
+        low=0.0,
+        high=100.0,
+        about="disturbance: time constant of forgetting the slip where eq 1.10 says nothing",
         source="assumption",
     )
 
@@ -69,7 +77,8 @@ class SlipObserver:
       k = 1/(r w) all of the acceleration is the measured one, and only the error of the beginning stays.
     - `disturbance` takes l = -d/(r^2 M w') with the torque d = T - (J + r^2 M) w' that a wheel which grips would leave
       unexplained (eq 1.10, printed with l' on the left, but a slip stands on the right). It holds for a steady slip,
-      is worth nothing where w' passes zero, and keeps its last value there.
+      says nothing where w' passes zero or the wheel is slower than `slowest`; there the slip is slowly forgotten, else
+      a control that has taken all torque from a wheel would wait for ever.
 
     All start from no slip when the torque sets in, and stay within 0..1. Below `slowest` [rad/s] the equations are
     those of the slip that is counted against this speed.
@@ -82,6 +91,7 @@ class SlipObserver:
         self._mass = mass_share(vehicle)
         self._carried = self._radius**2 * self._mass
         self._share = filter_share(period, parameters.filter_time)
+        self._forgotten = filter_share(period, parameters.forget_time)
 
     def slip(self, state: SlipObserverState, motion: WheelMotion) -> float:
         """The slip [1] at the end of this period."""
@@ -105,10 +115,10 @@ class SlipObserver:
         return state.slip + rate * self._period
 
     def _disturbance(self, state: SlipObserverState, motion: WheelMotion) -> float:
-        """The slip of eq 1.10 [1], or the last one."""
+        """The slip of eq 1.10 [1], or what is not yet forgotten of the last one."""
         torque = state.torque.follow(motion.torque, self._share)
         turning = state.acceleration.follow(motion.acceleration, self._share)
-        if abs(turning) < self._p.least_acceleration:
-            return state.slip
+        if abs(turning) < self._p.least_acceleration or motion.speed < self._p.slowest:
+            return state.slip * (1 - self._forgotten)
         disturbance = torque - (self._inertia + self._carried) * turning
         return -disturbance / (self._carried * turning)
