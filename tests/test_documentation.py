@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from source_runs import driven
 
 from ev_sim.documentation.markdown import block_names, table, with_blocks
 from ev_sim.documentation.pages import stale_pages
 from ev_sim.documentation.results import drive_all, result_table
+from ev_sim.documentation.scenario_results import SCENARIO_PAGES, results_of
 from ev_sim.recording.recording import load, signal_hash
 from ev_sim.run_scenario import main as run_scenario
 
@@ -45,12 +47,21 @@ def test_bars_in_a_cell_do_not_end_it():
 
 
 def test_results_are_those_of_the_runs():
+    compare_results("docs/shchur2019.md", result_table(drive_all()))
+
+
+@pytest.mark.parametrize("page", SCENARIO_PAGES)
+def test_results_of_a_scenario_are_those_of_its_runs(page: str):
+    of = SCENARIO_PAGES[page]
+    compare_results(page, results_of(of, driven(of.scenario)))
+
+
+def compare_results(page: str, text: str):
     """Numbers, not text: another processor may round the last digit differently."""
-    page = (ROOT / "docs" / "shchur2019.md").read_text()
-    written = page.partition("<!-- generated: results -->")[2].partition("<!-- end")[0].strip().splitlines()
-    now = result_table(drive_all()).strip().splitlines()
-    assert [NUMBER.sub("", line) for line in written] == [NUMBER.sub("", line) for line in now]
-    for line_written, line_now in zip(written, now, strict=True):
+    written = (ROOT / page).read_text().partition("<!-- generated: results -->")[2].partition("<!-- end")[0]
+    lines, now = written.strip().splitlines(), text.strip().splitlines()
+    assert [NUMBER.sub("", line) for line in lines] == [NUMBER.sub("", line) for line in now]
+    for line_written, line_now in zip(lines, now, strict=True):
         numbers = [float(number) for number in NUMBER.findall(line_written)]
         assert numbers == pytest.approx([float(n) for n in NUMBER.findall(line_now)], rel=1e-3), "document.sh --runs"
 

@@ -62,15 +62,11 @@ def brake(total):
     return WheelTorqueCommand(NO_WHEELS, Wheels.all(total / 4))
 
 
-def flat(signal):
-    return tuple(getattr(signal, name) for name in signal.__slots__)
-
-
 def test_outputs_are_what_the_plant_declares_and_its_role_allows():
     outputs = Car().plant.outputs()
     assert tuple(type(signal) for signal in outputs) == KinematicPlant.writes
     assert set(KinematicPlant.writes) <= set(ROLES["plant"].writes)
-    numbers = [x for signal in outputs for value in flat(signal) for x in (value if type(value) is Wheels else [value])]
+    numbers = [x for signal in outputs for value in signal for x in (value if type(value) is Wheels else [value])]
     assert {type(number) for number in numbers} == {float}
 
 
@@ -135,7 +131,7 @@ def test_brakes_bring_the_car_to_rest_and_hold_it(drive, speed):
 def test_brakes_hold_against_the_drives(sign):
     held = WheelTorqueCommand(Wheels.front(sign * 300.0, sign * 300.0), Wheels.all(150.0))
     assert Car().drive(held, steps=100).speed == 0.0
-    assert sign * Car().drive(replace(held, brake=Wheels.all(100.0)), steps=100).speed > 0.0
+    assert sign * Car().drive(held._replace(brake=Wheels.all(100.0)), steps=100).speed > 0.0
 
 
 @settings(max_examples=50, deadline=None)
@@ -213,7 +209,7 @@ def test_mirrored_commands_give_a_mirrored_car_to_the_last_bit(drive):
 
     car, mirrored = run(False), run(True)
     for signal in (WheelStates, MotorStates):
-        for wheels, others in zip(flat(car[signal]), flat(mirrored[signal]), strict=True):
+        for wheels, others in zip(car[signal], mirrored[signal], strict=True):
             assert wheels == (others.front_right, others.front_left, others.rear_right, others.rear_left)
     pose, other = car[BodyPose], mirrored[BodyPose]
     assert (pose.x, pose.y, pose.orientation_z, pose.orientation_w) == (

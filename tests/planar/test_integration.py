@@ -159,6 +159,10 @@ MANOEUVRES = {
         {"initial_speed": 5.0},
         lambda t: (command(brake=(500.0,) * 4) if t < 1.5 else command(drive=(150.0, 150.0, 0.0, 0.0)), steered(0.1)),
     ),
+    "held speed": (
+        {"initial_speed": 10.0, "hold_speed": True},
+        lambda t: (command(drive=(300.0, 300.0, 0.0, 0.0)), steered(0.05)),
+    ),
 }
 
 
@@ -302,11 +306,12 @@ def test_any_car_under_any_command_stays_finite():
 
 @pytest.mark.parametrize("name", MANOEUVRES)
 def test_power_balance_closes(name):
-    """Battery = losses + drive; drive = change of kinetic energy + tyres + friction + air + slope: 1e-6."""
+    """Battery = losses + drive; drive = change of kinetic energy + tyres + friction + air + slope + hold: 1e-6."""
     parameters, inputs = MANOEUVRES[name]
     car = plant(road__grade=(0.03,), **parameters)
     work = {n: index(n) for n in ("battery_work", "motor_loss", "driveline_loss", "auxiliary_work", "drive_work",
-                                  "tyre_work", "friction_work", "drag_work", "gravity_work")}  # fmt: skip
+                                  "tyre_work", "friction_work", "drag_work", "gravity_work",
+                                  "holding_work")}  # fmt: skip
     start, elastic = kinetic_energy(car), elastic_energy(car)
     for n in range(400):
         car.advance(*inputs(n * 0.01))
@@ -314,11 +319,28 @@ def test_power_balance_closes(name):
     turnover = sum(abs(value) for value in got.values()) + start
     electrical = got["motor_loss"] + got["driveline_loss"] + got["auxiliary_work"] + got["drive_work"]
     assert abs(got["battery_work"] - electrical) < 1e-9 * turnover
-    used = got["tyre_work"] + got["friction_work"] + got["drag_work"] + got["gravity_work"]
+    used = got["tyre_work"] + got["friction_work"] + got["drag_work"] + got["gravity_work"] + got["holding_work"]
     change = kinetic_energy(car) - start
     assert abs(got["drive_work"] - used - change) < 1e-6 * turnover
     assert got["tyre_work"] - (elastic_energy(car) - elastic) > 0.0
     assert got["friction_work"] > 0.0
+
+
+def test_held_speed_is_held_by_a_force_that_neither_turns_nor_pitches_the_car():
+    """To the bit; on a level straight road it takes the force of the tyres but for the drag, which alone pitches."""
+    held = plant(initial_speed=10.0, hold_speed=True)
+    for _ in range(300):
+        held.advance(command(drive=(300.0, 300.0, 0.0, 0.0)), STRAIGHT)
+        assert held.state[VX] == 10.0
+    assert held.state[YAW_RATE] == 0.0
+    drag = 0.5 * CAR.air_density * CAR.drag_coefficient * CAR.frontal_area * 10.0**2
+    front = CAR.mass * 9.81 * 0.45 - drag * CAR.centre_of_mass_height / CAR.wheelbase
+    load = held.outputs()[-1].load
+    assert load.front_left + load.front_right == pytest.approx(front, rel=1e-9)  # the rest of a lag of 20 ms
+    before = held.state[index("holding_work")]
+    held.advance(command(drive=(300.0, 300.0, 0.0, 0.0)), STRAIGHT)
+    power = (held.state[index("holding_work")] - before) / 0.01
+    assert power == pytest.approx((sum(held.outputs()[-1].longitudinal_force) - drag) * 10.0, rel=1e-6)  # steady by now
 
 
 def test_bad_commands_never_reach_the_integrator():

@@ -25,15 +25,22 @@ from ev_sim.scenario.outcome import Outcome, Progress, RunFailed
 from ev_sim.scenario.output_folder import OutputFolder
 from ev_sim.scenario.progress_bar import progress_bar
 from ev_sim.scenario.scenario import Run, Scenario, describe_scenario, load_scenario, scenario_names
+from ev_sim.study.study import STUDIES, study_named
 
 _INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
 
 
 def main(argv: list[str] | None = None) -> None:
     """scripts/run.sh SCENARIO [options]"""
-    given = arguments(argv)
+    words = sys.argv[1:] if argv is None else argv
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
+        if words and words[0] in STUDIES:
+            from ev_sim.study.run_study import run_study  # dask is slow to import
+
+            run_study(words[0], words[1:])
+            return
+        given = arguments(words)
         if given.list:
             print_list()
         else:
@@ -50,6 +57,9 @@ def print_list() -> None:
     print("scenarios")
     for name in scenario_names():
         print(f"  {name:24} {describe_scenario(name)}")
+    print("studies, of many runs (scripts/run.sh STUDY --help)")
+    for name in STUDIES:
+        print(f"  {name:24} {study_named(name).ABOUT}")
     for role, methods in all_methods().items():
         print(f"methods of {role}")
         for name, method in methods.items():
@@ -59,7 +69,7 @@ def print_list() -> None:
 def run_scenario(given: argparse.Namespace) -> None:
     """Drive all runs of a scenario and report; see `main` for what is raised."""
     scenario = load_scenario(given.scenario, overrides(given))
-    folder = OutputFolder(given.out or Path("results") / scenario.name, scenario)
+    folder = OutputFolder(given.out or Path("results") / scenario.name, scenario.runs)
     outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
     summary = _summary(scenario, outcomes, given)
     save_figures(report_for(scenario.name).figures(summary.runs, summary.vehicle), folder.directory)

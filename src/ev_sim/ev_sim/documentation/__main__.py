@@ -30,15 +30,27 @@ def main(argv: list[str] | None = None) -> None:
 
 
 def _write_results(root: Path) -> None:
-    from ev_sim.documentation.results import drive_all, result_table, save_images
+    from ev_sim.documentation import results, scenario_results
 
-    driven = drive_all()
-    page = root / "docs" / "shchur2019.md"
-    page.write_text(with_blocks(page.read_text(encoding="utf-8"), {RESULTS: result_table(driven)}), encoding="utf-8")
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
-    save_images(driven, images)
-    print(f"written: results in {page.relative_to(root)}, {images.relative_to(root)}")
+    driven = results.drive_all()
+    _write(root / "docs" / "shchur2019.md", {RESULTS: results.result_table(driven)})
+    results.save_images(driven, images)
+    for name, page in scenario_results.SCENARIO_PAGES.items():
+        run = results.drive(page.scenario)
+        texts = {RESULTS: scenario_results.results_of(page, run)}
+        scenario_results.save_images(page, run, images)
+        if page.sweep:
+            cases = scenario_results.drive_sweep(page.sweep)
+            texts[page.sweep] = scenario_results.sweep_table(page.sweep, cases)
+            scenario_results.save_sweep_images(page.sweep, cases, images)
+        _write(root / name, texts)
+
+
+def _write(page: Path, texts: dict[str, str]) -> None:
+    page.write_text(with_blocks(page.read_text(encoding="utf-8"), texts), encoding="utf-8")
+    print(f"written: results in {page.name}, images")
 
 
 if __name__ == "__main__":

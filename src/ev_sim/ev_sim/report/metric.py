@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import statistics
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-Band = tuple[float, float]
+Band = tuple[float, float]  # an end that is not finite is open
 
 
 class NotMeasured(Exception):
@@ -29,12 +30,21 @@ class Reference:
 
 @dataclass(frozen=True, slots=True)
 class Metric:
-    """A number with its unit; `value` is None if it could not be computed, `reason` then says why."""
+    """A number with its unit; `value` is None if it could not be computed, `reason` then says why.
+
+    Of several seeds `value` is the mean, `per_seed` holds the single values in the order of the seeds.
+    """
 
     value: float | None
     unit: str
     reference: Reference | None = None
     reason: str = ""
+    per_seed: tuple[float, ...] = ()
+
+    @property
+    def standard_deviation(self) -> float | None:
+        """Spread over the seeds (of a sample, n - 1); None for less than two seeds."""
+        return statistics.stdev(self.per_seed) if len(self.per_seed) > 1 else None
 
     @property
     def judgement(self) -> str:
@@ -67,8 +77,9 @@ class Metric:
         return {
             "value": self.value,
             "unit": self.unit,
+            **({"std": self.standard_deviation, "per_seed": list(self.per_seed)} if self.per_seed else {}),
             "published": reference.value if reference else None,
-            "band": list(reference.band) if reference else None,
+            "band": [end if math.isfinite(end) else None for end in reference.band] if reference else None,
             "verdict": self.verdict,
             "source": reference.source if reference else None,
             "assumption": (reference.assumption or None) if reference else None,
@@ -84,6 +95,11 @@ def metric(measure: Callable[[], float], unit: str, reference: Reference | None 
     if not math.isfinite(value):
         return Metric(None, unit, reference, f"the result is {value}")
     return Metric(value, unit, reference)
+
+
+def mean_over_seeds(values: Sequence[float], unit: str, reference: Reference | None = None) -> Metric:
+    """The mean of the values of all seeds, which are finite and at least one."""
+    return Metric(statistics.fmean(values), unit, reference, per_seed=tuple(values))
 
 
 def within(value: float, *, relative: float = 0.0, absolute: float = 0.0) -> Band:

@@ -35,6 +35,16 @@ def lateral_acceleration_on_path(run: Recording) -> np.ndarray:
     return across * np.cos(sideslip) - along * np.sin(sideslip)
 
 
+def radius_of_path(run: Recording) -> np.ndarray:
+    """Radius of curvature of the path of the centre of mass, left positive, (n,) [m]; V/(w + beta') of Ge & Ni (2005).
+
+    Infinite where the path is straight.
+    """
+    speed = np.hypot(channel(run, "twist.longitudinal"), channel(run, "twist.lateral"))
+    with np.errstate(divide="ignore"):
+        return speed**2 / lateral_acceleration_on_path(run)
+
+
 def distance_on_path(run: Recording) -> np.ndarray:
     """Distance that the centre of mass has travelled, (n,) [m]."""
     steps = np.hypot(np.diff(channel(run, "pose.x")), np.diff(channel(run, "pose.y")))

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 REPORTS = {
     "coast_down": "ev_sim.report.coast_down",
     "double_lane_change": "ev_sim.report.double_lane_change",
+    "ge_ni2005": "ev_sim.report.ge_ni2005",
     "hill_start": "ev_sim.report.hill_start",
     "launch_split_mu": "ev_sim.report.launch_split_mu",
     "shchur2019": "ev_sim.report.shchur2019",
@@ -23,6 +24,8 @@ REPORTS = {
     "steady_circle": "ev_sim.report.steady_circle",
     "step_steer": "ev_sim.report.step_steer",
     "straight_brake_split_mu": "ev_sim.report.straight_brake_split_mu",
+    "tatar_chudzik": "ev_sim.report.tatar_chudzik",
+    "zhileykin2018": "ev_sim.report.zhileykin2018",
 }
 GENERIC = "ev_sim.report.generic"
 

@@ -43,13 +43,15 @@ def table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) -> str:
 def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
     reference = metric.reference
     value = _number(metric.value)
+    if metric.standard_deviation is not None:
+        value += f" ± {metric.standard_deviation:.2g}"
     return {
         "metric": name,
         "value": f"{value} ({math.degrees(metric.value):.2f} deg)" if metric.unit == "rad" and metric.value else value,
         "value in rad": value,
         "unit": metric.unit,
         "published": _number(reference.value) if reference else "-",
-        "band": f"{_number(reference.band[0])} .. {_number(reference.band[1])}" if reference else "-",
+        "band": " .. ".join(_number(end) if math.isfinite(end) else "" for end in reference.band) if reference else "-",
         "verdict": _judgement(metric, notes),
     }
 

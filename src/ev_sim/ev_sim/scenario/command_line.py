@@ -27,14 +27,10 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     way.add_argument("--offline", action="store_true", help="no DDS, one process")
     way.add_argument("--in-process", action="store_true", help="all nodes in one process, over DDS")
     parser.add_argument("--realtime", action="store_true", help="by the wall clock instead of in lockstep")
-    parser.add_argument("--method", action="append", default=[], metavar="NODE=NAME", help="method of a node")
-    parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
-    parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
+    add_overrides(parser)
     parser.add_argument(
         "--node", action="append", default=[], metavar="NODE=COMMAND", help="your own node in the place of ours"
     )
-    parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
-    parser.add_argument("--duration", type=float, metavar="S", help="simulated time of every run")
     parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/SCENARIO")
     parser.add_argument("--no-record", action="store_true", help="no bag; signals, metrics and figures all the same")
     parser.add_argument("--list", action="store_true", help="show scenarios and methods, one line each")
@@ -46,6 +42,15 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     if given.node and (given.offline or given.in_process):
         parser.error("--node starts a process: leave out --offline and --in-process")
     return given
+
+
+def add_overrides(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that `overrides` reads."""
+    parser.add_argument("--method", action="append", default=[], metavar="NODE=NAME", help="method of a node")
+    parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
+    parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
+    parser.add_argument("--duration", type=float, metavar="S", help="simulated time of every run")
 
 
 def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
@@ -74,7 +79,7 @@ def overrides(given: argparse.Namespace) -> Overrides:
         values.append((node, parameter, _parsed(value)))
     if given.seed is not None:
         values.append((_EVERY_NODE, "seed", given.seed))
-    if given.realtime:
+    if getattr(given, "realtime", False):
         values.append((_EVERY_NODE, "mode", "realtime"))
     return Overrides(given.params, values, given.duration)
 

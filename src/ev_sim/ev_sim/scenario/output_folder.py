@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 from ev_msgs_py.parameters import ParameterError
-from ev_sim.scenario.scenario import Run, Scenario
+from ev_sim.scenario.scenario import Run
 
 _OF_A_SCENARIO = ("summary.json",)
 _OF_A_RUN = ("bag", "bag_before_reset_*", "log", "signals.npz", "parameters.yaml")
@@ -16,15 +17,15 @@ _MARKS = ("summary.json", "parameters.yaml")  # what a run leaves behind, first 
 class OutputFolder:
     """`--out DIR`: summary.json and figures in DIR; bag, signals and parameters of each run beside or below.
 
-    A single run writes into DIR itself, several runs into DIR/RUN. What an earlier run of a scenario left there is
-    replaced, anything else is not touched. ParameterError if DIR cannot be made, or holds something of the same name
-    that no run has left there.
+    A single run writes into DIR itself, several runs into DIR/RUN, a study keeps no runs. What an earlier run of a
+    scenario left there is replaced, anything else is not touched. ParameterError if DIR cannot be made, or holds
+    something of the same name that no run has left there.
     """
 
-    def __init__(self, directory: Path, scenario: Scenario) -> None:
+    def __init__(self, directory: Path, runs: Sequence[Run]) -> None:
         self.directory = directory.absolute()
-        self._alone = len(scenario.runs) == 1
-        folders = {self.directory, *(self.of(run) for run in scenario.runs)}
+        self._alone = len(runs) == 1
+        folders = {self.directory, *(self.of(run) for run in runs)}
         try:
             for folder in sorted(folders):
                 folder.mkdir(parents=True, exist_ok=True)

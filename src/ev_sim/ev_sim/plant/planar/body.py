@@ -32,6 +32,7 @@ TYRE_WORK = index("tyre_work")
 FRICTION_WORK = index("friction_work")
 DRAG_WORK = index("drag_work")
 GRAVITY_WORK = index("gravity_work")
+HOLDING_WORK = index("holding_work")
 
 
 @compiled
@@ -139,18 +140,23 @@ def rates(y: np.ndarray, dy: np.ndarray, car, step, starts: bool) -> None:
     specific_x, specific_y = sum_x / car.mass, sum_y / car.mass
     drag = car.drag * abs(vx) * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
+    holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
+    if car.hold_speed == 1:
+        holding = -yaw_rate * vy - step.acceleration_x
+        step.acceleration_x = -yaw_rate * vy
     step.acceleration_y = specific_y + step.gravity_y
     dy[VX] = step.acceleration_x + yaw_rate * vy
     dy[VY] = step.acceleration_y - yaw_rate * vx
     dy[YAW_RATE] = moment / car.yaw_inertia
     dy[HEADING] = yaw_rate
-    dy[TRANSFER_X] = (specific_x - y[TRANSFER_X]) / car.transfer_lag
+    dy[TRANSFER_X] = (specific_x + holding - y[TRANSFER_X]) / car.transfer_lag
     dy[TRANSFER_Y] = (specific_y - y[TRANSFER_Y]) / car.transfer_lag
     dy[BODY_DISTANCE] = vx
     dy[TYRE_WORK] = tyre_power
     dy[FRICTION_WORK] = friction_power
     dy[DRAG_WORK] = drag * vx
     dy[GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
+    dy[HOLDING_WORK] = -car.mass * holding * vx
 
 
 @compiled

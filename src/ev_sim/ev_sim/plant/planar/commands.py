@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from operator import ge, le
 
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Vehicle
@@ -23,6 +24,7 @@ class CommandGuard:
         motors = 1 if vehicle.driveline.coupling == "individual" else len(vehicle.driven_wheels)
         limit = motor_torque * vehicle.gear_ratio * motors
         self.drive_limit = tuple(limit if name in vehicle.driven_wheels else 0.0 for name in WHEEL_NAMES)
+        self._drive_low = tuple(-limit for limit in self.drive_limit)
         self.brake_limit = vehicle.maximum_brake_torque
         self.angle_limit = vehicle.maximum_road_wheel_angle
         self.non_finite = 0
@@ -34,6 +36,25 @@ class CommandGuard:
         self, command: WheelTorqueCommand, column: SteeringColumnState, period: float
     ) -> tuple[tuple[float, ...], tuple[float, ...], float, float]:
         """Drive and brake torques [N m], road-wheel angle [rad] and rate [rad/s] that may be held over a period [s]."""
+        drive, brake, angle, rate = command.drive, command.brake, column.road_wheel_angle, column.road_wheel_rate
+        most = self.angle_limit
+        if (
+            all(map(le, drive, self.drive_limit))
+            and all(map(ge, drive, self._drive_low))
+            and min(brake) >= 0.0
+            and max(brake) <= self.brake_limit
+            and sum(brake) < math.inf  # neither min nor max shows every NaN
+            and -most <= angle <= most
+            and -most <= angle + rate * period <= most
+        ):
+            self._brake, self._angle = brake, angle
+            return drive, brake, angle, rate
+        return self._mended(command, column, period)
+
+    def _mended(
+        self, command: WheelTorqueCommand, column: SteeringColumnState, period: float
+    ) -> tuple[tuple[float, ...], tuple[float, ...], float, float]:
+        """The same for a command of which something is not finite or out of range."""
         drive = tuple(
             self._value(value, 0.0, -limit, limit) for value, limit in zip(command.drive, self.drive_limit, strict=True)
         )

@@ -72,12 +72,14 @@ CAR = np.dtype(
         ("auxiliary_power", _ONE),
         ("blend_brakes", np.int64),
         ("blend_fade_speed", _ONE),
+        ("hold_speed", np.int64),  # 1 if an outer force keeps the longitudinal velocity
     ],
     align=True,
 )
 
 STEP = np.dtype(
     [
+        # The commands come first, so that one assignment sets them all, see `commands_of`.
         ("drive_command", *_WHEELS),  # at the wheels [N m]
         ("brake_command", *_WHEELS),
         ("steering_angle", _ONE),  # mean road-wheel angle [rad]
@@ -107,6 +109,11 @@ STEP = np.dtype(
 )
 
 
+def commands_of(step: np.ndarray) -> np.ndarray:
+    """Drive and brake commands, steering angle and rate of a STEP array of shape (1,), as a view of shape (10,)."""
+    return step.view(np.float64)[: STEP.fields["drive"][1] // np.dtype(np.float64).itemsize]
+
+
 def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """The x and the y of the four wheel centres from the centre of mass [m]."""
     rear = -vehicle.centre_of_mass_to_rear_axle
@@ -116,10 +123,11 @@ def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]
     return (front, front, rear, rear), y
 
 
-def car_record(vehicle: Vehicle, transfer_lag: float, brushless: bool) -> np.ndarray:
+def car_record(vehicle: Vehicle, transfer_lag: float, brushless: bool, hold_speed: bool = False) -> np.ndarray:
     """The constants of a vehicle, shape (1,) of `CAR`.
 
-    `transfer_lag` [s] is the lag of the load transfer; `brushless` drives bring their own losses.
+    `transfer_lag` [s] is the lag of the load transfer; `brushless` drives bring their own losses; `hold_speed` keeps
+    the longitudinal velocity.
     """
     car = np.zeros(1, CAR)
     v, tyre, motor = vehicle, vehicle.tyre, vehicle.motor
@@ -171,6 +179,7 @@ def car_record(vehicle: Vehicle, transfer_lag: float, brushless: bool) -> np.nda
         "auxiliary_power": v.battery.auxiliary_power,
         "blend_brakes": int(v.blend_brakes),
         "blend_fade_speed": v.blend_fade_speed,
+        "hold_speed": int(hold_speed),
     }
     for name in CAR.names:
         car[0][name] = values[name] if name in values else getattr(motor, name)

@@ -22,6 +22,7 @@ INTEGRATED = (
     ("friction_work", 1),  # taken by brakes and rolling resistance [J]
     ("drag_work", 1),  # taken by the air [J]
     ("gravity_work", 1),  # taken from the body by the slope [J]
+    ("holding_work", 1),  # taken from the body by the force that holds its speed [J]
 )
 
 # Advanced once a step.

@@ -1,0 +1,78 @@
+"""One run among the many of a study."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ev_msgs_py.parameters import ParameterError, unknown_name
+from ev_msgs_py.shape import SignalError
+from ev_sim.recording.recording import Recording, signal_hash
+from ev_sim.scenario.offline import run_offline
+from ev_sim.scenario.scenario import Overrides, Run, load_scenario
+
+Measure = Callable[[Recording, Run], Mapping[str, Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A run of a scenario, and what differs from the scenario's own file; `values` are (node, parameter, value).
+
+    `run` is needed for a scenario with several runs only.
+    """
+
+    name: str
+    scenario: str
+    values: tuple[tuple[str, str, Any], ...] = ()
+    run: str = ""
+    files: tuple[Path, ...] = ()
+    duration: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CaseResult:
+    """What a study has measured on a case, or in `refused` one line on why the case cannot be driven.
+
+    `simulated_time` and `wall_time` [s] are those of driving.
+    """
+
+    name: str
+    measured: Mapping[str, Any]
+    signal_hash: str = ""
+    simulated_time: float = 0.0
+    wall_time: float = 0.0
+    refused: str = ""
+
+
+def drive_case(case: Case, measure: Measure) -> CaseResult:
+    """Drive a case offline and measure it; nothing else is kept of its signals than their hash.
+
+    A case that its parameters, a law on this vehicle, or a signal that is not finite forbid comes back as refused.
+    """
+    try:
+        run = run_of(case)
+        for configuration in run.configurations.values():
+            configuration.create()
+    except (ParameterError, ValueError) as error:
+        return CaseResult(case.name, {}, refused=str(error))
+    start = time.monotonic()
+    try:
+        recording = run_offline(run.configurations, run.duration)
+    except SignalError as error:
+        return CaseResult(case.name, {}, refused=str(error))
+    wall_time = time.monotonic() - start
+    return CaseResult(case.name, measure(recording, run), signal_hash(recording), run.duration, wall_time)
+
+
+def run_of(case: Case) -> Run:
+    """The configured graph of a case; ParameterError, in one line, if something in it is refused."""
+    scenario = load_scenario(case.scenario, Overrides(case.files, case.values, case.duration))
+    runs = {run.name: run for run in scenario.runs}
+    if len(runs) == 1 and not case.run:
+        return next(iter(runs.values()))
+    if case.run not in runs:
+        raise unknown_name(f"run of {case.scenario}", case.run, runs)
+    return runs[case.run]

@@ -1,0 +1,117 @@
+"""Drive a study from the command line: its cases on workers, then tables, metrics and figures."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from ev_sim.recording.atomic import atomic_file
+from ev_sim.report.drawing import save_figures
+from ev_sim.report.metric import Metric
+from ev_sim.report.summary import versions
+from ev_sim.report.table import print_table
+from ev_sim.scenario.command_line import add_overrides, overrides
+from ev_sim.scenario.output_folder import OutputFolder
+from ev_sim.study.case import Case
+from ev_sim.study.study import Results, study_named
+from ev_sim.study.workers import drive_cases
+
+
+def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
+    """Parse the command line of a study; argparse ends the process with status 2 for words it does not know."""
+    study = study_named(name)
+    parser = argparse.ArgumentParser(prog=f"run.sh {name}", description=study.ABOUT)
+    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
+    parser.add_argument("--workers", type=_positive, metavar="N", help="worker processes here; default: one per core")
+    parser.add_argument("--out", type=Path, metavar="DIR", help=f"output folder; default results/{name}")
+    add_overrides(parser)
+    study.add_options(parser)
+    return parser.parse_args(argv)
+
+
+def run_study(name: str, argv: Sequence[str]) -> None:
+    """Drive all cases of a study and report; raises what `ev_sim.run_scenario.main` catches."""
+    study, given = study_named(name), arguments(name, argv)
+    common = overrides(given)
+    cases = [
+        Case(
+            case.name,
+            case.scenario,
+            (*case.values, *common.values),
+            case.run,
+            (*case.files, *common.files),
+            common.duration or case.duration,
+        )
+        for case in study.cases(given)
+    ]
+    folder = OutputFolder(given.out or Path("results") / name, ())
+    start = time.monotonic()
+    with tqdm(desc=name, total=len(cases), unit="run", ascii=not sys.stderr.isatty(), mininterval=0.5) as bar:
+        driven = drive_cases(cases, study.measure, lambda result: bar.update(), given.scheduler, given.workers)
+    wall_time = time.monotonic() - start
+    results = {result.name: result for result in driven}
+    metrics = study.metrics(given, results)
+    save_figures(study.figures(given, results), folder.directory)
+    content = _summary(name, given, cases, results, metrics, wall_time)
+    with atomic_file(folder.directory / "summary.json") as file:
+        file.write(json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False).encode() + b"\n")
+    if tables := study.tables(given, results):
+        print(tables, end="\n\n")
+    print_table(metrics)
+    for result in driven:
+        if result.refused:
+            print(f"not driven: {result.name}: {result.refused}")
+    print(f"signal hash {content['signal_hash']}")
+    print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s")
+    print(f"figures and summary: {folder.directory}")
+
+
+def _positive(text: str) -> int:
+    number = int(text)
+    if number < 1:
+        raise ValueError
+    return number
+
+
+def _summary(
+    name: str,
+    given: argparse.Namespace,
+    cases: Sequence[Case],
+    results: Results,
+    metrics: dict[str, Metric],
+    wall_time: float,
+) -> dict[str, Any]:
+    """The content of summary.json; arrays that a study measured for its figures are left out."""
+    hashes = "".join(f"{result.name}\0{result.signal_hash}\n" for result in results.values())
+    return {
+        "study": name,
+        "options": {key: str(value) for key, value in sorted(vars(given).items()) if value is not None},
+        "metrics": {key: metric.as_json() for key, metric in metrics.items()},
+        "signal_hash": hashlib.sha256(hashes.encode()).hexdigest(),
+        "cases": {
+            case.name: {
+                "scenario": case.scenario,
+                "run": case.run,
+                "values": [list(value) for value in case.values],
+                "signal_hash": results[case.name].signal_hash,
+                "refused": results[case.name].refused,
+                "measured": {
+                    key: value
+                    for key, value in results[case.name].measured.items()
+                    if isinstance(value, str | int | float | bool | None)
+                },
+            }
+            for case in cases
+        },
+        "simulated_time": sum(result.simulated_time for result in results.values()),
+        "wall_time": wall_time,
+        "versions": versions(),
+    }

@@ -1,0 +1,51 @@
+"""What a study is, and which ones there are."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Protocol
+
+from ev_sim.recording.recording import Recording
+from ev_sim.report.metric import Metric
+from ev_sim.scenario.scenario import Run
+from ev_sim.study.case import Case, CaseResult
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+STUDIES: dict[str, str] = {
+    "zhileykin2018_sweep": "ev_sim.study.zhileykin2018_sweep",
+}
+
+Results = Mapping[str, CaseResult]  # name of the case -> what came out
+
+
+class Study(Protocol):
+    """A module that says which cases to drive, what to measure on each, and what all of them say together."""
+
+    ABOUT: str  # one line for --list
+
+    def add_options(self, parser: argparse.ArgumentParser) -> None:
+        """Declare the options that this study has beyond those of all studies."""
+
+    def cases(self, given: argparse.Namespace) -> Sequence[Case]:
+        """The cases, each with a name of its own; ParameterError if an option is refused."""
+
+    def measure(self, recording: Recording, run: Run) -> Mapping[str, Any]:
+        """Numbers and small arrays, by name; called by the worker that has driven the case."""
+
+    def metrics(self, given: argparse.Namespace, results: Results) -> dict[str, Metric]:
+        """Metrics by name, in the order of the table."""
+
+    def tables(self, given: argparse.Namespace, results: Results) -> str:
+        """What is printed above the metrics, as aligned text; may be empty."""
+
+    def figures(self, given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+        """Figures by the name of their file without suffix."""
+
+
+def study_named(name: str) -> Study:
+    """The module of a study."""
+    return import_module(STUDIES[name])
