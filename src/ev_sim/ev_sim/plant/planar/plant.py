@@ -13,6 +13,7 @@ from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES
 from ev_sim.drives.drive import DRIVES, DriveParameters, drive_record, drives_at_rest
+from ev_sim.plant.commands import CommandGuard
 from ev_sim.plant.planar.body import (
     DEFLECTION_X,
     DEFLECTION_Y,
@@ -22,7 +23,6 @@ from ev_sim.plant.planar.body import (
     VX,
     WHEEL_SPEED,
 )
-from ev_sim.plant.planar.commands import CommandGuard
 from ev_sim.plant.planar.observing import observe
 from ev_sim.plant.planar.powertrain import STATE_OF_CHARGE, TORQUE_SHARE
 from ev_sim.plant.planar.records import STEP, car_record, commands_of
@@ -89,7 +89,8 @@ class PlanarPlant:
         self.steps = max(math.ceil(period / longest * (1.0 - 1e-12)), 1)
         self.h = period / self.steps
         self.state = at_rest()
-        self.guard = CommandGuard(vehicle, p.motor.torque_limit if p.drive in DRIVES else vehicle.motor.peak_torque)
+        motor_torque = p.motor.torque_limit if p.drive in DRIVES else motor.peak_torque
+        self.guard = CommandGuard(vehicle, motor_torque, vehicle.maximum_road_wheel_angle)
         self._car = car_record(vehicle, p.load_transfer_lag, p.drive in DRIVES, p.hold_speed)
         self._step = np.zeros(1, STEP)
         self._step["cos_steer"] = 1.0
@@ -149,7 +150,8 @@ class PlanarPlant:
 
     def advance(self, command: WheelTorqueCommand, column: SteeringColumnState) -> None:
         """Integrate over one period under a command that is held and a steering angle that goes on at its rate."""
-        drive, brake, angle, rate = self.guard.accept(command, column, self.period)
+        drive, brake = self.guard.torques(command)
+        angle, rate = self.guard.angle(column), self.guard.rate(column, self.period)
         self._commands[:] = (*drive, *brake, angle, rate)
         run(
             self.state,
@@ -176,24 +178,15 @@ class PlanarPlant:
 
     def reports(self) -> tuple[str, ...]:
         """Commands that were not taken as they came, counted by powers of ten, and wheels that have left the ground."""
-        if not (self.guard.non_finite or self.guard.out_of_range or self._lifted):
-            return ()
-        counts = (
-            ("values of commands were not finite", self.guard.non_finite),
-            ("values of commands were out of range", self.guard.out_of_range),
-        )
-        refused = (f"{10 ** (len(str(count)) - 1)} or more {what}" for what, count in counts if count)
+        if not (self.guard.refused or self._lifted):
+            return ()  # asked after every step
         lifted = (f"{name} wheel left the ground" for name in WHEEL_NAMES if name in self._lifted)
-        return (*refused, *lifted)
+        return (*self.guard.reports(), *lifted)
 
     @property
     def diagnostics(self) -> dict[str, float]:
         """Counts of commands that were not taken as they came, and of wheels off the ground now."""
-        return {
-            "non_finite_commands": self.guard.non_finite,
-            "out_of_range_commands": self.guard.out_of_range,
-            "lifted_wheels": int(np.count_nonzero(loads_of(self.row) == 0.0)),
-        }
+        return {**self.guard.diagnostics, "lifted_wheels": int(np.count_nonzero(loads_of(self.row) == 0.0))}
 
 
 def _road_arrays(road: RoadParameters, vehicle: Vehicle) -> tuple[np.ndarray, ...]:
