@@ -535,8 +535,8 @@ def test_the_observer_takes_the_place_of_free_wheels(surface):
 
 
 def test_a_car_that_drives_all_four_wheels_has_traction_control():
-    """Snow, 1250 N m at each wheel: a fifth faster at least and a third of the slip, though no wheel shows the speed."""
-    more = (("*", "vehicle.driven_wheels", list(WHEEL_NAMES)),)
+    """Snow, 1250 N m at each wheel: a fifth faster at least, with a third of the slip; no wheel shows the speed."""
+    more = (("*", "vehicle.driven_wheels", WHEEL_NAMES),)
     off, on = (launch(law, ("packed_snow_1",), 5000.0, 1.5, 6.0, (), more) for law in ("off", "least_squares"))
     for wheel in WHEEL_NAMES:
         assert slip_of(on, wheel)[300:].mean() < slip_of(off, wheel)[300:].mean() / 3
