@@ -87,6 +87,14 @@ class LeastSquaresParameters:
         about="slip that is regulated to where the backstop was the hit, which tells nothing of the peak",
         source="assumption",
     )
+    use: float = parameter(
+        0.95,
+        unit="1",
+        low=0.5,
+        high=1.0,
+        about="share of the fitted peak that is used after a hit, on its stable side; 1 is the peak itself",
+        source="assumption: the source takes the torque of the step before the peak was passed",
+    )
     bandwidth: float = parameter(
         25.0,
         unit="1/s",
@@ -170,6 +178,8 @@ class LeastSquares(TractionControl):
         self._nominal = vehicle.motor.nominal_torque * vehicle.gear_ratio
         self._radius, self._efficiency = vehicle.wheel_radius, vehicle.motor.gear_efficiency
         self._road_share = filter_share(period, p.road_filter)
+        # With z = sqrt(x/x*) the fitted curve is y/y* = 2 z - z^2, and z below 1 is the stable side.
+        self._below_peak = (1.0 - math.sqrt(1.0 - p.use)) ** 2
         # A slip that rises evenly by d within the window has the standard deviation d/sqrt(12).
         self._probe = p.probe * p.spread * math.sqrt(12.0) / self._samples
         super().__init__("least_squares", self._new, p.reference, vehicle, period)
@@ -202,7 +212,7 @@ class LeastSquares(TractionControl):
         p = self._p
         noise = p.speed_noise / max(motion.speed, p.slowest)
         if self._peak_is_passed(wheel, noise):
-            wheel.target, wheel.held = max(wheel.peak, p.least_slip), 0.0
+            wheel.target, wheel.held = max(self._below_peak * wheel.peak, p.least_slip), 0.0
         elif wheel.target == 0.0:
             if wheel.slip > p.backstop:
                 wheel.target, wheel.held = p.first_slip, 0.0

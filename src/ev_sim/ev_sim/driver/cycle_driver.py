@@ -40,10 +40,11 @@ class CycleDriverState:
 
 
 class CycleDriver(ABC):
-    """Drives in the traction windows as its kind does, and in the others brakes to follow the cycle.
+    """Drives in the traction windows as its kind does, and in the others just follows the cycle.
 
-    A car that is to slow down is braked by its drives as far as `speed_control.max_regenerative_torque`, then by its
-    brakes; one that is to stand is held. ParameterError if the parameters name a profile file that has not been read.
+    There a car that is to slow down is braked by its drives as far as `speed_control.max_regenerative_torque`, then by
+    its brakes, and driven where the road slows it down more than it should (snow does); one that is to stand is held.
+    ParameterError if the parameters name a profile file that has not been read.
     """
 
     parameters = CycleDriverParameters
@@ -71,8 +72,8 @@ class CycleDriver(ABC):
         if mode == TRACTION:
             return DriverCommand(self._drive(wanted, speed, wheels), 0.0, hand_torque)
         s.pressed = False
-        drive, brake, s.speed_integral = self._control.step(wanted, speed, min(s.speed_integral, 0.0))
-        return DriverCommand(min(drive, 0.0), brake, hand_torque)
+        drive, brake, s.speed_integral = self._control.step(wanted, speed, s.speed_integral)
+        return DriverCommand(drive, brake, hand_torque)
 
     @abstractmethod
     def _drive(self, wanted: float, speed: float, wheels: WheelStates) -> float:

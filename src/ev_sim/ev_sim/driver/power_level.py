@@ -17,7 +17,7 @@ class PowerLevelParameters:
     """How much the driver asks for; the source says no more than above the limit of packed snow."""
 
     factor: float = parameter(
-        1.13,
+        1.11,
         unit="1",
         low=0.0,
         high=10.0,
@@ -31,6 +31,14 @@ class PowerLevelParameters:
         high=2.0,
         about="friction of the limit",
         source="dissertation, table 2.3: peak of packed snow 1",
+    )
+    slip: float = parameter(
+        0.0907,
+        unit="1",
+        low=0.0,
+        high=0.9,
+        about="slip at the limit",
+        source="dissertation, table 2.3: slip of that peak",
     )
     rolling_resistance: float = parameter(
         0.083,
@@ -51,10 +59,10 @@ class PowerLevelParameters:
 
 
 class PowerLevel:
-    """Drive torque of a power P = k (friction + rolling resistance) W V, where W is the load at rest of driven wheels.
+    """Drive torque of a power P = k (friction + rolling resistance) W V/(1 - slip).
 
-    The torque is P over the mean speed of the driven wheels, so it falls where they spin: a drive that is told a power
-    gives just that.
+    W is the load of the driven wheels at rest. With k = 1 that is the power at which they all turn at the slip of the limit. The torque is P over the mean speed of
+    the driven wheels, so it falls where they spin: a drive that is told a power gives just that.
     """
 
     def __init__(self, parameters: PowerLevelParameters, vehicle: Vehicle) -> None:
@@ -62,7 +70,7 @@ class PowerLevel:
         share = (front / 2, front / 2, (1 - front) / 2, (1 - front) / 2)
         self._driven = [i for i, name in enumerate(WHEEL_NAMES) if name in vehicle.driven_wheels]
         load = vehicle.mass * _GRAVITY * sum(share[i] for i in self._driven)
-        self._force = p.factor * (p.friction + p.rolling_resistance) * load
+        self._force = p.factor * (p.friction + p.rolling_resistance) * load / (1 - p.slip)
         self._slowest, self._radius = p.slowest, vehicle.wheel_radius
 
     def torque(self, speed: float, wheels: WheelStates) -> float:

@@ -48,9 +48,10 @@ class WheelSums:
 
 
 def traction(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
-    """Whether each sample lies in a window of traction, (n,) bool; `driver` are the parameters of its driver.
+    """Whether the car is driven in a window of traction, for each sample, (n,) bool; `driver` are its parameters.
 
-    NotMeasured if the driver has no cycle.
+    Driven: the accelerator has been pressed over the period that ends at the sample. NotMeasured if the driver has no
+    cycle.
     """
     if "modes.begin" not in driver:
         raise NotMeasured("the driver drives no cycle with windows of traction")
@@ -58,7 +59,9 @@ def traction(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
     profile = Profile(*(driver[f"speed_profile.{name}"] for name in ("time", "speed", "interpolation")))
     period = float(run.time[1] - run.time[0]) if len(run.time) > 1 else 1.0
     at = CycleModes(modes, profile, period).at
-    return np.array([at(t) == TRACTION for t in run.time.tolist()])
+    pressed = channel(run, "driver.command.drive_torque") > 0.0
+    answered = np.array([at(t) == TRACTION for t in run.time.tolist()]) & pressed
+    return np.concatenate(([False], answered[:-1]))
 
 
 def wheel_sums(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[str, WheelSums]:

@@ -49,8 +49,8 @@ class RoadParameters:
         unit="1",
         low=0.0,
         high=10.0,
-        about="factor on the rolling resistance that the surfaces add to that of the vehicle; 0.79 to 1.21 is the range "
-        "of packed snow",
+        about="factor on the rolling resistance that the surfaces add to that of the vehicle; packed snow has 0.79 to "
+        "1.21",
         source="dissertation, table 2.2, of which 1 is the middle",
     )
     slope_distance: tuple[float, ...] = parameter(
