@@ -61,8 +61,9 @@ class PowerLevelParameters:
 class PowerLevel:
     """Drive torque of a power P = k (friction + rolling resistance) W V/(1 - slip).
 
-    W is the load of the driven wheels at rest. With k = 1 that is the power at which they all turn at the slip of the limit. The torque is P over the mean speed of
-    the driven wheels, so it falls where they spin: a drive that is told a power gives just that.
+    W is the load of the driven wheels at rest. With k = 1 that is the power at which they all turn at the slip of the
+    limit. The torque is P over the mean speed of the driven wheels, so it falls where they spin: a drive that is told a
+    power gives just that.
     """
 
     def __init__(self, parameters: PowerLevelParameters, vehicle: Vehicle) -> None:
