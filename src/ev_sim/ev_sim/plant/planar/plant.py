@@ -222,6 +222,11 @@ class PlanarPlant:
         )
         return BatteryCondition(*(float(np.float32(value)) for value in values))
 
+    @property
+    def records(self) -> tuple:
+        """Constants of the car and what acts on it now (records.py), for whoever evaluates `rates` outside of a run."""
+        return self._car[0], self._step[0]
+
     def reports(self) -> tuple[str, ...]:
         """Commands that were not taken as they came, counted by powers of ten, and wheels that have left the ground."""
         counts = (
