@@ -36,6 +36,22 @@ def test_duration_and_distance(name, duration, distance, tolerance):
     assert rows[0][1] == rows[-1][1] == 0.0
 
 
+@pytest.mark.parametrize(
+    ("name", "seconds", "miles", "fastest"),
+    [("udds", 1369, 7.45, 56.7), ("hwfet", 765, 10.26, 59.9), ("nycc", 598, 1.18, 27.7)],
+)
+def test_schedules_of_the_epa(name, seconds, miles, fastest):
+    """Duration, distance as printed to 0.01 mi, and speeds in tenths of a mile per hour, once a second."""
+    rows = points(name)
+    assert [t for t, _ in rows] == list(range(seconds + 1))
+    tenths = [v * 3.6 / 0.1609344 for _, v in rows]
+    rounded = [round(v) for v in tenths]
+    assert tenths == pytest.approx(rounded, abs=0.005 / 0.1609344 + 1e-9)  # the files have 0.01 km/h
+    assert max(rounded) / 10 == fastest
+    assert rounded[0] == rounded[-1] == 0
+    assert sum(rounded) / 36000 == pytest.approx(miles, abs=0.005)  # ends at rest, so the sum is the integral
+
+
 def test_wltc_checksum_of_the_regulation():
     """GTR 15 prints the sum of the speeds of class 3b: 83758.6 km/h."""
     assert sum(v for _, v in points("wltc_class_3b")) * 3.6 == pytest.approx(83758.6, abs=0.05)

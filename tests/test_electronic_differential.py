@@ -167,7 +167,7 @@ def test_torques_add_up_to_what_the_driver_asks(kind, torque, brake, share, colu
 def test_laws_mirror_to_the_bit(kind, torque, sequence):
     law, mirror = law_of(kind), law_of(kind)
     for column in sequence:
-        mirrored = SteeringColumnState(*(-value for value in dataclasses.astuple(column)))
+        mirrored = SteeringColumnState(*(-value for value in column))
         here = step(law, DriverCommand(torque, 0.0, column.hand_torque), column).drive
         there = step(mirror, DriverCommand(torque, 0.0, mirrored.hand_torque), mirrored).drive
         assert (here.front_left, here.front_right) == (there.front_right, there.front_left)

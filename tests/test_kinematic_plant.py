@@ -62,15 +62,15 @@ def brake(total):
     return WheelTorqueCommand(NO_WHEELS, Wheels.all(total / 4))
 
 
-def flat(signal):
-    return tuple(getattr(signal, name) for name in signal.__slots__)
+def brake_of(**wheels):
+    return WheelTorqueCommand(NO_WHEELS, NO_WHEELS._replace(**wheels))
 
 
 def test_outputs_are_what_the_plant_declares_and_its_role_allows():
     outputs = Car().plant.outputs()
     assert tuple(type(signal) for signal in outputs) == KinematicPlant.writes
     assert set(KinematicPlant.writes) <= set(ROLES["plant"].writes)
-    numbers = [x for signal in outputs for value in flat(signal) for x in (value if type(value) is Wheels else [value])]
+    numbers = [x for signal in outputs for value in signal for x in (value if type(value) is Wheels else [value])]
     assert {type(number) for number in numbers} == {float}
 
 
@@ -135,7 +135,7 @@ def test_brakes_bring_the_car_to_rest_and_hold_it(drive, speed):
 def test_brakes_hold_against_the_drives(sign):
     held = WheelTorqueCommand(Wheels.front(sign * 300.0, sign * 300.0), Wheels.all(150.0))
     assert Car().drive(held, steps=100).speed == 0.0
-    assert sign * Car().drive(replace(held, brake=Wheels.all(100.0)), steps=100).speed > 0.0
+    assert sign * Car().drive(held._replace(brake=Wheels.all(100.0)), steps=100).speed > 0.0
 
 
 @settings(max_examples=50, deadline=None)
@@ -213,7 +213,7 @@ def test_mirrored_commands_give_a_mirrored_car_to_the_last_bit(drive):
 
     car, mirrored = run(False), run(True)
     for signal in (WheelStates, MotorStates):
-        for wheels, others in zip(flat(car[signal]), flat(mirrored[signal]), strict=True):
+        for wheels, others in zip(car[signal], mirrored[signal], strict=True):
             assert wheels == (others.front_right, others.front_left, others.rear_right, others.rear_left)
     pose, other = car[BodyPose], mirrored[BodyPose]
     assert (pose.x, pose.y, pose.orientation_z, pose.orientation_w) == (
@@ -270,19 +270,32 @@ def test_rear_drive_turns_the_rear_motors_only():
     assert car[MotorStates].velocity.front_left == 0.0 < car[MotorStates].velocity.rear_left
 
 
+def moved(command):
+    """The outputs of a rolling car a period later, and what it counted."""
+    car = Car(initial_speed=5.0).drive(command)
+    return car.plant.outputs(), tuple(car.plant.diagnostics.values())
+
+
 @pytest.mark.parametrize(
-    ("command", "message"),
+    ("command", "accepted", "counts"),
     [
-        (WheelTorqueCommand(Wheels(10.0, 10.0, 5.0, 0.0)), "5 N m of drive on rear_left, which has no motor"),
-        (WheelTorqueCommand(NO_WHEELS, Wheels(0.0, -1.0, 0.0, 0.0)), "-1 N m of brake on front_right"),
+        (WheelTorqueCommand(Wheels(10.0, 10.0, 5.0, 0.0)), WheelTorqueCommand(Wheels.front(10.0, 10.0)), (0, 1)),
+        (WheelTorqueCommand(NO_WHEELS, Wheels(0.0, -1.0, 0.0, 9e9)), brake_of(rear_right=4000.0), (0, 2)),
+        (WheelTorqueCommand(Wheels.front(math.nan, -math.inf), Wheels.all(math.nan)), COAST, (6, 0)),
     ],
 )
-def test_impossible_commands_are_refused_and_nothing_moves(command, message):
-    car = Car(initial_speed=5.0)
-    before = car.plant.outputs()
-    with pytest.raises(ValueError, match=message):
-        car.drive(command)
-    assert car.plant.outputs() == before
+def test_impossible_commands_are_counted_and_not_taken(command, accepted, counts):
+    """As in the planar plant: no torque at wheels without a motor, 0 for what is not finite, else the nearest limit."""
+    assert moved(command) == (moved(accepted)[0], counts)
+
+
+def test_an_angle_that_is_not_finite_keeps_the_last_one():
+    car = Car(initial_speed=5.0).drive(degrees=10.0)
+    again = Car(initial_speed=5.0).drive(degrees=10.0, steps=12)
+    assert car.plant.reports() == ()
+    car.drive(degrees=math.nan, steps=11)
+    assert car.plant.outputs() == again.plant.outputs()
+    assert car.plant.reports() == ("10 or more values of commands were not finite",)
 
 
 def test_column_beyond_a_right_angle_does_no_harm():

@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from adaptive_reference import RecordedPlant, end_of_run
 
 from ev_msgs_py.methods import find_method
 from ev_msgs_py.parameters import build
@@ -42,7 +43,7 @@ CASES = [(scenario, run.name) for scenario in SCENARIOS for run in load_scenario
 
 
 @cache
-def driven(scenario: str, name: str, halved: bool = False) -> tuple[Recording, PlanarPlant]:
+def driven(scenario: str, name: str, halved: bool = False) -> tuple[Recording, RecordedPlant]:
     """The signals of a run and its plant at the end."""
     step = [("plant", "step", 0.5e-3)] if halved else []
     duration = HALVED_DURATION.get(scenario)
@@ -50,10 +51,10 @@ def driven(scenario: str, name: str, halved: bool = False) -> tuple[Recording, P
     return drive(run)
 
 
-def drive(run: Run) -> tuple[Recording, PlanarPlant]:
+def drive(run: Run) -> tuple[Recording, RecordedPlant]:
     plants = []
 
-    class Kept(PlanarPlant):
+    class Kept(RecordedPlant):
         def __init__(self, *arguments) -> None:
             super().__init__(*arguments)
             plants.append(self)
@@ -73,12 +74,8 @@ def metrics_of(scenario: str) -> dict[str, float | None]:
     return {name: metric.value for name, metric in report_for(scenario).metrics(runs, vehicle, {}).items()}
 
 
-@pytest.mark.parametrize(("scenario", "name"), CASES)
-def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
-    """Less than 0.1 % of the way and of the largest speeds at its end; measured is 8e-6 at most, in a spin."""
-    recording, coarse = driven(scenario, name)
-    _, fine = driven(scenario, name, halved=True)
-    assert fine.steps == 2 * coarse.steps
+def deviations(recording: Recording, state: np.ndarray, reference: np.ndarray) -> dict[str, float]:
+    """Differences of two states at the end of a run over the way and the largest speeds of the run [1]."""
 
     def largest(*channels: str) -> float:
         return max(float(np.abs(recording.channels[channel]).max()) for channel in channels)
@@ -91,11 +88,31 @@ def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
         "heading": 1.0,
         "x": length,
         "y": length,
-        "battery_work": max(abs(fine.state[index("battery_work")]), 1.0),
+        "battery_work": max(abs(reference[index("battery_work")]), 1.0),
     }
-    for entry, scale in scales.items():
-        place = index(entry)
-        assert coarse.state[place] == pytest.approx(fine.state[place], rel=0, abs=1e-3 * scale), entry
+    return {entry: abs(state[index(entry)] - reference[index(entry)]) / scale for entry, scale in scales.items()}
+
+
+@pytest.mark.parametrize(("scenario", "name"), CASES)
+def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
+    """Less than 0.1 % of the way and of the largest speeds at its end; measured is 8e-6 at most, in a spin."""
+    recording, coarse = driven(scenario, name)
+    _, fine = driven(scenario, name, halved=True)
+    assert fine.steps == 2 * coarse.steps
+    found = deviations(recording, coarse.state, fine.state)
+    assert max(found.values()) < 1e-3, found
+
+
+@pytest.mark.parametrize(("scenario", "name"), CASES)
+def test_an_adaptive_solver_ends_the_run_alike(scenario, name):
+    """DOP853 at a relative tolerance of 1e-9 under the same commands: promised are 0.1 %, a tenth is asked here.
+
+    Measured are 2e-5 in the spin of `times_5_0`, 2e-6 where a wheel spins on ice, below 1e-6 else: no run is chaotic.
+    Torques taken at the beginning of a step instead of their mean over it would show, as 1.4e-4 in a launch.
+    """
+    recording, plant = driven(scenario, name)
+    found = deviations(recording, plant.state, end_of_run(plant))
+    assert max(found.values()) < 1e-4, found
 
 
 @pytest.mark.parametrize(("scenario", "name"), CASES)

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from ros_graph import WAYS, Graph, graph, shchur
 
+from ev_msgs_py.quantities import QUANTITIES
 from ev_msgs_py.roles import ROLES
 from ev_sim.recording.recording import load, signal_hash
 from ev_sim.scenario.node_parameters import RECORDER
@@ -48,6 +49,25 @@ def test_the_graph_gives_the_same_numbers_as_the_offline_runner(way, tmp_path):
         nodes.run(way=way)
         assert nodes.probe.reports == []
     assert recorded_hash(tmp_path) == offline_hash(run)
+
+
+def test_sensors_show_the_same_over_dds_as_offline(tmp_path):
+    """Noise, bias, quantisation, delay and drop-out in every sensor of plant and column; the seed decides."""
+    errors = {"noise": 0.01, "bias": -0.01, "quantisation": 1e-3, "delay": 2, "dropout": 0.1}
+    values = {
+        f"{role}__sensors.{quantity.name}.{error}": value
+        for role, configuration in shchur(1.0).configurations.items()
+        for quantity in QUANTITIES
+        if quantity.signal in configuration.method.writes
+        for error, value in errors.items()
+    }
+    assert {name.split("__")[0] for name in values} == {"plant", "steering_column"}
+    run = shchur(1.0, plant__seed=4, steering_column__seed=4, **values)
+    with graph(run, tmp_path) as nodes:
+        nodes.run()
+    recorded = recorded_hash(tmp_path)
+    assert recorded == offline_hash(run)
+    assert recorded != offline_hash(shchur(1.0, plant__seed=5, steering_column__seed=4, **values))
 
 
 def test_equal_hashes_say_something():

@@ -303,4 +303,4 @@ def test_columns_mirror_to_the_bit(kind, torques):
     for hand_torque, difference in torques:
         state = advance(column, hand_torque, at_rest(difference, difference / 10))
         mirrored = advance(mirror, -hand_torque, at_rest(-difference, -difference / 10))
-        assert dataclasses.astuple(mirrored) == tuple(-value for value in dataclasses.astuple(state))
+        assert mirrored == tuple(-value for value in state)

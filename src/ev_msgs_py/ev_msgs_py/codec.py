@@ -176,7 +176,10 @@ class FieldCodec(Codec):
                 raise SignalError(f"{name} is {value}, allowed is what single precision holds, up to 3.4e38")
 
     def carried(self, signal: Any) -> Any:
-        return self.shape.signal_of(tuple(self.numbers(signal))) if self._single_precision else signal
+        if not self._single_precision:
+            return signal
+        single = self.numbers(signal)
+        return signal if tuple(single) == signal else self.shape.signal_of(single)
 
 
 class ImuCodec(FieldCodec):

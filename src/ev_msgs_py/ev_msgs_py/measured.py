@@ -26,6 +26,8 @@ class Measured:
     often `outputs` is called, and begin anew with the first one.
     """
 
+    row = None  # that of the object would be the truth
+
     def __init__(self, integrating: Any, sensors: Sequence[tuple[Quantity, Sensor]]) -> None:
         self._true = integrating
         self._sensors = sensors

@@ -64,8 +64,10 @@ def method(role: str, name: str) -> Callable[[type], type]:
     The class has `parameters` (a parameter dataclass), `__init__(parameters, vehicle, period)` and, by the kind of
     its role, `step(...)` (answers at once) or `outputs()` and `advance(...)` (integrates). The annotations of `step`
     or `advance` name the signals it reads; TypeError if its role may not read one of them. All that lasts between
-    steps is in its attribute `state`. It may say `writes` (the part of its role's signals that it can know) and
-    `requires` (by role the method without which it makes no sense).
+    steps is in its attribute `state`. An object that integrates may have a `row`, a float64 array, always the same,
+    with the numbers of its outputs in the order of their channels and as its messages carry them: the offline runner
+    then makes only those signals of it that somebody reads. The class may say `writes` (the part of its role's signals
+    that it can know) and `requires` (by role the method without which it makes no sense).
     """
 
     def register(factory: type) -> type:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass, make_dataclass
 from functools import cache
 from itertools import chain
@@ -55,7 +54,7 @@ class Quantity:
         if shape_of(self.signal).per_wheel:
             wheels = len(WHEEL_NAMES)
             values = tuple(Wheels._make(numbers[i : i + wheels]) for i in range(0, len(numbers), wheels))
-        return dataclasses.replace(signal, **dict(zip(self.fields, values, strict=True)))
+        return signal._replace(**dict(zip(self.fields, values, strict=True)))
 
 
 class Heading(Quantity):
@@ -78,7 +77,7 @@ class StateOfCharge(Quantity):
 
     def written(self, signal: BatteryCondition, numbers: tuple[float, ...]) -> BatteryCondition:
         (share,) = numbers
-        return dataclasses.replace(signal, state_of_charge=share, charge=share * signal.capacity)
+        return signal._replace(state_of_charge=share, charge=share * signal.capacity)
 
 
 QUANTITIES = (

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import typing
-from dataclasses import fields
 from functools import cache
 from itertools import chain
-from operator import attrgetter
 from typing import Any
 
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+
+_wheels = Wheels._make
 
 
 class SignalError(ValueError):
@@ -18,7 +18,7 @@ class SignalError(ValueError):
 
 
 class Shape:
-    """The numbers of one signal type in order of declaration, wheel by wheel.
+    """The numbers of one signal type, a named tuple, in order of declaration, wheel by wheel.
 
     A signal is either per wheel in all its fields or in none; TypeError otherwise.
     """
@@ -26,7 +26,7 @@ class Shape:
     def __init__(self, signal: type) -> None:
         hints = typing.get_type_hints(signal)
         self.signal = signal
-        self.fields = tuple(f.name for f in fields(signal))
+        self.fields = signal._fields
         per_wheel = {hints[name] is Wheels for name in self.fields}
         if len(per_wheel) > 1:
             raise TypeError(f"{signal.__name__} mixes numbers and values per wheel")
@@ -35,14 +35,10 @@ class Shape:
             self.channels = tuple(f"{name}.{wheel}" for name in self.fields for wheel in WHEEL_NAMES)
         else:
             self.channels = self.fields
-        # A second name makes attrgetter return a tuple even where there is one field only.
-        self._get = attrgetter(*self.fields, "__class__") if self.fields else lambda _: (None,)
 
     def flat(self, signal: Any) -> tuple[float, ...]:
         """The numbers of a signal, in the order of `channels`; SignalError if one is not finite."""
-        values = self._get(signal)[:-1]
-        if self.per_wheel:
-            values = tuple(chain.from_iterable(values))
+        values = tuple(chain.from_iterable(signal)) if self.per_wheel else signal
         if not math.isfinite(sum(values)):
             self._refuse(values)
         return values
@@ -54,9 +50,9 @@ class Shape:
 
     def signal_of(self, values: tuple[float, ...]) -> Any:
         """The signal with these numbers; the inverse of `flat`."""
-        if not self.per_wheel:
-            return self.signal(*values)
-        return self.signal(*(Wheels._make(values[i : i + 4]) for i in range(0, len(values), 4)))
+        if self.per_wheel:
+            values = [_wheels(values[i : i + 4]) for i in range(0, len(values), 4)]
+        return self.signal._make(values)
 
 
 @cache

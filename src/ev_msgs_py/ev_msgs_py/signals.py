@@ -1,26 +1,25 @@
 """Every signal of the graph as a plain value: SI units, radians, body frame of REP-103 (x forward, y left, z up).
 
 A signal holds exactly the numbers that its message carries, so a signal that went over DDS is bit-identical to
-one that was handed over inside a process. Units and messages stand in `topics.TOPICS`.
+one that was handed over inside a process. Signals are named tuples because making one and listing its numbers are
+most of the cost of a step. Units and messages stand in `topics.TOPICS`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ev_msgs_py.wheels import NO_WHEELS, Wheels
 
 
-@dataclass(frozen=True, slots=True)
-class Instant:
+class Instant(NamedTuple):
     """The instant of this step; it needs no topic, because every message carries it as its stamp."""
 
     time: float
 
 
-@dataclass(frozen=True, slots=True)
-class DriverCommand:
+class DriverCommand(NamedTuple):
     """What the driver does: pedals as torques summed over all wheels, and the hands on the steering wheel."""
 
     drive_torque: float
@@ -28,8 +27,7 @@ class DriverCommand:
     hand_torque: float
 
 
-@dataclass(frozen=True, slots=True)
-class SteeringColumnState:
+class SteeringColumnState(NamedTuple):
     """The steering column as the laws may measure it; with a mechanical column angle = i * road_wheel_angle."""
 
     angle: float
@@ -39,24 +37,21 @@ class SteeringColumnState:
     road_wheel_rate: float
 
 
-@dataclass(frozen=True, slots=True)
-class WheelTorqueRequest:
+class WheelTorqueRequest(NamedTuple):
     """Torques at the wheels that the electronic differential asks for; brake torques are never negative."""
 
     drive: Wheels
     brake: Wheels = NO_WHEELS
 
 
-@dataclass(frozen=True, slots=True)
-class WheelTorqueCommand:
+class WheelTorqueCommand(NamedTuple):
     """Torques at the wheels that the traction control lets through to the drives and brakes."""
 
     drive: Wheels
     brake: Wheels = NO_WHEELS
 
 
-@dataclass(frozen=True, slots=True)
-class WheelStates:
+class WheelStates(NamedTuple):
     """Turned angle and speed of each wheel, and the drive torque that acts on it."""
 
     position: Wheels
@@ -64,16 +59,14 @@ class WheelStates:
     effort: Wheels
 
 
-@dataclass(frozen=True, slots=True)
-class MotorStates:
+class MotorStates(NamedTuple):
     """Speed and electromagnetic torque at the shaft of the motor of each wheel; zero where there is none."""
 
     velocity: Wheels
     effort: Wheels
 
 
-@dataclass(frozen=True, slots=True)
-class InertialMeasurement:
+class InertialMeasurement(NamedTuple):
     """Yaw rate and accelerations of the centre of mass in the body frame, without gravity."""
 
     yaw_rate: float
@@ -81,8 +74,7 @@ class InertialMeasurement:
     lateral_acceleration: float
 
 
-@dataclass(frozen=True, slots=True)
-class BodyVelocity:
+class BodyVelocity(NamedTuple):
     """Velocity of the centre of mass in the body frame."""
 
     longitudinal: float
@@ -95,8 +87,7 @@ class BodyVelocity:
         return math.copysign(math.hypot(self.longitudinal, self.lateral), self.longitudinal)
 
 
-@dataclass(frozen=True, slots=True)
-class BodyPose:
+class BodyPose(NamedTuple):
     """Position of the centre of mass and heading in the odom frame; the heading as z and w of the quaternion."""
 
     x: float
@@ -116,8 +107,7 @@ class BodyPose:
         return math.remainder(heading, math.tau)
 
 
-@dataclass(frozen=True, slots=True)
-class BatteryCondition:
+class BatteryCondition(NamedTuple):
     """Terminal values of the traction battery (single precision, as BatteryState carries them)."""
 
     voltage: float
@@ -127,8 +117,7 @@ class BatteryCondition:
     state_of_charge: float
 
 
-@dataclass(frozen=True, slots=True)
-class TireForces:
+class TireForces(NamedTuple):
     """Forces of the road on each tyre in the wheel's frame, with slip, load and available friction."""
 
     longitudinal_force: Wheels
@@ -139,6 +128,5 @@ class TireForces:
     friction_coefficient: Wheels
 
 
-@dataclass(frozen=True, slots=True)
-class RecorderProgress:
+class RecorderProgress(NamedTuple):
     """The recorder holds every signal up to the step that this message is stamped with; it carries nothing else."""

@@ -24,6 +24,7 @@ from ev_sim.compiled import compiled
 from ev_sim.drives.drive import DriveParameters, advance_drive, drive_record, drives_at_rest
 from ev_sim.drives.records import record_of
 from ev_sim.plant.ackermann import course_offset, path_curvature, wheel_speed_ratios
+from ev_sim.plant.commands import CommandGuard
 from ev_sim.plant.dry_friction import move_with_dry_friction
 
 GRAVITY = 9.81  # [m/s^2]
@@ -99,6 +100,7 @@ class KinematicPlant:
         "_radius",
         "_torques",
         "_vehicle",
+        "guard",
         "state",
     )
 
@@ -107,6 +109,8 @@ class KinematicPlant:
         self._drive_parameters = drive_record(parameters)
         self._vehicle = record_of(vehicle)
         self._period = period
+        # The paper's steering has no stop, its column swings beyond a right angle; eqs 8 to 11 hold at any angle.
+        self.guard = CommandGuard(vehicle, parameters.motor.torque_limit, angle_limit=math.inf)
         self._radius, self._gear_ratio = vehicle.wheel_radius, vehicle.gear_ratio
         car = np.zeros(1, CAR_STATE)
         car["speed"] = parameters.initial_speed
@@ -150,13 +154,8 @@ class KinematicPlant:
         )
 
     def advance(self, command: WheelTorqueCommand, column: SteeringColumnState) -> None:
-        """Move on by one control period, command and road-wheel angle held.
-
-        Raises ValueError, and nothing moves, for a drive torque on a wheel without a motor or a negative brake torque.
-        """
-        self._refuse_impossible(command)
-        self._torques["drive"] = command.drive
-        self._torques["brake"] = command.brake
+        """Move on by one control period, torques and road-wheel angle held as the guard accepts them."""
+        self._torques["drive"], self._torques["brake"] = self.guard.torques(command)
         _advance(
             self.state.car,
             self.state.wheels,
@@ -165,17 +164,18 @@ class KinematicPlant:
             self._parameters,
             self._drive_parameters,
             self._vehicle,
-            float(column.road_wheel_angle),
+            self.guard.angle(column),
             self._period,
         )
 
-    def _refuse_impossible(self, command: WheelTorqueCommand) -> None:
-        motors = self.state.wheels["has_motor"].tolist()
-        for name, has_motor, drive, brake in zip(WHEEL_NAMES, motors, command.drive, command.brake, strict=True):
-            if drive != 0.0 and not has_motor:
-                raise ValueError(f"torque_command: {drive:g} N m of drive on {name}, which has no motor")
-            if brake < 0.0:
-                raise ValueError(f"torque_command: {brake:g} N m of brake on {name}, a brake torque is never negative")
+    def reports(self) -> tuple[str, ...]:
+        """Commands that were not taken as they came, counted by powers of ten."""
+        return self.guard.reports()
+
+    @property
+    def diagnostics(self) -> dict[str, float]:
+        """Counts of commands that were not taken as they came."""
+        return self.guard.diagnostics
 
 
 @compiled

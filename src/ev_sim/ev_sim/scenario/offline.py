@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from array import array
+from collections.abc import Callable, Collection, Mapping
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -12,7 +15,6 @@ from ev_msgs_py.configuration import Configuration, check_graph
 from ev_msgs_py.graph import step_order
 from ev_msgs_py.notes import Notes
 from ev_msgs_py.roles import ROLES, RoleKind
-from ev_msgs_py.shape import Shape
 from ev_msgs_py.signals import Instant
 from ev_msgs_py.topics import TOPICS
 from ev_sim.recording.recording import Recording
@@ -22,34 +24,35 @@ _PROGRESS_STEPS = 100
 
 
 class _Player:
-    """The object of one role among the signals of the present instant."""
+    """The object of one role among the signals of the present instant, and the numbers of all that it has said."""
 
-    def __init__(self, configuration: Configuration, now: dict[type, Any]) -> None:
-        self._object = configuration.create()
+    def __init__(self, configuration: Configuration, made: Any, now: dict[type, Any]) -> None:
+        self._object = made
         self._notes = Notes()
+        self.speaks = hasattr(made, "reports")
         self._reads = configuration.method.reads
-        self._codecs = [(signal, TOPICS[signal].codec) for signal in configuration.method.writes]
+        self._writes = [
+            (signal, TOPICS[signal].codec.carried, TOPICS[signal].codec.shape.flat, array("d"))
+            for signal in configuration.method.writes
+        ]
         self._now = now
-        self._rows: list[tuple[type, Shape, np.ndarray]] = []
 
-    def record_into(self, rows: Mapping[type, np.ndarray]) -> None:
-        """Tell where the rows of its signals go."""
-        self._rows = [(kind, codec.shape, rows[kind]) for kind, codec in self._codecs]
+    def show(self) -> None:
+        """Put the outputs of an integrating object among the signals, and keep them.
 
-    def record(self, step: int) -> None:
-        """Keep its signals; SignalError, before anybody goes on with them, if one is not finite."""
-        for kind, shape, rows in self._rows:
-            rows[step] = shape.flat(self._now[kind])
-
-    def state(self) -> None:
-        """Put the outputs of an integrating object among the signals."""
-        for (kind, codec), signal in zip(self._codecs, self._object.outputs(), strict=True):
-            self._now[kind] = codec.carried(signal)
+        SignalError, before anybody goes on with them, if one is not finite.
+        """
+        now = self._now
+        for (kind, carried, flat, numbers), signal in zip(self._writes, self._object.outputs(), strict=True):
+            now[kind] = signal = carried(signal)
+            numbers.extend(flat(signal))
 
     def answer(self) -> None:
-        """Put the answer to the present signals among them."""
-        kind, codec = self._codecs[0]
-        self._now[kind] = codec.carried(self._object.step(*[self._now[kind] for kind in self._reads]))
+        """Put the answer to the present signals among them, and keep it; SignalError as above."""
+        now = self._now
+        kind, carried, flat, numbers = self._writes[0]
+        now[kind] = signal = carried(self._object.step(*[now[kind] for kind in self._reads]))
+        numbers.extend(flat(signal))
 
     def notes(self) -> list[str]:
         """What the object has to say for the first time."""
@@ -57,7 +60,51 @@ class _Player:
 
     def advance(self) -> None:
         """Integrate with the present signals to the next instant."""
-        self._object.advance(*[self._now[kind] for kind in self._reads])
+        now = self._now
+        self._object.advance(*[now[kind] for kind in self._reads])
+
+    def channels(self) -> dict[str, np.ndarray]:
+        """All that it has said, by channel."""
+        return {
+            channel: column
+            for kind, _, _, numbers in self._writes
+            if (names := TOPICS[kind].channels)
+            for channel, column in zip(names, np.array(numbers).reshape(-1, len(names)).T, strict=True)
+        }
+
+
+class _RowPlayer(_Player):
+    """The same for an integrating object with a `row`: signals that nobody reads are not made."""
+
+    def __init__(
+        self, configuration: Configuration, made: Any, now: dict[type, Any], heard: Collection[type]
+    ) -> None:
+        super().__init__(configuration, made, now)
+        self._row = made.row
+        self._rows: list[np.ndarray] = []
+        shapes = [TOPICS[signal].codec.shape for signal in configuration.method.writes]
+        ends = list(accumulate(len(shape.channels) for shape in shapes))
+        places = zip(configuration.method.writes, shapes, [0, *ends], ends, strict=False)
+        self._heard = [(kind, shape.signal_of, begin, end) for kind, shape, begin, end in places if kind in heard]
+
+    def show(self) -> None:
+        numbers = self._row.tolist()
+        if not math.isfinite(sum(numbers)):
+            super().show()  # knows which number it is
+        self._rows.append(self._row.copy())
+        for kind, signal_of, begin, end in self._heard:
+            self._now[kind] = signal_of(numbers[begin:end])
+
+    def channels(self) -> dict[str, np.ndarray]:
+        names = (channel for kind, *_ in self._writes for channel in TOPICS[kind].channels)
+        return dict(zip(names, np.array(self._rows).T, strict=True))
+
+
+def _player(configuration: Configuration, now: dict[type, Any], heard: Collection[type]) -> _Player:
+    made = configuration.create()
+    if getattr(made, "row", None) is None:
+        return _Player(configuration, made, now)
+    return _RowPlayer(configuration, made, now, heard)
 
 
 def run_offline(
@@ -75,33 +122,27 @@ def run_offline(
     period = next(iter(configurations.values())).period
     steps = stamps.from_seconds(duration) // period
     now: dict[type, Any] = {}
-    players = {role: _Player(configuration, now) for role, configuration in configurations.items()}
+    heard = {signal for configuration in configurations.values() for signal in configuration.method.reads}
+    players = {role: _player(configuration, now, heard) for role, configuration in configurations.items()}
     integrating = [players[role] for role in players if ROLES[role].kind is RoleKind.INTEGRATES]
     answering = [players[role] for role in step_order(ROLES)]
-    written = [TOPICS[signal] for configuration in configurations.values() for signal in configuration.method.writes]
-    rows = {topic.signal: np.empty((steps + 1, len(topic.channels))) for topic in written}
-    for player in players.values():
-        player.record_into(rows)
     time = np.array([stamps.to_seconds(step * period) for step in range(steps + 1)])
+    speaking = [(role, player) for role, player in players.items() if player.speaks]
 
-    for step in range(steps + 1):
-        now[Instant] = Instant(float(time[step]))
+    for step, t in enumerate(time.tolist()):
+        now[Instant] = Instant(t)
         for player in integrating:
-            player.state()
-            player.record(step)
+            player.show()
         for player in answering:
             player.answer()
-            player.record(step)
-        for role, player in players.items():
+        for role, player in speaking:
             for text in player.notes():
                 note(role, text)
         if step < steps:
             for player in integrating:
                 player.advance()
         if step % _PROGRESS_STEPS == 0:
-            progress(float(time[step]))
+            progress(t)
     progress(float(time[-1]))
-    channels = {
-        channel: rows[topic.signal][:, i] for topic in written for i, channel in enumerate(topic.channels)
-    }
+    channels = {name: column for player in players.values() for name, column in player.channels().items()}
     return Recording(time, channels)

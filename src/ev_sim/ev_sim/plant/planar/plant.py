@@ -9,23 +9,11 @@ import numpy as np
 
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import ParameterError, group, parameter
-from ev_msgs_py.signals import (
-    BatteryCondition,
-    BodyPose,
-    BodyVelocity,
-    InertialMeasurement,
-    MotorStates,
-    SteeringColumnState,
-    TireForces,
-    WheelStates,
-    WheelTorqueCommand,
-)
+from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
-from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
-from ev_sim.driveline.couplings import shaft_speeds
-from ev_sim.drives.drive import DRIVES, DriveParameters, drives_at_rest
-from ev_sim.drives.records import record_of
+from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_sim.drives.drive import DRIVES, DriveParameters, drive_record, drives_at_rest
+from ev_sim.plant.commands import CommandGuard
 from ev_sim.plant.planar.body import (
     DEFLECTION_X,
     DEFLECTION_Y,
@@ -33,15 +21,12 @@ from ev_sim.plant.planar.body import (
     TRANSFER_X,
     TRANSFER_Y,
     VX,
-    VY,
-    WHEEL_ANGLE,
     WHEEL_SPEED,
-    YAW_RATE,
 )
-from ev_sim.plant.planar.commands import CommandGuard
 from ev_sim.plant.planar.observing import observe
-from ev_sim.plant.planar.powertrain import BATTERY_POWER, MOTOR_TORQUE, STATE_OF_CHARGE, TORQUE_SHARE
-from ev_sim.plant.planar.records import STEP, car_record
+from ev_sim.plant.planar.powertrain import STATE_OF_CHARGE, TORQUE_SHARE
+from ev_sim.plant.planar.records import STEP, car_record, commands_of
+from ev_sim.plant.planar.showing import SIGNALS, SIZE, loads_of, signals_of
 from ev_sim.plant.planar.state import INTEGRATED_SIZE, at_rest
 from ev_sim.plant.planar.step_width import longest_brushless_step, longest_step
 from ev_sim.plant.planar.stepping import X, Y, run
@@ -86,21 +71,13 @@ class PlanarParameters(DriveParameters):
 class PlanarPlant:
     """Body in the plane, four wheels on real tyres and real roads, drives and battery (docs/planar_plant.md).
 
-    `state` is a float64 array (names in state.py), advanced in place; the plant is a pure function of its
-    parameters and of the commands so far, to the bit. Raises ParameterError if the vehicle names an efficiency map
-    that has not been read (`ev_msgs_py.efficiency_map`).
+    `state` is a float64 array (names in state.py), advanced in place; `row` has the numbers of all outputs (see
+    showing.py). The plant is a pure function of its parameters and of the commands so far, to the bit. Raises
+    ParameterError if the vehicle names an efficiency map that has not been read (`ev_msgs_py.efficiency_map`).
     """
 
     parameters = PlanarParameters
-    writes = (
-        WheelStates,
-        MotorStates,
-        InertialMeasurement,
-        BodyVelocity,
-        BodyPose,
-        BatteryCondition,
-        TireForces,
-    )
+    writes = SIGNALS
 
     def __init__(self, parameters: PlanarParameters, vehicle: Vehicle, period: float):
         p, motor = parameters, vehicle.motor
@@ -112,14 +89,17 @@ class PlanarPlant:
         self.steps = max(math.ceil(period / longest * (1.0 - 1e-12)), 1)
         self.h = period / self.steps
         self.state = at_rest()
-        self.guard = CommandGuard(vehicle, p.motor.torque_limit if p.drive in DRIVES else vehicle.motor.peak_torque)
+        motor_torque = p.motor.torque_limit if p.drive in DRIVES else motor.peak_torque
+        self.guard = CommandGuard(vehicle, motor_torque, vehicle.maximum_road_wheel_angle)
         self._car = car_record(vehicle, p.load_transfer_lag, p.drive in DRIVES, p.hold_speed)
         self._step = np.zeros(1, STEP)
         self._step["cos_steer"] = 1.0
         self._step["segment"] = -1  # nothing is found yet
+        self._commands = commands_of(self._step)
         self._road = _road_arrays(p.road, vehicle)
         self._maps = _efficiency_map(vehicle if p.drive not in DRIVES else Vehicle())
-        self._brushless = (drives_at_rest(4), record_of(p))
+        self._drives = drives_at_rest(4)
+        self._drive_parameters = drive_record(p if p.drive in DRIVES else DriveParameters())
         self._voltages = np.array(vehicle.battery.open_circuit_voltage)
         self._lags = (
             -math.expm1(-self.h / motor.torque_lag),
@@ -130,7 +110,8 @@ class PlanarPlant:
         self._stage, self._slopes = np.zeros(INTEGRATED_SIZE), np.zeros((4, INTEGRATED_SIZE))
         self._work = np.zeros((5, 4))
         self._angle = 0.0
-        self._lifted = np.zeros(4, bool)
+        self._lifted: set[str] = set()
+        self.row = np.zeros(SIZE)
         self._start(p)
         self._observe()
 
@@ -152,15 +133,26 @@ class PlanarPlant:
             state[DEFLECTION_Y : DEFLECTION_Y + 4] = -share * car["mass"] * step["gravity_y"] / car["stiffness_y"]
 
     def _observe(self) -> None:
-        observe(self.state, self._car, self._step, self._road, self._angle, self._stage)
-        self._lifted |= self._step[0]["load"] == 0.0
+        off_the_ground = observe(
+            self.state,
+            self._car,
+            self._step,
+            self._road,
+            self._voltages,
+            self._angle,
+            self._stage,
+            self._work[0],
+            self.row,
+        )
+        if off_the_ground:
+            loads = loads_of(self.row)
+            self._lifted |= {name for name, load in zip(WHEEL_NAMES, loads, strict=True) if load == 0.0}
 
     def advance(self, command: WheelTorqueCommand, column: SteeringColumnState) -> None:
         """Integrate over one period under a command that is held and a steering angle that goes on at its rate."""
-        drive, brake, angle, rate = self.guard.accept(command, column, self.period)
-        step = self._step[0]
-        step["drive_command"], step["brake_command"] = drive, brake
-        step["steering_angle"], step["steering_rate"] = angle, rate
+        drive, brake = self.guard.torques(command)
+        angle, rate = self.guard.angle(column), self.guard.rate(column, self.period)
+        self._commands[:] = (*drive, *brake, angle, rate)
         run(
             self.state,
             self._car,
@@ -169,7 +161,8 @@ class PlanarPlant:
             self._maps,
             self._voltages,
             self._lags,
-            self._brushless,
+            self._drives,
+            self._drive_parameters,
             self.h,
             self.steps,
             self._stage,
@@ -181,46 +174,7 @@ class PlanarPlant:
 
     def outputs(self) -> tuple:
         """Everything that the plant writes, at the instant of its state."""
-        s, step = self.state, self._step[0]
-        shaft = np.empty(4)
-        shaft_speeds(self._car[0]["coupling"], s[WHEEL_SPEED : WHEEL_SPEED + 4], self._car[0]["driven"], shaft)
-        yaw_rate = float(s[YAW_RATE])
-        return (
-            WheelStates(
-                _wheels(s[WHEEL_ANGLE : WHEEL_ANGLE + 4]),
-                _wheels(s[WHEEL_SPEED : WHEEL_SPEED + 4]),
-                _wheels(step["mean_drive"]),
-            ),
-            MotorStates(
-                _wheels(shaft * self._car[0]["driven"] * self.vehicle.gear_ratio),
-                _wheels(s[MOTOR_TORQUE : MOTOR_TORQUE + 4]),
-            ),
-            InertialMeasurement(yaw_rate, float(step["acceleration_x"]), float(step["acceleration_y"])),
-            BodyVelocity(float(s[VX]), float(s[VY]), yaw_rate),
-            BodyPose.at(float(s[X]), float(s[Y]), float(s[HEADING])),
-            self._battery(),
-            TireForces(
-                _wheels(step["force_x"]),
-                _wheels(step["force_y"]),
-                _wheels(step["load"]),
-                _wheels(step["slip_x"]),
-                _wheels(-np.arcsin(np.clip(step["slip_y"], -1.0, 1.0))),
-                _wheels(step["tyre"][:, 5]),
-            ),
-        )
-
-    def _battery(self) -> BatteryCondition:
-        battery, charge = self.vehicle.battery, float(self.state[STATE_OF_CHARGE])
-        source = open_circuit_voltage(self._voltages, charge)
-        current = current_at_power(source, battery.resistance, float(self.state[BATTERY_POWER]))
-        values = (
-            source - battery.resistance * current,
-            -current,  # BatteryState counts the current into the battery
-            charge * battery.capacity,
-            battery.capacity,
-            charge,
-        )
-        return BatteryCondition(*(float(np.float32(value)) for value in values))
+        return signals_of(self.row.tolist())
 
     @property
     def records(self) -> tuple:
@@ -229,26 +183,15 @@ class PlanarPlant:
 
     def reports(self) -> tuple[str, ...]:
         """Commands that were not taken as they came, counted by powers of ten, and wheels that have left the ground."""
-        counts = (
-            ("values of commands were not finite", self.guard.non_finite),
-            ("values of commands were out of range", self.guard.out_of_range),
-        )
-        refused = (f"{10 ** (len(str(count)) - 1)} or more {what}" for what, count in counts if count)
-        lifted = (f"{name} wheel left the ground" for name, was in zip(WHEEL_NAMES, self._lifted, strict=True) if was)
-        return (*refused, *lifted)
+        if not (self.guard.refused or self._lifted):
+            return ()  # asked after every step
+        lifted = (f"{name} wheel left the ground" for name in WHEEL_NAMES if name in self._lifted)
+        return (*self.guard.reports(), *lifted)
 
     @property
     def diagnostics(self) -> dict[str, float]:
         """Counts of commands that were not taken as they came, and of wheels off the ground now."""
-        return {
-            "non_finite_commands": self.guard.non_finite,
-            "out_of_range_commands": self.guard.out_of_range,
-            "lifted_wheels": int(np.count_nonzero(self._step[0]["load"] == 0.0)),
-        }
-
-
-def _wheels(values: np.ndarray) -> Wheels:
-    return Wheels(*values.tolist())
+        return {**self.guard.diagnostics, "lifted_wheels": int(np.count_nonzero(loads_of(self.row) == 0.0))}
 
 
 def _road_arrays(road: RoadParameters, vehicle: Vehicle) -> tuple[np.ndarray, ...]:

@@ -79,6 +79,7 @@ CAR = np.dtype(
 
 STEP = np.dtype(
     [
+        # The commands come first, so that one assignment sets them all, see `commands_of`.
         ("drive_command", *_WHEELS),  # at the wheels [N m]
         ("brake_command", *_WHEELS),
         ("steering_angle", _ONE),  # mean road-wheel angle [rad]
@@ -106,6 +107,11 @@ STEP = np.dtype(
     ],
     align=True,
 )
+
+
+def commands_of(step: np.ndarray) -> np.ndarray:
+    """Drive and brake commands, steering angle and rate of a STEP array of shape (1,), as a view of shape (10,)."""
+    return step.view(np.float64)[: STEP.fields["drive"][1] // np.dtype(np.float64).itemsize]
 
 
 def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -59,7 +59,8 @@ def run(
     maps,
     voltages: np.ndarray,
     lags,
-    brushless,
+    drives: np.ndarray,
+    drive_parameters: np.ndarray,
     h: float,
     steps: int,
     stage: np.ndarray,
@@ -71,6 +72,7 @@ def run(
     The steering angle goes on at its commanded rate, the torque commands are held.
     """
     car, step = car_record[0], step_record[0]
+    brushless = (drives, drive_parameters)  # in a tuple from outside they would cost more than a step does
     turned = work[4]
     for i in range(4):
         step.mean_drive[i] = 0.0

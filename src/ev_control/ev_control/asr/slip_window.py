@@ -1,0 +1,92 @@
+"""Traction control that holds the slip of each driven wheel in a window (dissertation, eqs 1.5 and 1.6)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from ev_control.asr.reference_speed import ReferenceSpeedParameters
+from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
+from ev_control.asr.wheel_dynamics import Filtered, filter_share
+from ev_msgs_py.methods import method
+from ev_msgs_py.parameters import ParameterError, group, parameter
+from ev_msgs_py.vehicle import Vehicle
+
+
+@dataclass(frozen=True, slots=True)
+class SlipWindowParameters:
+    """The window of the source, and how fast the limit moves outside it."""
+
+    low: float = parameter(
+        0.15, unit="1", low=0.0, high=1.0, about="slip below which the limit rises", source="dissertation, eq 1.5"
+    )
+    high: float = parameter(
+        0.19, unit="1", low=0.0, high=1.0, about="slip above which the limit falls", source="dissertation, eq 1.5"
+    )
+    fall: float = parameter(
+        8000.0, unit="N m/s", low=1.0, high=1e6, about="fall of the limit above the window", source="assumption"
+    )
+    rise: float = parameter(
+        2000.0, unit="N m/s", low=1.0, high=1e6, about="rise of the limit below the window", source="assumption"
+    )
+    trend: float = parameter(
+        0.02,
+        unit="s",
+        low=0.0,
+        high=1.0,
+        about="time over which the slip shows whether it is already on its way back to the window",
+        source="assumption",
+    )
+    slowest: float = parameter(
+        3.0,
+        unit="rad/s",
+        low=0.1,
+        high=100.0,
+        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
+        source="assumption",
+    )
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+
+    def __post_init__(self) -> None:
+        if self.low > self.high:
+            raise ParameterError(f"low is {self.low:g}, allowed is at most high, {self.high:g}")
+
+
+@dataclass(slots=True)
+class SlipWindowWheel(LimitedWheel):
+    """Slip behind a filter [1], whose lag shows its trend."""
+
+    slip: Filtered = field(default_factory=Filtered)
+
+
+@method("asr", "slip_window")
+class SlipWindow(TractionControl):
+    """Lower a wheel's torque limit while its slip is above 0.15..0.19, hold it inside, raise it below.
+
+    Slip S = 1 - w_free/w (dissertation, eqs 1.5, 1.6 and 2.34). The source prints the window as "0.15 > S > 0.19",
+    which no slip satisfies; its section 2.4 says what is meant. The first limit is the torque at which the slip leaves
+    the window (eq 1.6). Where the slip is already returning the limit stays, else it would overshoot by the time that
+    the wheel takes (assumption). The window lies beyond the peak on snow (0.09) and wet asphalt (0.13), where a wheel
+    does not stay by itself: the slip swings through the window.
+    """
+
+    parameters = SlipWindowParameters
+
+    def __init__(self, parameters: SlipWindowParameters, vehicle: Vehicle, period: float) -> None:
+        p = self._p = parameters
+        self._fall, self._rise = p.fall * period, p.rise * period
+        self._share = filter_share(period, p.trend)
+        super().__init__("slip_window", SlipWindowWheel, p.reference, vehicle, period)
+
+    def _limit(self, wheel: SlipWindowWheel, motion: WheelMotion, wanted: float) -> float:
+        """The last limit [N m], moved towards the window."""
+        p, slip, limit = self._p, motion.slip(self._p.slowest), wheel.limit
+        rises = slip > wheel.slip.follow(slip, self._share)
+        if slip > p.high and limit == math.inf:
+            return min(wanted, max(motion.torque, 0.0))
+        if slip > p.high and rises:
+            return limit - self._fall
+        if slip < p.low and not rises:
+            limit += self._rise
+            return limit if limit < wanted else math.inf
+        return limit

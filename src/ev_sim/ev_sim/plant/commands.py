@@ -1,0 +1,93 @@
+"""The guard before the integrator: only finite commands within range pass, everything else is counted."""
+
+from __future__ import annotations
+
+import math
+from operator import ge, le
+
+from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES
+
+
+class CommandGuard:
+    """Make any command safe to integrate.
+
+    A drive torque or a steering rate that is not finite becomes 0; a brake torque or a steering angle that is not
+    finite keeps its last accepted value. Values out of range go to the nearest end of it; a wheel without a motor has
+    no range. `non_finite` and `out_of_range` count the values concerned.
+    """
+
+    def __init__(self, vehicle: Vehicle, motor_torque: float, angle_limit: float):
+        """Largest torque at the shaft of one motor [N m] and largest road-wheel angle [rad], either way.
+
+        Coupled wheels may get the torque of all motors.
+        """
+        motors = 1 if vehicle.driveline.coupling == "individual" else len(vehicle.driven_wheels)
+        limit = motor_torque * vehicle.gear_ratio * motors
+        self.drive_limit = tuple(limit if name in vehicle.driven_wheels else 0.0 for name in WHEEL_NAMES)
+        self._drive_low = tuple(-limit for limit in self.drive_limit)
+        self.brake_limit = vehicle.maximum_brake_torque
+        self.angle_limit = angle_limit
+        self.non_finite = 0
+        self.out_of_range = 0
+        self._brake: tuple[float, ...] = NO_WHEELS
+        self._angle = 0.0
+
+    def torques(self, command: WheelTorqueCommand) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Drive and brake torques of the wheels that may be held over a period [N m]."""
+        drive, brake = command.drive, command.brake
+        if (
+            all(map(le, drive, self.drive_limit))
+            and all(map(ge, drive, self._drive_low))
+            and min(brake) >= 0.0
+            and max(brake) <= self.brake_limit
+            and sum(brake) < math.inf  # neither min nor max shows every NaN
+        ):
+            self._brake = brake
+            return drive, brake
+        drive = tuple(
+            self._value(value, 0.0, -limit, limit) for value, limit in zip(command.drive, self.drive_limit, strict=True)
+        )
+        self._brake = tuple(
+            self._value(value, last, 0.0, self.brake_limit)
+            for value, last in zip(command.brake, self._brake, strict=True)
+        )
+        return drive, self._brake
+
+    def angle(self, column: SteeringColumnState) -> float:
+        """Road-wheel angle at the beginning of a period [rad]."""
+        self._angle = self._value(column.road_wheel_angle, self._angle, -self.angle_limit, self.angle_limit)
+        return self._angle
+
+    def rate(self, column: SteeringColumnState, period: float) -> float:
+        """Rate [rad/s] at which the angle may go on over a period [s], so that it stays within its limit."""
+        low, high = -self.angle_limit - self._angle, self.angle_limit - self._angle
+        return self._value(column.road_wheel_rate, 0.0, low / period, high / period)
+
+    @property
+    def refused(self) -> int:
+        """How many values were not taken as they came."""
+        return self.non_finite + self.out_of_range
+
+    def reports(self) -> tuple[str, ...]:
+        """What was not taken as it came, counted by powers of ten."""
+        counts = (
+            ("values of commands were not finite", self.non_finite),
+            ("values of commands were out of range", self.out_of_range),
+        )
+        return tuple(f"{10 ** (len(str(count)) - 1)} or more {what}" for what, count in counts if count)
+
+    @property
+    def diagnostics(self) -> dict[str, float]:
+        """Counts of values that were not taken as they came."""
+        return {"non_finite_commands": self.non_finite, "out_of_range_commands": self.out_of_range}
+
+    def _value(self, value: float, otherwise: float, low: float, high: float) -> float:
+        if not math.isfinite(value):
+            self.non_finite += 1
+            return otherwise
+        if low <= value <= high:
+            return float(value)
+        self.out_of_range += 1
+        return low if value < low else high
