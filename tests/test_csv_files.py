@@ -108,12 +108,13 @@ def test_the_example_map_is_that_of_the_loss_model(monkeypatch):
     assert max(motor.map_efficiency) == 0.9772  # as the vehicle file says
 
 
-def test_a_drive_takes_the_same_energy_with_the_map_as_with_the_loss_model(monkeypatch):
-    """Within 1 % between the map's points: accelerating from 5 m/s, then braking electrically."""
+@pytest.mark.parametrize("initial_speed", [5.0, 0.0])
+def test_a_drive_takes_the_same_energy_with_the_map_as_with_the_loss_model(monkeypatch, initial_speed):
+    """Within 1 % between the map's points: accelerating from 5 m/s or from rest, then braking electrically."""
     monkeypatch.setenv("EV_STACK_CONFIG", str(ROOT / "config"))
     loss = {}
     for file in ("", "efficiency_maps/yasa_400.csv"):
-        plant = PlanarPlant(PlanarParameters(initial_speed=5.0), class_b(map_file=file), 0.01)
+        plant = PlanarPlant(PlanarParameters(initial_speed=initial_speed), class_b(map_file=file), 0.01)
         for torque in [900.0] * 500 + [-500.0] * 300:
             plant.advance(WheelTorqueCommand(Wheels.front(torque, torque)), STRAIGHT)
         loss[file] = plant.state[index("motor_loss")]

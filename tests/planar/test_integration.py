@@ -160,7 +160,7 @@ MANOEUVRES = {
         lambda t: (command(brake=(500.0,) * 4) if t < 1.5 else command(drive=(150.0, 150.0, 0.0, 0.0)), steered(0.1)),
     ),
     "held speed": (
-        {"initial_speed": 10.0, "hold_speed": True},
+        {"initial_speed": 10.0, "speed": "held"},
         lambda t: (command(drive=(300.0, 300.0, 0.0, 0.0)), steered(0.05)),
     ),
 }
@@ -328,7 +328,7 @@ def test_power_balance_closes(name):
 
 def test_held_speed_is_held_by_a_force_that_neither_turns_nor_pitches_the_car():
     """To the bit; on a level straight road it takes the force of the tyres but for the drag, which alone pitches."""
-    held = plant(initial_speed=10.0, hold_speed=True)
+    held = plant(initial_speed=10.0, speed="held")
     for _ in range(300):
         held.advance(command(drive=(300.0, 300.0, 0.0, 0.0)), STRAIGHT)
         assert held.state[VX] == 10.0

@@ -83,6 +83,53 @@ def test_efficiency_map_in_the_plant():
     assert used / given == pytest.approx(0.9, abs=0.02)  # at 100 N m and about 100 rad/s
 
 
+SPEEDS, TORQUES = np.array([50.0, 100.0, 400.0]), np.array([10.0, 100.0])
+EFFICIENCY = np.array([[0.5, 0.6], [0.8, 0.7], [0.85, 0.95]])
+
+
+def test_torque_at_standstill_costs_what_the_lowest_speed_of_the_map_does():
+    """100 N m at 50 rad/s and 0.6: 5000 W (1/0.6 - 1), whichever way the motor is about to turn; no torque, no loss."""
+    for speed in (0.0, 1e-12, -1e-12, 25.0, 50.0):
+        assert map_loss_power(100.0, speed, SPEEDS, TORQUES, EFFICIENCY) == pytest.approx(5000.0 * (1 / 0.6 - 1.0))
+    assert map_loss_power(-100.0, 0.0, SPEEDS, TORQUES, EFFICIENCY) == pytest.approx(5000.0 * (1 / 0.6 - 1.0))
+    assert map_loss_power(0.0, 0.0, SPEEDS, TORQUES, EFFICIENCY) == 0.0
+
+
+def test_a_row_at_standstill_is_not_looked_at():
+    """At speed zero every efficiency means the same power, none."""
+    speeds = np.array([0.0, *SPEEDS])
+    for row in (0.01, 1.0):
+        efficiency = np.vstack((np.full(2, row), EFFICIENCY))
+        for torque, speed in ((100.0, 0.0), (100.0, 20.0), (-60.0, 20.0)):
+            assert map_loss_power(torque, speed, speeds, TORQUES, efficiency) == map_loss_power(
+                torque, speed, SPEEDS, TORQUES, EFFICIENCY
+            )
+
+
+@pytest.mark.parametrize("torque", [100.0, -100.0, 37.0])
+def test_losses_of_a_map_have_no_jumps(torque):
+    """Steps of 0.01 rad/s from reverse through rest to beyond the map: 1 W, the steepest part is 67 W s/rad."""
+    speeds = np.arange(-450.0, 450.0, 0.01)
+    losses = np.array([map_loss_power(torque, speed, SPEEDS, TORQUES, EFFICIENCY) for speed in speeds])
+    assert np.abs(np.diff(losses)).max() < 1.0
+    assert losses.min() > 0.0
+
+
+def test_holding_a_car_by_its_motors_empties_the_battery():
+    """A second at rest under brakes with 100 N m at each motor: twice 5000 W (1/0.6 - 1), and the auxiliaries."""
+    motor = Motor(map_speed=(50.0, 100.0, 400.0), map_torque=(10.0, 100.0), map_efficiency=tuple(EFFICIENCY.ravel()))
+    car = PlanarPlant(PlanarParameters(), Vehicle(motor=motor, battery=Battery(auxiliary_power=300.0)), 0.01)
+    drive(car, 3.0, Wheels.front(265.0, 265.0), brake=1000.0)
+    before = car.state.copy()
+    drive(car, 1.0, Wheels.front(265.0, 265.0), brake=1000.0)
+    loss, given, used = (
+        car.state[index(name)] - before[index(name)] for name in ("motor_loss", "battery_work", "auxiliary_work")
+    )
+    assert loss == pytest.approx(2 * 5000.0 * (1 / 0.6 - 1.0), rel=1e-6)
+    assert used == pytest.approx(300.0, rel=1e-6)
+    assert given == pytest.approx(loss + used, rel=1e-6)
+
+
 def test_open_differential_passes_equal_torque():
     car = Vehicle(driven_wheels=("rear_left", "rear_right"), driveline=Driveline(coupling="open"))
     road = build(PlanarParameters, {"road.left": ("ice",)})

@@ -74,14 +74,14 @@ ROLES = {
         Role(
             "driver",
             RoleKind.ANSWERS,
-            reads=(BodyVelocity, SteeringColumnState, BodyPose, InertialMeasurement),
+            reads=(BodyVelocity, SteeringColumnState, BodyPose, InertialMeasurement, WheelStates),
             writes=(DriverCommand,),
             default_method="speed_profile",
         ),
         Role(
             "electronic_differential",
             RoleKind.ANSWERS,
-            reads=(DriverCommand, SteeringColumnState, *_BODY),
+            reads=(DriverCommand, SteeringColumnState, *_BODY, TireForces),
             writes=(WheelTorqueRequest,),
             default_method="equal_torque",
         ),

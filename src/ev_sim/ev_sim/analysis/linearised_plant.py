@@ -81,7 +81,7 @@ class LinearisedPlant:
 def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
     """The linear model of the planar plant at an operating point.
 
-    Held speed: the plant runs under `hold_speed` until it is steady; ValueError if it never is. An acceleration starts
+    Held speed: the plant runs at it until it is steady; ValueError if it never is. An acceleration starts
     below the speed and is frozen as it passes it, seen from slip angles: since d = (v + a r)/V, their rates have
     -V'/V d besides those of v and r.
     """
@@ -123,7 +123,7 @@ def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> PlanarPlant:
     """A plant in the motion of the point."""
     parameters = PlanarParameters(
         initial_speed=point.speed,
-        hold_speed=not point.accelerates,
+        speed="free" if point.accelerates else "held",
         road=RoadParameters(left=(point.surface,), right=(point.surface,)),
     )
     command = WheelTorqueCommand(point.drive)

@@ -6,46 +6,24 @@ import dataclasses
 from dataclasses import dataclass, field
 
 from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group
 from ev_msgs_py.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_msgs_py.vehicle import Vehicle
-from ev_sim.driver.path import Path, PathParameters
+from ev_sim.driver.lane_keeping import LaneKeeping, LaneKeepingParameters, LaneKeepingState
 from ev_sim.driver.pedal_profile import Feet, FeetParameters, FeetState
 from ev_sim.driver.profile_file import with_profile_from_file
-from ev_sim.driver.pure_pursuit import PurePursuit, PurePursuitParameters
-from ev_sim.driver.steering import AngleControl, AngleControlParameters, AngleControlState
 
 
 @dataclass(frozen=True, slots=True)
-class HandParameters:
-    """How the driver turns the steering wheel; more firmly than who parks, to answer within tenths of a second."""
-
-    angle_control: AngleControlParameters = group(
-        AngleControlParameters,
-        max_rate=15.0,
-        max_hand_torque=20.0,
-        proportional_gain=3.0,
-        integral_gain=6.0,
-        derivative_gain=0.3,
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class PathFollowerParameters(FeetParameters):
+class PathFollowerParameters(FeetParameters, LaneKeepingParameters):
     """The path, how far ahead the driver looks, and hands and feet."""
-
-    path: PathParameters = group(PathParameters)
-    pursuit: PurePursuitParameters = group(PurePursuitParameters)
-    hands: HandParameters = group(HandParameters)
 
 
 @dataclass(slots=True)
 class PathFollowerState:
-    """State of the feet and of the hands, and the leg of the path that is reached."""
+    """State of the feet and of the hands."""
 
     feet: FeetState = field(default_factory=FeetState)
-    hands: AngleControlState = field(default_factory=AngleControlState)
-    leg: int = 0
+    hands: LaneKeepingState = field(default_factory=LaneKeepingState)
 
 
 @method("driver", "path_follower")
@@ -63,15 +41,12 @@ class PathFollower:
         return dataclasses.replace(parameters, speed_profile=with_profile_from_file(parameters.speed_profile))
 
     def __init__(self, parameters: PathFollowerParameters, vehicle: Vehicle, period: float) -> None:
-        self._ratio = vehicle.steering_ratio
         self._feet = Feet(parameters, period)
-        self._eyes = PurePursuit(parameters.pursuit, Path(parameters.path), vehicle)
-        self._hands = AngleControl(parameters.hands.angle_control, period)
+        self._hands = LaneKeeping(parameters, vehicle, period)
         self.state = PathFollowerState()
 
     def step(self, now: Instant, body: BodyVelocity, pose: BodyPose, column: SteeringColumnState) -> DriverCommand:
         """Pedals from the speed along the path and the time, hand torque from the place of the car beside its path."""
         s = self.state
         drive, brake = self._feet.step(now.time, body.along_path, s.feet)
-        angle, s.leg = self._eyes.step(pose, body.along_path, s.leg)
-        return DriverCommand(drive, brake, self._hands.step(self._ratio * angle, column, s.hands))
+        return DriverCommand(drive, brake, self._hands.step(pose, body.along_path, column, s.hands))

@@ -63,7 +63,7 @@ class Feet:
     def __init__(self, parameters: FeetParameters, period: float) -> None:
         wanted, pedals = parameters.speed_profile, parameters.pedals
         refuse_unread_file(wanted)
-        self._wanted_speed = Profile(wanted.time, wanted.speed, wanted.interpolation)
+        self._wanted_speed = wanted.profile()
         self._control = SpeedControl(parameters.speed_control, period)
         self._pedals = pedals
         self._drive_torque = Profile(pedals.time, pedals.drive_torque, pedals.interpolation)

@@ -1,4 +1,4 @@
-"""Read a speed profile from a CSV file into the parameters of the driver. The driver itself opens no files."""
+"""Read a speed profile from a CSV file into parameters. Driver and plant themselves open no files."""
 
 from __future__ import annotations
 
@@ -9,15 +9,17 @@ from ev_sim.driver.speed_control import SpeedProfileParameters
 _COLUMNS = ({"t_s": 1.0}, {"v_mps": 1.0, "v_kmh": 1 / 3.6})
 
 
-def with_profile_from_file(parameters: SpeedProfileParameters) -> SpeedProfileParameters:
+def with_profile_from_file(
+    parameters: SpeedProfileParameters, name: str = "speed_profile"
+) -> SpeedProfileParameters:
     """The same parameters with `time` [s] and `speed` [m/s] from `file` in place of the file's name.
 
-    Parameters without a file come back as they are. The file is a CSV with a header; the columns t_s and one of v_kmh
-    and v_mps are read. Raises ParameterError, in one line that names the file, if it cannot be read (`read_csv`) or
-    holds speeds out of range or times that do not increase.
+    `name` is what the parameters are called. Parameters without a file come back as they are. The file is a CSV with a
+    header; the columns t_s and one of v_kmh and v_mps are read. Raises ParameterError, in one line that names the file,
+    if it cannot be read (`read_csv`) or holds speeds out of range or times that do not increase.
     """
 
     def profile(time: tuple[float, ...], speed: tuple[float, ...]) -> SpeedProfileParameters:
         return build(SpeedProfileParameters, {**flatten(parameters), "time": time, "speed": speed, "file": ""})
 
-    return read_csv("speed_profile.file", parameters.file, _COLUMNS, profile) if parameters.file else parameters
+    return read_csv(f"{name}.file", parameters.file, _COLUMNS, profile) if parameters.file else parameters

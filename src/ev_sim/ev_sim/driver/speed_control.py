@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ev_msgs_py.parameters import ParameterError, parameter
 from ev_sim.driver.limited_pid import LimitedPid
-from ev_sim.driver.profile import check_points, interpolation_parameter
+from ev_sim.driver.profile import Profile, check_points, interpolation_parameter
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +32,10 @@ class SpeedProfileParameters:
 
     def __post_init__(self) -> None:
         check_points("time", self.time, "speed", self.speed)
+
+    def profile(self) -> Profile:
+        """The speed over time [m/s]."""
+        return Profile(self.time, self.speed, self.interpolation)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +103,7 @@ class SpeedControl:
         return math.copysign(p.max_regenerative_torque, torque), brake, integral
 
 
-def refuse_unread_file(profile: SpeedProfileParameters) -> None:
-    """ParameterError if the profile still names a file: whoever made the parameters has to read it."""
+def refuse_unread_file(profile: SpeedProfileParameters, name: str = "speed_profile") -> None:
+    """ParameterError if the profile of this name still names a file: whoever made the parameters has to read it."""
     if profile.file:
-        raise ParameterError(f"speed_profile.file: {profile.file} has not been read into time and speed")
+        raise ParameterError(f"{name}.file: {profile.file} has not been read into time and speed")

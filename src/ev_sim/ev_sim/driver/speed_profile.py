@@ -50,7 +50,7 @@ class SpeedProfileDriver:
         wanted, steering = parameters.speed_profile, parameters.steering
         refuse_unread_file(wanted)
         self._ratio = vehicle.steering_ratio
-        self._wanted_speed = Profile(wanted.time, wanted.speed, wanted.interpolation)
+        self._wanted_speed = wanted.profile()
         self._feet = SpeedControl(parameters.speed_control, period)
         self._turns_to_angle = steering.mode == "angle"
         torque, angle = steering.hand_torque, steering.wanted_angle

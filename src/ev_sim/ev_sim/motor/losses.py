@@ -28,15 +28,23 @@ def map_loss_power(
 ) -> float:
     """Loss [W] from an efficiency map of shape (len(speeds), len(torques)), bilinear, its edge kept outside.
 
-    Driving P_loss = P (1/eta - 1), generating P_loss = P (1 - eta), with P the mechanical power.
+    Driving P_loss = |P| (1/eta - 1), generating P_loss = |P| (1 - eta), with P the mechanical power. Towards standstill
+    P vanishes but the copper loss does not: below the lowest speed of the map above zero the driving loss stays what it
+    is there, and the generating loss goes over into it linearly, so that both are one at rest.
     """
-    i, share_i = _place(speeds, abs(speed))
-    j, share_j = _place(torques, abs(torque))
+    lowest = speeds[0] if speeds[0] > 0.0 else speeds[1]
+    turns, magnitude = max(abs(speed), lowest), abs(torque)
+    i, share_i = _place(speeds, turns)
+    j, share_j = _place(torques, magnitude)
     low = efficiency[i, j] + share_j * (efficiency[i, j + 1] - efficiency[i, j])
     high = efficiency[i + 1, j] + share_j * (efficiency[i + 1, j + 1] - efficiency[i + 1, j])
     eta = low + share_i * (high - low)
-    power = torque * speed
-    return power * (1.0 / eta - 1.0) if power >= 0.0 else -power * (1.0 - eta)
+    driving = magnitude * turns * (1.0 / eta - 1.0)
+    if torque * speed >= 0.0:
+        return driving
+    generating = magnitude * turns * (1.0 - eta)
+    share = min(abs(speed) / lowest, 1.0)
+    return (1.0 - share) * driving + share * generating
 
 
 @compiled

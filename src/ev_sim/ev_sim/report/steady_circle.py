@@ -1,11 +1,14 @@
-"""Report on steady circular driving with a fixed steering wheel and slowly rising speed, in the terms of ISO 4138.
+"""Report on steady circular driving with slowly rising speed, in the terms of ISO 4138.
 
 Runs: `linear`, tyres with constant cornering stiffness, judged by the closed form, and `friction`, real tyres up to
-their limit. Curvature is the acceleration across the path over the squared speed.
+their limit, both with a fixed steering wheel, and the same as `constant_radius_linear` and `constant_radius_friction`,
+with a driver who stays on a circle. Curvature is the acceleration across the path over the squared speed, the reference
+for the angle is that of rolling at this curvature; so both methods give one understeer gradient.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,14 +17,16 @@ from ev_msgs_py.vehicle import Vehicle
 from ev_sim.recording.recording import Recording
 from ev_sim.report import motion, quantities
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
-from ev_sim.report.panels import Curve, panel
+from ev_sim.report.panels import Curve, Panel, panel
 from ev_sim.report.samples import Parameters, Runs, channel
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LINEAR = "linear"
+CONSTANT_RADIUS = "constant_radius_"  # how the names of the runs on a circle begin
+LINEAR = ("linear", "constant_radius_linear")
 RANGE = (0.5, 4.0)  # [m/s^2], lateral accelerations from which gradients are taken
+SETTLING = 100  # samples after which the car follows a steering wheel that is held
 BAND = 0.05  # the closed form has neither drive forces across the car nor a car that accelerates
 STANDARD = "ISO 4138"
 
@@ -44,10 +49,10 @@ def sideslip_gradient(vehicle: Vehicle) -> float:
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
-    """Gradients of each run, those of the linear one beside the closed form, and the largest lateral acceleration."""
+    """Gradients of each run, those of the linear ones beside the closed form, and the largest lateral acceleration."""
     result = {}
     for name, run in runs.items():
-        closed = (understeer_gradient(vehicle), sideslip_gradient(vehicle)) if name == LINEAR else None
+        closed = (understeer_gradient(vehicle), sideslip_gradient(vehicle)) if name in LINEAR else None
         result |= {
             f"{name}_understeer_gradient": metric(
                 lambda run=run: _gradient(run, _excess_angle(run, vehicle)),
@@ -68,17 +73,31 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
-    """Steering angle beyond rolling, sideslip angle, yaw rate gain over lateral acceleration, and the paths."""
+    """Steering angle beyond rolling, sideslip angle, yaw rate, speed over lateral acceleration by method, and paths."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
     from ev_sim.report.plan_view import plan_view
 
-    def over_acceleration(quantity):
-        def curves() -> list[Curve]:
-            return [_curve(name, run, quantity(run)) for name, run in runs.items()]
+    at_radius = {name: run for name, run in runs.items() if name.startswith(CONSTANT_RADIUS)}
+    methods = {
+        "steady_circle": {name: run for name, run in runs.items() if name not in at_radius},
+        "constant_radius": {name.removeprefix(CONSTANT_RADIUS): run for name, run in at_radius.items()},
+    }
+    sheets = {
+        name: sheet(_panels(chosen, vehicle), "lateral acceleration [m/s²]", start=0.0)
+        for name, chosen in methods.items()
+        if chosen
+    }
+    tracks = [
+        Curve(channel(run, "pose.x"), channel(run, "pose.y"), name.replace("_", " ")) for name, run in runs.items()
+    ]
+    return {**sheets, "path": plan_view("Path of the centre of mass", tracks)}
 
-        return curves
 
-    panels = [
+def _panels(runs: Runs, vehicle: Vehicle) -> list[Panel]:
+    def over_acceleration(quantity: Callable[[Recording], np.ndarray]) -> Callable[[], list[Curve]]:
+        return lambda: [_curve(name, run, quantity(run)) for name, run in runs.items()]
+
+    return [
         panel(
             "Road-wheel angle beyond that of rolling, δ - L/R",
             "angle [deg]",
@@ -88,20 +107,22 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
         panel("Yaw rate", "yaw rate [deg/s]", over_acceleration(lambda run: np.degrees(channel(run, motion.YAW_RATE)))),
         panel("Speed", "speed [m/s]", over_acceleration(quantities.speed)),
     ]
-    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), name) for name, run in runs.items()]
-    return {
-        "steady_circle": sheet(panels, "lateral acceleration [m/s²]", start=0.0),
-        "path": plan_view("Path of the centre of mass", tracks),
-    }
 
 
 def steady(run: Recording) -> slice:
-    """The samples from the end of steering in to the largest lateral acceleration."""
-    angle = channel(run, motion.STEERING_WHEEL_ANGLE)
+    """The samples from the end of steering in to the largest lateral acceleration.
+
+    A driver who stays on a circle never ends steering; with him the car is on it, at this slowly rising speed, long
+    before the lowest acceleration that gradients are taken from.
+    """
+    angle, acceleration = channel(run, motion.STEERING_WHEEL_ANGLE), motion.lateral_acceleration_on_path(run)
     if not angle[-1]:
         raise NotMeasured("the steering wheel is not turned")
-    start = motion.first(angle == angle[-1], "the fixed steering-wheel angle") + 100
-    return slice(start, int(motion.lateral_acceleration_on_path(run).argmax()) + 1)
+    if (angle[-SETTLING:] == angle[-1]).all():
+        start = motion.first(angle == angle[-1], "the fixed steering-wheel angle") + SETTLING
+    else:
+        start = motion.first(acceleration >= RANGE[0], f"{RANGE[0]:g} m/s^2")
+    return slice(start, int(acceleration.argmax()) + 1)
 
 
 def _curve(name: str, run: Recording, values: np.ndarray) -> Curve:

@@ -141,9 +141,10 @@ def rates(y: np.ndarray, dy: np.ndarray, car, step, starts: bool) -> None:
     drag = car.drag * abs(vx) * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
     holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
-    if car.hold_speed == 1:
-        holding = -yaw_rate * vy - step.acceleration_x
-        step.acceleration_x = -yaw_rate * vy
+    if car.imposed_speed == 1:
+        wanted = step.imposed_acceleration - yaw_rate * vy
+        holding = wanted - step.acceleration_x
+        step.acceleration_x = wanted
     step.acceleration_y = specific_y + step.gravity_y
     dy[VX] = step.acceleration_x + yaw_rate * vy
     dy[VY] = step.acceleration_y - yaw_rate * vx

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -12,6 +13,8 @@ from ev_msgs_py.parameters import ParameterError, group, parameter
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_sim.driver.profile_file import with_profile_from_file
+from ev_sim.driver.speed_control import SpeedProfileParameters, refuse_unread_file
 from ev_sim.drives.drive import DRIVES, DriveParameters, drive_record, drives_at_rest
 from ev_sim.plant.commands import CommandGuard
 from ev_sim.plant.planar.body import (
@@ -58,12 +61,14 @@ class PlanarParameters(DriveParameters):
     initial_x: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
     initial_y: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
     initial_heading: float = parameter(0.0, unit="rad", low=-10.0, high=10.0, about="at the start")
-    hold_speed: bool = parameter(
-        False,
-        about="keep the longitudinal velocity of the centre of mass, as an ideal dynamometer does: a force along the "
-        "car in the plane of the road takes or gives what that needs",
-        source="Ge & Ni 2005: u is held",
+    speed: str = parameter(
+        "free",
+        choices=("free", "held", "imposed"),
+        about="longitudinal velocity of the centre of mass; held: that of the start; imposed: that of `imposed_speed`. "
+        "A force along the car in the plane of the road takes or gives what that needs, as an ideal dynamometer does",
+        source="Ge & Ni 2005: u is held; dissertation, chapter 3: the cycle imposes the speed (one of three readings)",
     )
+    imposed_speed: SpeedProfileParameters = group(SpeedProfileParameters, time=(0.0,), speed=(0.0,))
     road: RoadParameters = group(RoadParameters)
 
 
@@ -79,8 +84,16 @@ class PlanarPlant:
     parameters = PlanarParameters
     writes = SIGNALS
 
+    @staticmethod
+    def load_files(parameters: PlanarParameters) -> PlanarParameters:
+        """The parameters with the imposed speed from its file, if they name one; see `with_profile_from_file`."""
+        return dataclasses.replace(
+            parameters, imposed_speed=with_profile_from_file(parameters.imposed_speed, "imposed_speed")
+        )
+
     def __init__(self, parameters: PlanarParameters, vehicle: Vehicle, period: float):
         p, motor = parameters, vehicle.motor
+        refuse_unread_file(p.imposed_speed, "imposed_speed")
         self.vehicle = vehicle
         self.period = period
         longest = min(p.step, longest_step(vehicle), p.load_transfer_lag)
@@ -91,7 +104,7 @@ class PlanarPlant:
         self.state = at_rest()
         motor_torque = p.motor.torque_limit if p.drive in DRIVES else motor.peak_torque
         self.guard = CommandGuard(vehicle, motor_torque, vehicle.maximum_road_wheel_angle)
-        self._car = car_record(vehicle, p.load_transfer_lag, p.drive in DRIVES, p.hold_speed)
+        self._car = car_record(vehicle, p.load_transfer_lag, p.drive in DRIVES, p.speed != "free")
         self._step = np.zeros(1, STEP)
         self._step["cos_steer"] = 1.0
         self._step["segment"] = -1  # nothing is found yet
@@ -110,6 +123,8 @@ class PlanarPlant:
         self._stage, self._slopes = np.zeros(INTEGRATED_SIZE), np.zeros((4, INTEGRATED_SIZE))
         self._work = np.zeros((5, 4))
         self._angle = 0.0
+        self._imposed = p.imposed_speed.profile() if p.speed == "imposed" else None
+        self._periods = 0
         self._lifted: set[str] = set()
         self.row = np.zeros(SIZE)
         self._start(p)
@@ -153,6 +168,10 @@ class PlanarPlant:
         drive, brake = self.guard.torques(command)
         angle, rate = self.guard.angle(column), self.guard.rate(column, self.period)
         self._commands[:] = (*drive, *brake, angle, rate)
+        self._periods += 1
+        if self._imposed is not None:
+            wanted = self._imposed.at(self._periods * self.period)
+            self._step["imposed_acceleration"] = (wanted - self.state[VX]) / self.period
         run(
             self.state,
             self._car,

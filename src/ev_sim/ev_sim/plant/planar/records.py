@@ -72,7 +72,7 @@ CAR = np.dtype(
         ("auxiliary_power", _ONE),
         ("blend_brakes", np.int64),
         ("blend_fade_speed", _ONE),
-        ("hold_speed", np.int64),  # 1 if an outer force keeps the longitudinal velocity
+        ("imposed_speed", np.int64),  # 1 if an outer force sets the longitudinal velocity
     ],
     align=True,
 )
@@ -84,6 +84,7 @@ STEP = np.dtype(
         ("brake_command", *_WHEELS),
         ("steering_angle", _ONE),  # mean road-wheel angle [rad]
         ("steering_rate", _ONE),
+        ("imposed_acceleration", _ONE),  # rate of the longitudinal velocity that an outer force sets [m/s^2]
         ("drive", *_WHEELS),  # at the wheels, behind motors and driveline [N m]
         ("mean_drive", *_WHEELS),  # over the last call of `run` [N m]
         ("brake", *_WHEELS),
@@ -111,7 +112,7 @@ STEP = np.dtype(
 
 def commands_of(step: np.ndarray) -> np.ndarray:
     """Drive and brake commands, steering angle and rate of a STEP array of shape (1,), as a view of shape (10,)."""
-    return step.view(np.float64)[: STEP.fields["drive"][1] // np.dtype(np.float64).itemsize]
+    return step.view(np.float64)[: STEP.fields["imposed_acceleration"][1] // np.dtype(np.float64).itemsize]
 
 
 def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -123,11 +124,11 @@ def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]
     return (front, front, rear, rear), y
 
 
-def car_record(vehicle: Vehicle, transfer_lag: float, brushless: bool, hold_speed: bool = False) -> np.ndarray:
+def car_record(vehicle: Vehicle, transfer_lag: float, brushless: bool, imposed_speed: bool = False) -> np.ndarray:
     """The constants of a vehicle, shape (1,) of `CAR`.
 
-    `transfer_lag` [s] is the lag of the load transfer; `brushless` drives bring their own losses; `hold_speed` keeps
-    the longitudinal velocity.
+    `transfer_lag` [s] is the lag of the load transfer; `brushless` drives bring their own losses; an outer force
+    sets the longitudinal velocity with `imposed_speed`.
     """
     car = np.zeros(1, CAR)
     v, tyre, motor = vehicle, vehicle.tyre, vehicle.motor
@@ -179,7 +180,7 @@ def car_record(vehicle: Vehicle, transfer_lag: float, brushless: bool, hold_spee
         "auxiliary_power": v.battery.auxiliary_power,
         "blend_brakes": int(v.blend_brakes),
         "blend_fade_speed": v.blend_fade_speed,
-        "hold_speed": int(hold_speed),
+        "imposed_speed": int(imposed_speed),
     }
     for name in CAR.names:
         car[0][name] = values[name] if name in values else getattr(motor, name)

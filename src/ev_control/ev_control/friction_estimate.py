@@ -1,0 +1,102 @@
+"""Friction of the road under each driven wheel, learnt while it slips."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_control.asr.reference_speed import ReferenceSpeed, ReferenceSpeedParameters, ReferenceSpeedState
+from ev_control.asr.wheel_dynamics import effective_inertia, filter_share
+from ev_control.wheel_loads import WheelLoads
+from ev_msgs_py.parameters import group, parameter
+from ev_msgs_py.signals import InertialMeasurement, SteeringColumnState, WheelStates
+from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+
+
+@dataclass(frozen=True, slots=True)
+class FrictionEstimateParameters:
+    """When the friction in use is that of the road, and what is believed else."""
+
+    largest_friction: float = parameter(
+        1.2, unit="1", low=0.01, high=3.0, about="friction at the start and at most", source="assumption"
+    )
+    learning_slip: float = parameter(
+        0.15,
+        unit="1",
+        low=0.01,
+        high=1.0,
+        about="slip from which on the friction in use is taken for the friction of the road",
+        source="assumption",
+    )
+    filter_time: float = parameter(
+        0.02, unit="s", low=0.0, high=1.0, about="time constant of the friction in use", source="assumption"
+    )
+    rise: float = parameter(
+        0.3,
+        unit="1/s",
+        low=0.0,
+        high=100.0,
+        about="rise of the estimate without slip, which finds out when the road gets better",
+        source="assumption",
+    )
+    slowest: float = parameter(
+        3.0,
+        unit="rad/s",
+        low=0.1,
+        high=100.0,
+        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
+        source="assumption",
+    )
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+
+
+@dataclass(slots=True)
+class FrictionEstimateState:
+    """Estimated and filtered friction in use by wheel [1], last wheel speeds [rad/s], and the reference speed."""
+
+    friction: Wheels = NO_WHEELS
+    used: Wheels = NO_WHEELS
+    velocity: Wheels | None = None
+    reference: ReferenceSpeedState | None = None
+
+
+class FrictionEstimate:
+    """mu = (M - J w')/(F_z r) of a wheel that slips; of one that does not, a value that slowly rises (assumption).
+
+    A saw tooth: a better road is found only after a while, a worse one by slipping. Loads by `WheelLoads`.
+    """
+
+    def __init__(self, parameters: FrictionEstimateParameters, vehicle: Vehicle, period: float, law: str) -> None:
+        p = self._p = parameters
+        self._period = period
+        self._inertia, self._radius = effective_inertia(vehicle), vehicle.wheel_radius
+        self._share, self._rise = filter_share(period, p.filter_time), p.rise * period
+        self._loads = WheelLoads(vehicle)
+        self._driven = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
+        self._reference = ReferenceSpeed(p.reference, vehicle, period, law)
+        self.state = FrictionEstimateState(Wheels.all(p.largest_friction), reference=self._reference.state)
+
+    def step(
+        self, drive_torque: float, column: SteeringColumnState, wheels: WheelStates, imu: InertialMeasurement
+    ) -> tuple[Wheels, Wheels]:
+        """Friction [1] and load [N] of each wheel; of the drive torque of all wheels [N m] only the sign counts."""
+        p, s, velocity = self._p, self.state, wheels.velocity
+        direction = (drive_torque > 0.0) - (drive_torque < 0.0)
+        self._reference.state = s.reference
+        rolling = self._reference.rolling_speeds(velocity, column.road_wheel_angle, imu, direction)
+        before = s.velocity or velocity
+        loads, friction, used = [], list(s.friction), list(s.used)
+        for i, driven in enumerate(self._driven):
+            load = self._loads.of(i, imu.longitudinal_acceleration, imu.lateral_acceleration)
+            loads.append(load)
+            if not driven or direction == 0:
+                continue
+            road = wheels.effort[i] - self._inertia * (velocity[i] - before[i]) / self._period
+            used[i] += self._share * (direction * road / (load * self._radius) - used[i])
+            slip = direction * (velocity[i] - rolling[i]) / max(abs(velocity[i]), p.slowest)
+            if slip > p.learning_slip:
+                friction[i] = min(max(used[i], 0.0), friction[i])
+            else:
+                friction[i] = min(friction[i] + self._rise, p.largest_friction)
+        s.velocity, s.friction, s.used = velocity, Wheels(*friction), Wheels(*used)
+        return s.friction, Wheels(*loads)

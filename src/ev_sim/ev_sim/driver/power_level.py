@@ -1,0 +1,72 @@
+"""A pedal that stands for a power: somewhat more than packed snow can carry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.parameters import parameter
+from ev_msgs_py.signals import WheelStates
+from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import WHEEL_NAMES
+
+_GRAVITY = 9.81  # [m/s^2]
+
+
+@dataclass(frozen=True, slots=True)
+class PowerLevelParameters:
+    """How much the driver asks for; the source says no more than above the limit of packed snow."""
+
+    factor: float = parameter(
+        1.13,
+        unit="1",
+        low=0.0,
+        high=10.0,
+        about="power over that of the limit, k",
+        source="fitted on method 2 alone (docs/dissertation.md)",
+    )
+    friction: float = parameter(
+        0.4022,
+        unit="1",
+        low=0.0,
+        high=2.0,
+        about="friction of the limit",
+        source="dissertation, table 2.3: peak of packed snow 1",
+    )
+    rolling_resistance: float = parameter(
+        0.083,
+        unit="1",
+        low=0.0,
+        high=0.5,
+        about="rolling resistance that a wheel overcomes before it slips",
+        source="dissertation, table 2.2: packed snow, middle of its range, and f_0 of the vehicle",
+    )
+    slowest: float = parameter(
+        1.0,
+        unit="m/s",
+        low=0.01,
+        high=10.0,
+        about="below this speed the level is a torque, for a power gives none at rest",
+        source="assumption",
+    )
+
+
+class PowerLevel:
+    """Drive torque of a power P = k (friction + rolling resistance) W V, where W is the load at rest of driven wheels.
+
+    The torque is P over the mean speed of the driven wheels, so it falls where they spin: a drive that is told a power
+    gives just that.
+    """
+
+    def __init__(self, parameters: PowerLevelParameters, vehicle: Vehicle) -> None:
+        p, front = parameters, vehicle.centre_of_mass_to_rear_axle / vehicle.wheelbase
+        share = (front / 2, front / 2, (1 - front) / 2, (1 - front) / 2)
+        self._driven = [i for i, name in enumerate(WHEEL_NAMES) if name in vehicle.driven_wheels]
+        load = vehicle.mass * _GRAVITY * sum(share[i] for i in self._driven)
+        self._force = p.factor * (p.friction + p.rolling_resistance) * load
+        self._slowest, self._radius = p.slowest, vehicle.wheel_radius
+
+    def torque(self, speed: float, wheels: WheelStates) -> float:
+        """Drive torque of all wheels together [N m] at a speed of the car [m/s], forwards."""
+        power = self._force * max(speed, self._slowest)
+        turning = sum(wheels.velocity[i] for i in self._driven) / len(self._driven)
+        return power / max(turning, self._slowest / self._radius)
