@@ -140,6 +140,18 @@ def driven_here() -> list[str]:
     return [name for name, result in compared(True).items() if not result.refused]
 
 
+def test_overlay_names_every_method_once():
+    """More methods than a panel can name: one legend above, and strokes that differ."""
+    figure = compare.figures(asked(), compared(True))["overlay"]
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == driven_here()
+    assert len(driven_here()) > 4
+    for axes in figure.axes:
+        assert axes.get_legend() is None
+        strokes = {(line.get_color(), repr(line._unscaled_dash_pattern)) for line in axes.lines}
+        assert len(strokes) == len(driven_here())
+
+
 def test_a_plant_without_tyres_has_no_slip():
     (case,) = compare.cases(asked(scenario="shchur2019", methods="equal_torque"))
     result = drive_case(dataclasses.replace(case, duration=1.0), compare.measure)
