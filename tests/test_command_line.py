@@ -127,7 +127,7 @@ def test_unknown_words_end_with_status_2(words, said, capsys):
     [
         (["nowhere"], "unknown scenario 'nowhere'; known: "),
         (["shchur2019", "--set", "plant.drive=magic"], "plant: parameter drive: 'magic' is refused, "),
-        (["shchur2019", "--method", "asr=on"], "asr: unknown asr method 'on'; known: off"),
+        (["shchur2019", "--method", "asr=on"], "asr: unknown asr method 'on'; known: "),
         (["shchur2019", "--duration", "-1"], "duration: -1.0 is refused"),
         (["shchur2019", "--params", "nowhere.yaml"], "nowhere.yaml: No such file or directory"),
     ],

@@ -53,8 +53,7 @@ def test_a_bare_off_is_the_method_of_this_name():
     """YAML 1.1 and ROS read `method: off` as false; there is one thing that can be meant."""
     assert configure("asr", {"method": False}).method.name == "off"
     assert refused("driver", {"method": False}).startswith("unknown driver method 'off'; known: ")
-    unknown = refused("asr", {"method": True})
-    assert unknown.startswith("unknown asr method True; known: ") and ", off, " in unknown
+    assert refused("asr", {"method": True}).startswith("unknown asr method True; known: ")
 
 
 def test_values_of_a_sibling_method_are_checked_and_named_as_unused():

@@ -69,7 +69,7 @@ class AdhesionLimitWheel(LimitedWheel):
 
 @method("asr", "adhesion_limit")
 class AdhesionLimit(TractionControl):
-    """Limit each wheel to T = mu F_z r, with the load by the accelerations and the friction that it last slipped at.
+    """Limit each wheel to mu F_z r, with the load by the accelerations and the friction at which it last slipped.
 
     Dissertation, eq 1.2, at the wheel instead of the shaft. The load is that of a rigid car on a level road:
     F_z = m (g b/L -+ h a_x/L)/2 -+ k h m a_y/t. The friction in use is (M - J w')/(F_z r); where the slip exceeds

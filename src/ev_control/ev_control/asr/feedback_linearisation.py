@@ -35,13 +35,13 @@ class FeedbackLinearisationWheel(RegulatedWheel):
 
 @method("asr", "feedback_linearisation")
 class FeedbackLinearisation(SlipRegulator):
-    """Choose the torque that makes the slip error decay as S' = -k (S - S*), whatever the tyre's curve is.
+    """Choose the torque that makes the slip error decay exponentially, whatever the tyre's curve is.
 
     With S = 1 - V/(r w), S' = ((1 - S) w' - V'/r)/w and J w' = M - M_road,
 
         M = M_road + J/(1 - S) (V'/r - k w (S - S*))
 
-    does so exactly (dissertation, section 1.3, which names the method but gives no equation). The road torque
+    gives S' = -k (S - S*) (dissertation, section 1.3, which names the method but gives no equation). The road torque
     M_road = M - J w' is measured and filtered, V' is the acceleration of the car. Near full slip 1/(1 - S) is taken
     at S = 0.9.
     """

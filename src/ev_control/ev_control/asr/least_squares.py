@@ -140,7 +140,7 @@ class LeastSquaresWheel(LimitedWheel):
 
 @method("asr", "least_squares")
 class LeastSquares(TractionControl):
-    """Fit the curve of road torque over slip, and keep a wheel that has passed its peak at the slip of the peak.
+    """Find the peak of the slip curve by least squares, and keep a wheel that has passed it at the slip of the peak.
 
     y = A x + B sqrt(x + e) is fitted to the last samples of the slip x = 1 - w_free/w and of the road torque
     y = (M - J w')/M_nom; the peak is passed where dy/dx < 0 at the present slip (dissertation, eqs 2.34 to 2.36). What

@@ -58,13 +58,13 @@ class MaximumTransmissibleTorqueWheel(LimitedWheel):
 
 @method("asr", "maximum_transmissible_torque")
 class MaximumTransmissibleTorque(TractionControl):
-    """Limit a wheel that gains on the car to T = (J/(alpha M r^2) + 1) r F_d, with the force F_d = (M_w - J w')/r.
+    """Limit a wheel that gains on the car to the torque that lets both accelerate in a fixed proportion.
 
-    With this torque the tread accelerates 1/alpha times as fast as the car (dissertation, eq 1.7). The source prints
-    r where r^2 belongs if the factor is the pure number alpha; with its own definition, a_x/w' [m] = alpha r, the
-    printed r is right. M is what one wheel moves, not the whole car. No speed of the car is needed but for the
-    direction, and like every law that only knows accelerations this one keeps slip from growing but does not undo
-    it.
+    T = (J/(alpha M r^2) + 1) r F_d, with the force F_d = (M_w - J w')/r: with it the tread accelerates 1/alpha times as
+    fast as the car (dissertation, eq 1.7). The source prints r where r^2 belongs if the factor is the pure number
+    alpha; with its own definition, a_x/w' [m] = alpha r, the printed r is right. M is what one wheel moves, not the
+    whole car. No speed of the car is needed but for the direction, and like every law that only knows accelerations
+    this one keeps slip from growing but does not undo it.
     """
 
     parameters = MaximumTransmissibleTorqueParameters

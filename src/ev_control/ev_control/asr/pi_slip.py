@@ -34,11 +34,12 @@ class PiSlipWheel(RegulatedWheel):
 
 @method("asr", "pi_slip")
 class PiSlip(SlipRegulator):
-    """Limit = J w (2 D w_0 e + w_0^2 integral(e)), e = S* - S, from the torque at which the slip exceeded S*.
+    """Bring the slip of each wheel to its target by proportional and integral action.
 
-    About a point of work the wheel alone gives J w S' = M - M_road, so the gains J w 2 D w_0 and J w w_0^2 place two
-    poles of the natural frequency w_0; the slope of the tyre's curve, which is not linear, is left to them. Behind the
-    peak it pushes them apart, the more the slower the wheel turns: with a target there the slip swings at low speed.
+    Limit = J w (2 D w_0 e + w_0^2 integral(e)), e = S* - S, from the torque at which the slip exceeded S*. About a
+    point of work the wheel alone gives J w S' = M - M_road, so the gains J w 2 D w_0 and J w w_0^2 place two poles of
+    the natural frequency w_0; the slope of the tyre's curve, which is not linear, is left to them. Behind the peak it
+    pushes them apart, the more the slower the wheel turns: with a target there the slip swings at low speed.
     Dissertation, section 1.3: a PI controller for small changes about a point of work. The integral stops at the
     request.
     """

@@ -46,6 +46,10 @@ def _write_results(root: Path) -> None:
             texts[page.sweep] = scenario_results.sweep_table(page.sweep, cases)
             scenario_results.save_sweep_images(page.sweep, cases, images)
         _write(root / name, texts)
+    for name, study in scenario_results.STUDY_PAGES.items():
+        cases = scenario_results.drive_sweep(study)
+        scenario_results.save_sweep_images(study, cases, images)
+        _write(root / name, {study: scenario_results.sweep_table(study, cases)})
 
 
 def _write(page: Path, texts: dict[str, str]) -> None:

@@ -9,7 +9,7 @@ from ev_sim.documentation import parameter_reference, topic_reference
 from ev_sim.documentation.graph_diagram import graph_diagram
 from ev_sim.documentation.lists import method_table, scenario_table
 from ev_sim.documentation.markdown import block_names, with_blocks
-from ev_sim.documentation.scenario_results import SCENARIO_PAGES
+from ev_sim.documentation.scenario_results import SCENARIO_PAGES, STUDY_PAGES
 
 RESULTS = "results"  # made from runs, and so only on demand
 
@@ -35,6 +35,7 @@ PAGES = {
     "docs/topics.md": ("topics", "wheel names", "fields"),
     "docs/shchur2019.md": (RESULTS,),
     **{name: (RESULTS, page.sweep) if page.sweep else (RESULTS,) for name, page in SCENARIO_PAGES.items()},
+    **{name: (study,) for name, study in STUDY_PAGES.items()},
 }
 
 

@@ -59,6 +59,8 @@ SCENARIO_PAGES = {
     ),
 }
 
+STUDY_PAGES = {"docs/asr.md": "asr_shootout"}  # pages that show a study alone
+
 
 def results_of(page: Page, driven: Driven) -> str:
     """The tables of a page: metrics by run, then those with a reference, with both numbers and verdict."""

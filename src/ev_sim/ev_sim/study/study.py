@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 STUDIES: dict[str, str] = {
+    "asr_shootout": "ev_sim.study.asr_shootout",
     "compare": "ev_sim.study.compare",
     "zhileykin2018_sweep": "ev_sim.study.zhileykin2018_sweep",
 }

@@ -44,6 +44,15 @@ class RoadParameters:
     random_distance: float = parameter(
         5000.0, unit="m", low=1.0, high=1e5, about="distance over which random segments are drawn"
     )
+    rolling_resistance_scale: float = parameter(
+        1.0,
+        unit="1",
+        low=0.0,
+        high=10.0,
+        about="factor on the rolling resistance that the surfaces add to that of the vehicle; 0.79 to 1.21 is the "
+        "range of packed snow",
+        source="dissertation, table 2.2, of which 1 is the middle",
+    )
     slope_distance: tuple[float, ...] = parameter(
         (0.0,), unit="m", low=-1e6, high=1e6, about="distances of the slope profile, rising; linear in between"
     )

@@ -38,8 +38,10 @@ SURFACES = {
 REFERENCE = "dry_asphalt"
 
 
-def coefficients(curve: str, tyre: Coefficients, surface: str) -> tuple[float, ...]:
-    """Four coefficients of a tyre's curve on a surface, its f_surface [1] and its available friction [1].
+def coefficients(
+    curve: str, tyre: Coefficients, surface: str, rolling_resistance_scale: float = 1.0
+) -> tuple[float, ...]:
+    """Four coefficients of a tyre's curve on a surface, its scaled f_surface [1] and its available friction [1].
 
     A Burckhardt tyre takes the coefficients of the surface. The peak of every other curve is scaled by the peak of
     the surface over that of dry asphalt (an assumption, the sources give such tyres for one road only); a linear
@@ -55,4 +57,4 @@ def coefficients(curve: str, tyre: Coefficients, surface: str) -> tuple[float, .
     elif curve == "magic_formula":
         c2 *= scale
     available = of.peak_friction if curve == "linear" else peak(curve, (c0, c1, c2, c3))
-    return c0, c1, c2, c3, of.rolling_resistance, available
+    return c0, c1, c2, c3, rolling_resistance_scale * of.rolling_resistance, available

@@ -216,17 +216,17 @@ class PlanarPlant:
 def _road_arrays(road: RoadParameters, vehicle: Vehicle) -> tuple[np.ndarray, ...]:
     left, right = left_and_right(road)
     return (
-        *_track_arrays(left, vehicle),
-        *_track_arrays(right, vehicle),
+        *_track_arrays(left, vehicle, road.rolling_resistance_scale),
+        *_track_arrays(right, vehicle, road.rolling_resistance_scale),
         np.array(road.slope_distance),
         np.array(road.grade),
         np.array(road.side_slope),
     )
 
 
-def _track_arrays(segments: Segments, vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
+def _track_arrays(segments: Segments, vehicle: Vehicle, scale: float) -> tuple[np.ndarray, np.ndarray]:
     tyre = vehicle.tyre
-    of = {name: coefficients(tyre.curve, tyre.coefficients, name) for name in set(segments.surface)}
+    of = {name: coefficients(tyre.curve, tyre.coefficients, name, scale) for name in set(segments.surface)}
     return np.array(segments.start), np.array([of[name] for name in segments.surface])
 
 
