@@ -4,15 +4,27 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import warnings
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import lsim
 
-from ev_msgs_py.vehicle import Tyre, Vehicle
+from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.vehicle import Battery, Motor, Tyre, Vehicle
+from ev_msgs_py.wheels import NO_WHEELS, Wheels
+from ev_sim.analysis.__main__ import main as analyse
+from ev_sim.analysis.linearised_plant import OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel
-from ev_sim.analysis.understeer import axle_cornering_stiffnesses, characteristic_speed, understeer_gradient
+from ev_sim.analysis.understeer import (
+    axle_cornering_stiffnesses,
+    characteristic_speed,
+    critical_speed,
+    understeer_gradient,
+)
+from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
 
 CAR = SideSlipModel(wheelbase=2.7, mass=2400.0, yaw_inertia=4200.0, axle_cornering_stiffness=120e3, speed=7.0)
 GE_NI = Vehicle(
@@ -94,6 +106,15 @@ def test_neutral_front_share():
     assert driven.excitation < 0.0 < dataclasses.replace(driven, front_share=0.5).excitation
 
 
+def test_a_car_that_steers_neutrally_has_a_transfer_function():
+    """N = 0 is a gain like any other; as a polynomial it would be a numerator without coefficients, with a warning."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        _, response = CAR.transfer_function().freqresp([0.1, 1.0])
+    assert CAR.excitation == 0.0
+    assert response.tolist() == [0.0, 0.0]
+
+
 def test_neutral_rear_difference_is_the_law_for_the_rear_wheels():
     """At j = 0 and r = V Theta/L, eq 7 gives q = L Theta h/(2 B (1 - h)), the law of axle_redistribution."""
     theta, h = 0.1, 0.4
@@ -112,6 +133,8 @@ def test_dropped_steering_rate_is_what_separates_w12_from_the_car():
     b = np.array([(k + force) / 2400, half * (k + force) / 4200])
     _, r = np.linalg.solve(1j * frequency * np.eye(2) - a, b)
     complete = 2.7 * r / v_over - 1
+    model = dataclasses.replace(CAR, drive_force=2000.0, front_share=0.4)
+    assert complete == pytest.approx(model.response_with_steering_rate(np.array([frequency]))[0], rel=1e-12)
     assert complete == pytest.approx(w12[0] - 1j * frequency / (CAR.damping + 1j * frequency), rel=1e-12)
 
 
@@ -141,3 +164,135 @@ def test_oversteer_has_no_characteristic_speed():
     tail_heavy = dataclasses.replace(GE_NI, centre_of_mass_to_rear_axle=0.7)
     assert understeer_gradient(tail_heavy) < 0.0
     assert characteristic_speed(tail_heavy) == math.inf
+
+
+def test_oversteer_has_a_critical_speed():
+    """sqrt(L/|K_us|) with K_us = 2500/1.72 (0.7/21000 - 1.02/24000) = -0.01332: 11.36 m/s."""
+    tail_heavy = dataclasses.replace(GE_NI, centre_of_mass_to_rear_axle=0.7)
+    assert critical_speed(tail_heavy) == pytest.approx(11.36, rel=1e-3)
+    assert critical_speed(GE_NI) == math.inf
+
+
+# The planar plant linearised
+
+
+def four_by_four(**tyre) -> Vehicle:
+    """The car of CAR with strong motors, without resistances and with a centre of mass on the road."""
+    return Vehicle(
+        mass=CAR.mass,
+        wheelbase=CAR.wheelbase,
+        front_track=1.5,
+        rear_track=1.5,
+        centre_of_mass_to_rear_axle=CAR.wheelbase / 2,
+        wheel_radius=0.35,
+        yaw_inertia=CAR.yaw_inertia,
+        centre_of_mass_height=0.0,
+        rolling_resistance=0.0,
+        drag_coefficient=0.0,
+        wheel_inertia=0.1,
+        steering_geometry="parallel",
+        driven_wheels=("front_left", "front_right", "rear_left", "rear_right"),
+        motor=Motor(peak_torque=1000.0, nominal_torque=1000.0, peak_power=1e6),
+        battery=Battery(discharge_power=1e6),
+        tyre=Tyre(**tyre),
+    )
+
+
+LINEAR = four_by_four(
+    curve="linear",
+    coefficients=(20.0, 0.0, 0.0, 0.0),
+    combined="uncoupled",
+    lateral_curve="linear",
+    front_cornering_stiffness=CAR.axle_cornering_stiffness / 2,
+    rear_cornering_stiffness=CAR.axle_cornering_stiffness / 2,
+    lateral_stiffness=1e7,  # as good as no carcass, which W12 does not have
+    lateral_damping_time=1e-3,
+)
+ICE = four_by_four(curve="two_exponential", coefficients=(0.35, 0.05, 0.15, 0.0))
+
+
+def with_front_share(share: float, force: float, accelerates: bool = False) -> OperatingPoint:
+    half_front, half_rear = force * 0.35 * share / 2, force * 0.35 * (1 - share) / 2
+    return OperatingPoint(CAR.speed, 0.0, Wheels(half_front, half_front, half_rear, half_rear), accelerates)
+
+
+@pytest.mark.parametrize(("share", "accelerates"), [(0.0, False), (0.4, False), (0.0, True), (0.4, True)])
+def test_linearised_plant_is_w12_with_the_steering_rate(share, accelerates):
+    """2 % up to 10 Hz: the stiffest carcass that there is still delays the forces by 2 ms, W12 knows no delay."""
+    force = 2000.0
+    plant = linearised(LINEAR, with_front_share(share, force, accelerates))
+    model = dataclasses.replace(CAR, drive_force=force, front_share=share, longitudinal_acceleration=plant.acceleration)
+    assert plant.acceleration == pytest.approx(force / CAR.mass if accelerates else 0.0, rel=0.01)
+    frequency = 2 * np.pi * np.array([0.01, 0.1, 1.0, 3.0, 10.0])
+    expected = model.response_with_steering_rate(frequency)
+    assert plant.slip_angle_difference(frequency) == pytest.approx(expected, rel=0.02, abs=1e-4)
+
+
+def test_linearised_plant_has_the_closed_form_of_a_steady_turn():
+    """Yaw rate gain u/(L + K u^2) of Ge & Ni at 5 m/s, straight ahead: to 1e-6, the size of the differences."""
+    free = dataclasses.replace(GE_NI, rolling_resistance=0.0, drag_coefficient=0.0)  # resistances act across the bend
+    plant = linearised(free, OperatingPoint(5.0))
+    expected = 5.0 / (1.72 + understeer_gradient(GE_NI) * 25.0)
+    assert plant.response(np.array([0.0]))[0, 1].real == pytest.approx(expected, rel=1e-6)
+
+
+def test_linearised_plant_moves_as_the_nonlinear_one():
+    """A step of 1e-4 rad about steady cornering, half a second of both, to 1 % of the change of yaw rate."""
+    angle, step = 0.05, 1e-4
+    found = linearised(ICE, OperatingPoint(CAR.speed, angle))
+    plant = PlanarPlant(PlanarParameters(initial_speed=CAR.speed, speed="held"), ICE, 0.01)
+    nothing = WheelTorqueCommand(NO_WHEELS)
+    for _ in range(1000):
+        plant.advance(nothing, SteeringColumnState(0.0, 0.0, 0.0, angle, 0.0))
+    before = plant.outputs()[3]
+    for _ in range(50):
+        plant.advance(nothing, SteeringColumnState(0.0, 0.0, 0.0, angle + step, 0.0))
+    after = plant.outputs()[3]
+    time = np.linspace(0.0, 0.5, 501)
+    _, answer, _ = lsim(found.system, np.full_like(time, step), time)
+    assert answer[-1, 1] == pytest.approx(after.yaw_rate - before.yaw_rate, rel=0.01)
+    assert answer[-1, 0] == pytest.approx(after.lateral - before.lateral, rel=0.01)
+
+
+def test_neutral_share_of_eq_4_holds_without_load_transfer_only():
+    """Eq 4's 2 J_z/(m L^2) = 0.48 steers neutrally with linear tyres, and nearly so on ice.
+
+    On ice the slip of the drive takes cornering stiffness away from its axle, so rear drive oversteers where W12
+    understeers. With a centre of mass at 0.65 m the acceleration moves load, and so cornering stiffness, to the rear:
+    the car understeers with 0.48.
+    """
+    neutral = CAR.neutral_share_of_acceleration
+    assert neutral == pytest.approx(0.480, abs=5e-4)
+
+    def steady(car: Vehicle, share: float) -> float:
+        found = linearised(car, with_front_share(share, 2000.0, accelerates=True))
+        return float(found.slip_angle_difference(np.array([0.0]))[0].real)
+
+    assert steady(LINEAR, 0.0) < -5e-3
+    assert abs(steady(LINEAR, neutral)) < 0.05 * abs(steady(LINEAR, 0.0))
+    assert steady(ICE, 0.0) > 2e-2
+    assert abs(steady(ICE, neutral)) < 0.1 * steady(ICE, 0.0)
+    high = dataclasses.replace(ICE, centre_of_mass_height=0.65)
+    assert steady(high, 0.0) > 1e-2 and steady(high, neutral) < -1e-2
+
+
+def test_no_linear_model_of_a_motion_that_is_not_steady():
+    with pytest.raises(ValueError, match="no steady motion"):
+        linearised(Vehicle(), OperatingPoint(25.0, math.radians(10.0)))
+    with pytest.raises(ValueError, match="straight ahead"):
+        linearised(ICE, OperatingPoint(7.0, 0.1, Wheels(10.0, 10.0, 10.0, 10.0), accelerates=True))
+
+
+def test_command_line_prints_how_a_vehicle_steers(tmp_path, capsys):
+    analyse(["ge_ni2005", "--speed", "5", "--out", str(tmp_path)])
+    printed = {line[:52].strip(): line[52:].split() for line in capsys.readouterr().out.splitlines()}
+    assert printed["understeer gradient"] == ["0.0022494", "rad", "s^2/m"]
+    assert printed["characteristic speed"] == ["27.652", "m/s"]
+    assert (tmp_path / "bode_ge_ni2005.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_command_line_says_in_one_line_what_is_wrong(tmp_path):
+    turning_in = ["audi_a2", "--speed", "25", "--road-wheel-angle", "10"]
+    for words, line in ((["audi_a3"], "unknown vehicle 'audi_a3'"), (turning_in, "no steady motion at 25 m/s")):
+        with pytest.raises(SystemExit, match=f"^error: {line}"):
+            analyse([*words, "--out", str(tmp_path)])

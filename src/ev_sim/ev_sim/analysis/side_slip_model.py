@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import StateSpace, TransferFunction
+from scipy.signal import StateSpace, ZerosPolesGain
+
+from ev_msgs_py.vehicle import Vehicle
+from ev_sim.analysis.understeer import axle_cornering_stiffnesses
+from ev_sim.surfaces.table import REFERENCE
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,15 +62,23 @@ class SideSlipModel:
         return 2 * self.yaw_inertia * self.longitudinal_acceleration / (self.wheelbase**2 * self.drive_force)
 
     @property
+    def neutral_share_of_acceleration(self) -> float:
+        """Front share h that makes the car steer neutrally if its drive alone accelerates it, 2 J_z/(m L^2) [1]."""
+        return 2 * self.yaw_inertia / (self.mass * self.wheelbase**2)
+
+    @property
     def neutral_rear_difference(self) -> float:
         """Difference q of the rear shares that makes the car steer neutrally at this h < 1 (eq 7) [1]."""
         needed = self.excitation + self.moment_rate
         rear_moment = (1 - self.front_share) * self.drive_force * self.rear_track
         return needed * self.yaw_inertia * self.yaw_rate / rear_moment
 
-    def transfer_function(self) -> TransferFunction:
-        """W12(s) = dA/Theta = N/(D + s), with dA = d2 - d1 (eq 3, and eq 6 with M_z)."""
-        return TransferFunction([self.excitation], [1.0, self.damping])
+    def transfer_function(self) -> ZerosPolesGain:
+        """W12(s) = dA/Theta = N/(D + s), with dA = d2 - d1 (eq 3, and eq 6 with M_z).
+
+        As pole and gain, because the gain N is zero where the car steers neutrally, and a numerator may not be.
+        """
+        return ZerosPolesGain([], [-self.damping], self.excitation)
 
     def state_space(self) -> StateSpace:
         """States and outputs d1, d2, input Theta, all in rad (eqs 1 and 2)."""
@@ -83,6 +95,35 @@ class SideSlipModel:
         b = [[turn + growth - force * same + moment], [turn - force * cross - moment]]
         return StateSpace(np.array(a), np.array(b), np.eye(2), np.zeros((2, 1)))
 
+    def response_with_steering_rate(self, frequency: np.ndarray) -> np.ndarray:
+        """(N - j w)/(D + j w) [1]: W12 with the rate of the steering angle in d1', which the source drops."""
+        return (self.excitation - 1j * frequency) / (self.damping + 1j * frequency)
+
     def magnitude(self, frequency: np.ndarray) -> np.ndarray:
         """|W12(j w)| [1] at circular frequencies [rad/s] (eq 3)."""
         return abs(self.excitation) / np.hypot(frequency, self.damping)
+
+
+def side_slip_model(
+    vehicle: Vehicle,
+    speed: float,
+    longitudinal_acceleration: float,
+    drive_force: float,
+    front_share: float,
+    surface: str = REFERENCE,
+) -> SideSlipModel:
+    """The model of a vehicle: both axles with the mean cornering stiffness at small slip, centre of mass in the middle.
+
+    Speed [m/s], acceleration [m/s^2], drive force of both axles [N] and share of the front axle [1].
+    """
+    return SideSlipModel(
+        wheelbase=vehicle.wheelbase,
+        mass=vehicle.mass,
+        yaw_inertia=vehicle.yaw_inertia,
+        axle_cornering_stiffness=sum(axle_cornering_stiffnesses(vehicle, surface)) / 2,
+        speed=speed,
+        longitudinal_acceleration=longitudinal_acceleration,
+        drive_force=drive_force,
+        front_share=front_share,
+        rear_track=vehicle.rear_track,
+    )

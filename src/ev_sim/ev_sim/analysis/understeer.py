@@ -45,3 +45,9 @@ def characteristic_speed(vehicle: Vehicle, surface: str = REFERENCE) -> float:
     """sqrt(L/K_us) [m/s], where the yaw response is largest; infinite unless the car understeers."""
     gradient = understeer_gradient(vehicle, surface)
     return math.sqrt(vehicle.wheelbase / gradient) if gradient > 0.0 else math.inf
+
+
+def critical_speed(vehicle: Vehicle, surface: str = REFERENCE) -> float:
+    """sqrt(-L/K_us) [m/s], where an oversteering car becomes unstable; infinite unless the car oversteers."""
+    gradient = understeer_gradient(vehicle, surface)
+    return math.sqrt(-vehicle.wheelbase / gradient) if gradient < 0.0 else math.inf

@@ -19,20 +19,38 @@ TITLE_SIZE, TEXT_SIZE = 9.0, 8.0  # [pt]
 
 # Okabe and Ito's colours can be told apart with every kind of colour vision; the dashes also in print, and they
 # let a curve be seen under another one.
-STROKES = (("#0072B2", "-"), ("#D55E00", (0, (4, 2))), ("#009E73", (0, (1, 1.2))), ("#CC79A7", (0, (6, 2, 1, 2))))
+SOLID, DASHED, DOTTED, MIXED = "-", (0, (4, 2)), (0, (1, 1.2)), (0, (6, 2, 1, 2))
+STROKES = (
+    ("#0072B2", SOLID),
+    ("#D55E00", DASHED),
+    ("#009E73", DOTTED),
+    ("#CC79A7", MIXED),
+    ("#56B4E9", SOLID),
+    ("#E69F00", DASHED),
+    ("#000000", DOTTED),
+    ("#7F7F7F", MIXED),
+    ("#009E73", SOLID),
+    ("#0072B2", DASHED),
+    ("#D55E00", DOTTED),
+    ("#56B4E9", MIXED),
+)
+MOST_IN_PANEL = 4  # curves whose legend fits into a panel; with more the figure has one legend above all panels
+LEGEND_COLUMNS, LEGEND_ROW = 5, 0.17  # of that legend, the height of a row in [inch]
 
 
 def sheet(panels: Sequence[Panel], xlabel: str, columns: int = 2, start: float | None = None) -> Figure:
     """A figure with the panels in reading order over one time axis, which begins at `start` [s] if that is given."""
     rows = -(-len(panels) // columns)
-    width, height = PANEL_WIDTH * columns, PANEL_HEIGHT * rows + 0.35
+    most = max((len(panel.curves) for panel in panels), default=0)
+    above = LEGEND_ROW * -(-most // LEGEND_COLUMNS) + 0.1 if most > MOST_IN_PANEL else 0.0
+    width, height = PANEL_WIDTH * columns, PANEL_HEIGHT * rows + 0.35 + above
     figure = Figure(figsize=(width, height), dpi=DPI)
     # Fixed margins: matplotlib's layout engines draw everything twice to find them.
     figure.subplots_adjust(
         left=0.72 / width,
         right=1 - 0.12 / width,
         bottom=0.45 / height,
-        top=1 - 0.28 / height,
+        top=1 - (0.28 + above) / height,
         wspace=0.85 / (PANEL_WIDTH - 0.85),
         hspace=0.45 / (PANEL_HEIGHT - 0.45),
     )
@@ -45,6 +63,10 @@ def sheet(panels: Sequence[Panel], xlabel: str, columns: int = 2, start: float |
             axes.set_xlabel(xlabel, fontsize=TEXT_SIZE)
         else:
             axes.tick_params(labelbottom=False)
+    if above:
+        fullest = max(figure.axes, key=lambda axes: len(axes.lines))
+        handles, labels = fullest.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="upper center", ncols=LEGEND_COLUMNS, fontsize=TEXT_SIZE, frameon=False)
     return figure
 
 
@@ -99,7 +121,7 @@ def _draw(axes: Axes, panel: Panel) -> None:
     axes.spines[["top", "right"]].set_visible(False)
     if panel.note:
         axes.text(0.5, 0.5, panel.note, transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE, color="0.4")
-    if any(curve.label for curve in panel.curves):
+    if any(curve.label for curve in panel.curves) and len(panel.curves) <= MOST_IN_PANEL:
         axes.legend(
             loc="upper right",
             fontsize=TEXT_SIZE,
@@ -121,5 +143,5 @@ def _leave_room(axes: Axes, curves: Sequence[Curve]) -> None:
         return
     low, high = min(float(v.min()) for v in finite), max(float(v.max()) for v in finite)
     margin = max(0.06 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-6)
-    labelled = any(curve.label for curve in curves)
+    labelled = any(curve.label for curve in curves) and len(curves) <= MOST_IN_PANEL
     axes.set_ylim(low - margin, high + margin * (4.5 if labelled else 1.0))

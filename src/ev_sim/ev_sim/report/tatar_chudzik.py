@@ -14,7 +14,7 @@ import numpy as np
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES
 from ev_sim.recording.recording import Recording
-from ev_sim.report import motion, quantities
+from ev_sim.report import handling, motion, quantities
 from ev_sim.report.claim import LARGER, SMALLER, comparison
 from ev_sim.report.metric import Band, Metric, NotMeasured, metric
 from ev_sim.report.panels import Curve, Panel, panel
@@ -103,14 +103,8 @@ def _total_force(run: Recording) -> np.ndarray:
 
 
 def energy_since_turning_in(run: Recording) -> np.ndarray:
-    """Work of the drives at the wheels since the front wheels are turned, (n,) [J].
-
-    The mean torque over a step times the angle that the wheel turns in it.
-    """
-    work = np.zeros(len(run.time))
-    for wheel in WHEEL_NAMES:
-        turned = np.diff(channel(run, f"wheel_states.position.{wheel}"))
-        work[1:] += np.cumsum(channel(run, f"wheel_states.effort.{wheel}")[1:] * turned)
+    """Work of the drives at the wheels since the front wheels are turned, (n,) [J]."""
+    work = handling.drive_work(run)
     return work - work[turning_in(run)]
 
 

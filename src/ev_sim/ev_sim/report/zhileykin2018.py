@@ -15,6 +15,7 @@ import numpy as np
 from ev_msgs_py.vehicle import Vehicle
 from ev_sim.recording.recording import Recording
 from ev_sim.report import motion, quantities
+from ev_sim.report.handling import peak_sideslip
 from ev_sim.report.metric import Metric, Reference, metric
 from ev_sim.report.panels import Curve, panel
 from ev_sim.report.samples import Parameters, Runs, channel, run_named
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 REAR_DRIVE = "rear_drive"
 BY_LAW = ("k05", "k1", "k1_estimated")
 LIMIT = math.radians(15.0)  # sideslip angle that a driver can still correct [rad]; assumed, the source gives none
-SLOWEST = 1.0  # [m/s], below which the direction of travel says nothing
 SWING = 0.005  # [1], least way of a share between two reversals; what moves less is no oscillation
 CALM = 1  # reversal of one share that entering the bend explains
 
@@ -60,12 +60,6 @@ def _reference(name: str) -> Reference | None:
         factor = "" if name == "k05" else "; factor of the law"
         return Reference(LIMIT, (0.0, LIMIT), words, ASSUMPTION + factor)
     return None
-
-
-def peak_sideslip(run: Recording) -> float:
-    """Largest magnitude of the sideslip angle while the car moves [rad]."""
-    moving = _speed(run) >= SLOWEST
-    return float(np.abs(motion.sideslip_angle(run)[moving]).max())
 
 
 def _speed(run: Recording) -> np.ndarray:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 STUDIES: dict[str, str] = {
     "asr_shootout": "ev_sim.study.asr_shootout",
+    "compare": "ev_sim.study.compare",
     "five_methods": "ev_sim.study.five_methods",
     "zhileykin2018_sweep": "ev_sim.study.zhileykin2018_sweep",
 }

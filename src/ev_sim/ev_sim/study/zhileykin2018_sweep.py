@@ -11,8 +11,9 @@ import numpy as np
 
 from ev_msgs_py.roles import MASTER
 from ev_sim.recording.recording import Recording
+from ev_sim.report.handling import peak_sideslip
 from ev_sim.report.metric import Metric, metric
-from ev_sim.report.zhileykin2018 import LIMIT, peak_sideslip
+from ev_sim.report.zhileykin2018 import LIMIT
 from ev_sim.scenario.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results

@@ -48,3 +48,9 @@ def peak(curve: str, coefficients: tuple[float, float, float, float]) -> float:
     """The largest friction use up to full slip [1], the available friction; found on a grid of 1e-4 in slip."""
     kind = CURVES.index(curve)
     return max(friction(kind, index * 1e-4, *coefficients) for index in range(10001))
+
+
+def peak_slip(curve: str, coefficients: tuple[float, float, float, float]) -> float:
+    """The slip [1] of the largest friction use, on the grid of `peak`; 1 for a curve that only rises."""
+    kind = CURVES.index(curve)
+    return max(range(10001), key=lambda index: friction(kind, index * 1e-4, *coefficients)) * 1e-4

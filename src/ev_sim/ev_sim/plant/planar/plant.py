@@ -195,6 +195,11 @@ class PlanarPlant:
         """Everything that the plant writes, at the instant of its state."""
         return signals_of(self.row.tolist())
 
+    @property
+    def records(self) -> tuple:
+        """Constants of the car and what acts on it now (records.py), for whoever evaluates `rates` outside of a run."""
+        return self._car[0], self._step[0]
+
     def reports(self) -> tuple[str, ...]:
         """Commands that were not taken as they came, counted by powers of ten, and wheels that have left the ground."""
         if not (self.guard.refused or self._lifted):

@@ -1,0 +1,116 @@
+"""python -m ev_sim.analysis VEHICLE [options]"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ev_msgs_py.config_directory import config_directory
+from ev_msgs_py.parameters import ParameterError, build, unknown_name
+from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_sim.analysis.linearised_plant import LinearisedPlant, OperatingPoint, linearised
+from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
+from ev_sim.analysis.understeer import (
+    axle_cornering_stiffnesses,
+    axle_masses,
+    characteristic_speed,
+    critical_speed,
+    understeer_gradient,
+)
+from ev_sim.report.drawing import save_figures
+from ev_sim.scenario.parameter_file import ParameterFile
+from ev_sim.surfaces.table import REFERENCE, SURFACES
+
+_PREFIX = "vehicle."
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Print how a vehicle steers by its linear models, and write the Bode figure beside the linearised plant's."""
+    given = _arguments(argv)
+    try:
+        vehicle = load_vehicle(given.vehicle)
+        drive = drive_torques(vehicle, given.drive_force)
+        angle = math.radians(given.road_wheel_angle)
+        plant = linearised(vehicle, OperatingPoint(given.speed, angle, drive, given.accelerates, given.surface))
+    except ValueError as error:  # also a ParameterError
+        sys.exit(f"error: {error}")
+    share = (drive.front_left + drive.front_right) / sum(drive) if given.drive_force else 0.0
+    model = side_slip_model(vehicle, given.speed, plant.acceleration, given.drive_force, share, given.surface)
+    for label, value, unit in rows(vehicle, given.surface, model, plant):
+        print(f"{label:52}{value:>12.5g} {unit}")
+    from ev_sim.analysis.bode_figure import bode_figure  # matplotlib is slow to import
+
+    given.out.mkdir(parents=True, exist_ok=True)
+    (path,) = save_figures({f"bode_{given.vehicle}": bode_figure(model, plant)}, given.out)
+    print(f"figure: {path}")
+
+
+def load_vehicle(name: str) -> Vehicle:
+    """The vehicle of a file in config/vehicles; ParameterError, in one line, if there is none or it is refused."""
+    folder = config_directory() / "vehicles"
+    known = sorted(path.stem for path in folder.glob("*.yaml"))
+    if name not in known:
+        raise unknown_name("vehicle", name, known)
+    values = ParameterFile(folder / f"{name}.yaml").values_for("/ev/plant")
+    return build(Vehicle, {key: value for key, value in values.items() if key.startswith(_PREFIX)}, _PREFIX)
+
+
+def drive_torques(vehicle: Vehicle, force: float) -> Wheels:
+    """Equal torques [N m] of the driven wheels for a drive force [N]; ParameterError if a force has no wheel."""
+    driven = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
+    if force and not any(driven):
+        raise ParameterError(f"vehicle {vehicle.name} has no driven wheels")
+    each = force * vehicle.wheel_radius / max(sum(driven), 1)
+    return Wheels(*(each if drives else 0.0 for drives in driven))
+
+
+def rows(vehicle: Vehicle, surface: str, model: SideSlipModel, plant: LinearisedPlant) -> list[tuple[str, float, str]]:
+    """What is printed: label, value, unit."""
+    front, rear = axle_masses(vehicle)
+    front_stiffness, rear_stiffness = axle_cornering_stiffnesses(vehicle, surface)
+    slow = np.array([0.0])
+    yaw_gain = plant.response(slow)[0, 1].real
+    poles = np.linalg.eigvals(plant.system.A)
+    return [
+        ("mass on the front axle", front, "kg"),
+        ("mass on the rear axle", rear, "kg"),
+        ("cornering stiffness of the front axle", front_stiffness, "N/rad"),
+        ("cornering stiffness of the rear axle", rear_stiffness, "N/rad"),
+        ("understeer gradient", understeer_gradient(vehicle, surface), "rad s^2/m"),
+        ("characteristic speed", characteristic_speed(vehicle, surface), "m/s"),
+        ("critical speed", critical_speed(vehicle, surface), "m/s"),
+        ("speed of what follows", model.speed, "m/s"),
+        ("acceleration", plant.acceleration, "m/s^2"),
+        ("W12: damping D", model.damping, "1/s"),
+        ("W12: excitation N, 0 if the car steers neutrally", model.excitation, "1/s"),
+        ("front share that steers neutrally, 2 J_z/(m L^2)", model.neutral_share_of_acceleration, "1"),
+        ("steady dA/delta of W12", model.excitation / model.damping, "1"),
+        ("steady dA/delta of the linearised plant", float(plant.slip_angle_difference(slow)[0].real), "1"),
+        ("steady yaw rate gain of the linearised plant", float(yaw_gain), "1/s"),
+        ("slowest pole of the linearised plant", float(poles.real.max()), "1/s"),
+    ]
+
+
+def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m ev_sim.analysis",
+        description="How a vehicle steers: understeer gradient, W12, and the planar plant linearised numerically.",
+    )
+    parser.add_argument("vehicle", help="name of a file in config/vehicles")
+    parser.add_argument("--surface", default=REFERENCE, choices=sorted(SURFACES), help="default: %(default)s")
+    parser.add_argument("--speed", type=float, default=8.0, metavar="M/S", help="default: %(default)s")
+    parser.add_argument("--road-wheel-angle", type=float, default=0.0, metavar="DEG", help="of steady cornering")
+    parser.add_argument("--drive-force", type=float, default=0.0, metavar="N", help="of all driven wheels, equal")
+    parser.add_argument("--accelerates", action="store_true", help="by the drive force; otherwise the speed is held")
+    parser.add_argument("--out", type=Path, default=Path("results/analysis"), metavar="DIR", help="of the figure")
+    return parser.parse_args(argv)
+
+
+if __name__ == "__main__":
+    main()

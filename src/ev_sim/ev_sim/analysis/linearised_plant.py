@@ -1,0 +1,167 @@
+"""The planar plant linearised by finite differences about steady cornering, straight running or an acceleration."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import StateSpace
+
+from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import NO_WHEELS, Wheels
+from ev_sim.plant.planar.body import rates
+from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
+from ev_sim.plant.planar.state import INTEGRATED, INTEGRATED_SIZE, index
+from ev_sim.plant.planar.stepping import steer
+from ev_sim.surfaces.road import RoadParameters
+from ev_sim.surfaces.table import REFERENCE
+
+OUTPUTS = ("lateral_velocity", "yaw_rate", "front_slip_angle", "rear_slip_angle")
+# What moves the car across and round; the longitudinal velocity is a parameter of the linear model.
+_STATES = (
+    "lateral_velocity",
+    "yaw_rate",
+    "longitudinal_transfer",
+    "lateral_transfer",
+    "wheel_speed",
+    "longitudinal_deflection",
+    "lateral_deflection",
+)
+_PERIOD = 0.01  # [s]
+_SETTLING = 10.0  # [s], long against every motion of a car but its acceleration
+_STEADY = 1e-6  # largest rate of yaw rate [rad/s^2] and lateral velocity [m/s^2] that counts as none
+_STEP = 1e-6  # of the central differences, in the unit of each state: far below any of them, far above rounding
+
+
+@dataclass(frozen=True, slots=True)
+class OperatingPoint:
+    """About which motion to linearise.
+
+    `drive` [N m] acts at the wheels. The speed [m/s] is held, or, with `accelerates`, passed straight ahead.
+    """
+
+    speed: float
+    road_wheel_angle: float = 0.0  # [rad]
+    drive: Wheels = NO_WHEELS
+    accelerates: bool = False
+    surface: str = REFERENCE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinearisedPlant:
+    """x' = A x + B delta, y = C x + D delta about a motion, input road-wheel angle [rad], outputs OUTPUTS.
+
+    `state` is that of the plant at the point, `acceleration` the rate of its longitudinal velocity [m/s^2].
+    """
+
+    system: StateSpace
+    state: np.ndarray
+    acceleration: float
+
+    def response(self, frequency: np.ndarray) -> np.ndarray:
+        """Complex response of OUTPUTS to the road-wheel angle at circular frequencies (n,) [rad/s], shape (n, 4).
+
+        Solved from the matrices: scipy goes over the coefficients of a polynomial of degree 16 and loses all digits.
+        """
+        s = self.system
+        eye = np.eye(s.A.shape[0])
+        return np.array(
+            [(s.C @ np.linalg.solve(1j * w * eye - s.A, s.B) + s.D)[:, 0] for w in np.atleast_1d(frequency)]
+        )
+
+    def slip_angle_difference(self, frequency: np.ndarray) -> np.ndarray:
+        """Response of dA = d2 - d1 to the road-wheel angle, (n,); Zhileykin's W12 with all that it leaves out."""
+        found = self.response(frequency)
+        return found[:, OUTPUTS.index("rear_slip_angle")] - found[:, OUTPUTS.index("front_slip_angle")]
+
+
+def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
+    """The linear model of the planar plant at an operating point.
+
+    Held speed: the plant runs at it until it is steady; ValueError if it never is. An acceleration starts
+    below the speed and is frozen as it passes it, seen from slip angles: since d = (v + a r)/V, their rates have
+    -V'/V d besides those of v and r.
+    """
+    plant = _brought_to(vehicle, point)
+    car, step = plant.records
+    places = _places()
+    middle = plant.state[:INTEGRATED_SIZE].copy()
+
+    def rates_at(change: np.ndarray, angle: float) -> np.ndarray:
+        y, dy = middle.copy(), np.zeros(INTEGRATED_SIZE)
+        y[places] += change
+        steer(car, step, angle)
+        rates(y, dy, car, step, True)
+        return dy[places]
+
+    def outputs_at(change: np.ndarray, angle: float) -> np.ndarray:
+        y = middle.copy()
+        y[places] += change
+        return _outputs(vehicle, y, angle)
+
+    still, size, angle = np.zeros(len(places)), len(places), point.road_wheel_angle
+    rest, acceleration = rates_at(still, angle), _rate_of_speed(plant)
+    if not point.accelerates and np.abs(rest[:2]).max() > _STEADY:
+        raise ValueError(f"no steady motion at {point.speed:g} m/s and {angle:g} rad: the car goes on turning in")
+    a, c = np.empty((size, size)), np.empty((len(OUTPUTS), size))
+    for n in range(size):
+        change = still.copy()
+        change[n] = _STEP
+        a[:, n] = (rates_at(change, angle) - rates_at(-change, angle)) / (2 * _STEP)
+        c[:, n] = (outputs_at(change, angle) - outputs_at(-change, angle)) / (2 * _STEP)
+    b = (rates_at(still, angle + _STEP) - rates_at(still, angle - _STEP)) / (2 * _STEP)
+    d = (outputs_at(still, angle + _STEP) - outputs_at(still, angle - _STEP)) / (2 * _STEP)
+    for n in (0, 1):  # lateral velocity and yaw rate
+        a[n, n] -= acceleration / point.speed
+    return LinearisedPlant(StateSpace(a, b[:, None], c, d[:, None]), plant.state.copy(), acceleration)
+
+
+def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> PlanarPlant:
+    """A plant in the motion of the point."""
+    parameters = PlanarParameters(
+        initial_speed=point.speed,
+        speed="free" if point.accelerates else "held",
+        road=RoadParameters(left=(point.surface,), right=(point.surface,)),
+    )
+    command = WheelTorqueCommand(point.drive)
+    column = SteeringColumnState(0.0, 0.0, 0.0, point.road_wheel_angle, 0.0)
+    if not point.accelerates:
+        plant = PlanarPlant(parameters, vehicle, _PERIOD)
+        for _ in range(round(_SETTLING / _PERIOD)):
+            plant.advance(command, column)
+        return plant
+    force = sum(point.drive) / vehicle.wheel_radius
+    run_up = force / vehicle.mass  # what a second of the acceleration gains, when wheels and loads have settled [m/s]
+    if not 0.0 < run_up < point.speed or point.road_wheel_angle != 0.0:
+        raise ValueError("an acceleration is linearised straight ahead, at a speed above that of its first second")
+    plant = PlanarPlant(dataclasses.replace(parameters, initial_speed=point.speed - run_up), vehicle, _PERIOD)
+    longest = round(10 * _SETTLING / _PERIOD)
+    while plant.outputs()[3].longitudinal < point.speed and longest:
+        plant.advance(command, column)
+        longest -= 1
+    if not longest:
+        raise ValueError(f"{sum(point.drive):g} N m do not bring the car to {point.speed:g} m/s")
+    return plant
+
+
+def _rate_of_speed(plant: PlanarPlant) -> float:
+    car, step = plant.records
+    dy = np.zeros(INTEGRATED_SIZE)
+    rates(plant.state[:INTEGRATED_SIZE].copy(), dy, car, step, True)
+    return float(dy[index("longitudinal_velocity")])
+
+
+def _places() -> list[int]:
+    sizes = dict(INTEGRATED)
+    return [index(name) + n for name in _STATES for n in range(sizes[name])]
+
+
+def _outputs(vehicle: Vehicle, y: np.ndarray, angle: float) -> np.ndarray:
+    """OUTPUTS at a state; slip angles as Zhileykin (2018) counts them, positive in a left turn."""
+    u, v, r = (y[index(name)] for name in ("longitudinal_velocity", "lateral_velocity", "yaw_rate"))
+    rear_arm = vehicle.centre_of_mass_to_rear_axle
+    front_arm = vehicle.wheelbase - rear_arm
+    return np.array([v, r, angle - math.atan((v + front_arm * r) / u), -math.atan((v - rear_arm * r) / u)])

@@ -1,0 +1,153 @@
+"""Every electronic differential on the same car in one scenario: handling, slip and energy side by side."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ev_msgs_py.methods import methods_of
+from ev_msgs_py.parameters import unknown_name
+from ev_msgs_py.roles import MASTER
+from ev_sim.recording.recording import Recording
+from ev_sim.report import handling, motion, quantities
+from ev_sim.report.metric import Metric, NotMeasured
+from ev_sim.report.panels import Curve, panel
+from ev_sim.report.samples import channel
+from ev_sim.scenario.scenario import Run, load_scenario
+from ev_sim.study.case import Case
+from ev_sim.study.study import Results
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"
+ROLE = "electronic_differential"
+ALL = "all"
+QUANTITIES = {  # name -> unit, in the order of the columns
+    "peak_sideslip": "rad",
+    "yaw_rate_error": "rad/s",
+    "peak_slip": "1",
+    "slip_energy": "J",
+    "drive_energy": "J",
+    "time_over_limit": "s",
+}
+CURVES = ("time", "x", "y", "yaw_rate", "sideslip", "speed", "torque_difference")
+_WIDTH = 120
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Which scenario, which of its runs, which methods."""
+    parser.add_argument("--scenario", default="double_lane_change", help="default: %(default)s")
+    parser.add_argument("--run", default="", help="of a scenario with several runs; default: the first")
+    parser.add_argument("--methods", default=ALL, metavar="NAME,NAME", help="default: all that are registered")
+
+
+def cases(given: argparse.Namespace) -> Sequence[Case]:
+    """One case for each method; ParameterError for an unknown scenario, run or method."""
+    runs = load_scenario(given.scenario).runs
+    run = given.run or runs[0].name
+    if run not in {r.name for r in runs}:
+        raise unknown_name(f"run of {given.scenario}", run, [r.name for r in runs])
+    known = methods_of(ROLE)
+    chosen = list(known) if given.methods == ALL else given.methods.split(",")
+    for name in chosen:
+        if name not in known:
+            raise unknown_name(f"{ROLE} method", name, known)
+    return [Case(name, given.scenario, ((ROLE, "method", name),), run) for name in dict.fromkeys(chosen)]
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """QUANTITIES, None for what the plant does not write, and CURVES."""
+    plant = run.configurations[MASTER]
+    vehicle, road = plant.common.vehicle, getattr(plant.parameters, "road", None)
+    surfaces = tuple({*road.left, *road.right, *road.random_surfaces}) if road else ()
+    return {
+        "peak_sideslip": handling.peak_sideslip(recording),
+        "yaw_rate_error": handling.yaw_rate_error(recording, vehicle),
+        "peak_slip": _if_measured(lambda: handling.peak_slip_ratio(recording)),
+        "slip_energy": _if_measured(lambda: handling.slip_energy(recording, vehicle)),
+        "drive_energy": float(handling.drive_work(recording)[-1]),
+        "time_over_limit": _if_measured(lambda: handling.time_over_limit(recording, vehicle, surfaces)),
+        "time": recording.time,
+        "x": channel(recording, "pose.x"),
+        "y": channel(recording, "pose.y"),
+        "yaw_rate": channel(recording, motion.YAW_RATE),
+        "sideslip": np.degrees(motion.sideslip_angle(recording)),
+        "speed": quantities.speed(recording),
+        "torque_difference": _right_minus_left(recording),
+    }
+
+
+def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
+    """Each quantity of each method that could be driven."""
+    return {
+        f"{quantity}_{name}": _metric(result.measured[quantity], unit)
+        for name, result in results.items()
+        if not result.refused
+        for quantity, unit in QUANTITIES.items()
+    }
+
+
+def tables(given: argparse.Namespace, results: Results) -> str:
+    """One line for each method: its quantities, or why it cannot be driven here."""
+    first = max(map(len, ("method", *results)))
+    widths = [max(len(f"{name} [{unit}]"), 10) for name, unit in QUANTITIES.items()]
+    head = [f"{name} [{unit}]".rjust(width) for (name, unit), width in zip(QUANTITIES.items(), widths, strict=True)]
+    lines = ["  ".join(["method".ljust(first), *head])]
+    for name, result in results.items():
+        if result.refused:
+            indent = " " * (first + 2)
+            lines += textwrap.wrap(
+                f"{name.ljust(first)}  not driven: {result.refused}", _WIDTH, subsequent_indent=indent
+            )
+            continue
+        cells = [_cell(result.measured[quantity]).rjust(w) for quantity, w in zip(QUANTITIES, widths, strict=True)]
+        lines.append("  ".join([name.ljust(first), *cells]))
+    return "\n".join(lines)
+
+
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+    """Paths, and yaw rate, sideslip angle, speed and torque difference over time, of all methods one over the other."""
+    from ev_sim.report.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.plan_view import plan_view
+
+    driven = {name: result.measured for name, result in results.items() if not result.refused}
+
+    def over_time(title: str, ylabel: str, quantity: str):
+        return panel(title, ylabel, lambda: [Curve(m["time"], m[quantity], name) for name, m in driven.items()])
+
+    panels = [
+        over_time("Yaw rate", "yaw rate [rad/s]", "yaw_rate"),
+        over_time("Sideslip angle", "angle [deg]", "sideslip"),
+        over_time("Speed", "speed [m/s]", "speed"),
+        over_time("Torque request, right minus left", "torque [N m]", "torque_difference"),
+    ]
+    tracks = [Curve(m["x"], m["y"], name) for name, m in driven.items()]
+    return {"overlay": sheet(panels, "time [s]"), "paths": plan_view(f"Paths, {given.scenario}", tracks)}
+
+
+def _right_minus_left(recording: Recording) -> np.ndarray:
+    def of(side: str) -> np.ndarray:
+        return sum(channel(recording, f"torque_request.drive.{axle}_{side}") for axle in ("front", "rear"))
+
+    return of("right") - of("left")
+
+
+def _if_measured(measure: Callable[[], float]) -> float | None:
+    try:
+        return measure()
+    except NotMeasured:
+        return None
+
+
+def _metric(value: float | None, unit: str) -> Metric:
+    return Metric(value, unit, reason="" if value is not None else "the plant has no tyres")
+
+
+def _cell(value: float | None) -> str:
+    return "-" if value is None or not math.isfinite(value) else f"{value:.4g}"
