@@ -19,6 +19,7 @@ STUDIES: dict[str, str] = {
     "asr_shootout": "ev_sim.study.asr_shootout",
     "compare": "ev_sim.study.compare",
     "five_methods": "ev_sim.study.five_methods",
+    "urban_sensitivity": "ev_sim.study.urban_sensitivity",
     "zhileykin2018_sweep": "ev_sim.study.zhileykin2018_sweep",
 }
 
