@@ -43,6 +43,12 @@ class Study(Protocol):
     def metrics(self, given: argparse.Namespace, results: Results) -> dict[str, Metric]:
         """Metrics by name, in the order of the table."""
 
+    COLUMNS: tuple[str, ...]  # of `rows`
+    SUMS: tuple[str, ...]  # with which the metrics begin that sum the rows up
+
+    def rows(self, given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
+        """The table that a page of the documentation shows."""
+
     def tables(self, given: argparse.Namespace, results: Results) -> str:
         """What is printed above the metrics, as aligned text; may be empty."""
 

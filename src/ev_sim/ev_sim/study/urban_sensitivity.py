@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 ABOUT = "Dissertation, five methods - what the wheel efficiencies hang on, one assumption changed at a time"
 
 
+COLUMNS = ("what is assumed otherwise", *(f"method {method}" for method in METHODS))
+SUMS = ()  # the rows hold all metrics
+
+
 @dataclass(frozen=True, slots=True)
 class Change:
     """What is assumed otherwise, in a word, the parameters that say so, and the methods that it concerns."""
@@ -139,8 +143,8 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    return text_table((f"driver {given.driver}", *(f"method {method}" for method in METHODS)), rows(given, results))
+    """The rows as aligned text: wheel efficiencies, and in brackets how far they are from the first line."""
+    return text_table(COLUMNS, rows(given, results))
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
