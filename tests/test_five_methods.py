@@ -41,7 +41,7 @@ def wheel(driven, method: int, driver: str, seed: int) -> float:
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_imposed_speed_reproduces_table_3_6_for_methods_1_to_4(driven, seed):
-    """Bands of dissertation_tables.py about the printed numbers, in the order 1 > 3 >= 4 > 2, and 1 - 2 at least 0.14."""
+    """Bands of dissertation_tables.py about the printed numbers; order 1 > 3 >= 4 > 2, and 1 - 2 at least 0.14."""
     values = {method: wheel(driven, method, "imposed_speed", seed) for method in METHODS}
     for method in (1, 2, 3, 4):
         low, high = printed.wheel_efficiency(method, "imposed_speed").band
