@@ -10,7 +10,7 @@ from ev_msgs_py.roles import ROLES
 from ev_sim.recording.recording import load, signal_hash
 from ev_sim.scenario.node_parameters import RECORDER
 from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import Run
+from ev_sim.scenario.scenario import Overrides, Run, load_scenario
 
 NODES = (*ROLES, RECORDER)
 
@@ -120,3 +120,26 @@ def test_a_restarted_master_begins_the_run_anew(tmp_path):
         assert not nodes.nodes[RECORDER].done
         nodes.start("plant")
         complete(run, tmp_path, nodes)
+
+
+@pytest.mark.parametrize(
+    ("driver", "differential", "asr"),
+    [
+        ("pulse", "adaptive", "least_squares"),
+        ("imposed_speed", "adhesion_share", "pi_slip"),
+        ("tracking", "limited_slip_variable", "adhesion_limit"),
+    ],
+)
+def test_the_urban_cycle_is_the_same_over_dds(driver, differential, asr, tmp_path):
+    """20 s of it, of which the last four pull away on snow; the speed is imposed where the driver needs that."""
+    values = [
+        ("*", "control_period", 0.01),
+        ("driver", "method", driver),
+        ("electronic_differential", "method", differential),
+        ("asr", "method", asr),
+        ("plant", "speed", "imposed" if driver == "imposed_speed" else "free"),
+    ]
+    (run,) = load_scenario("urban_mixed", Overrides((), values, 20.0)).runs
+    with graph(run, tmp_path) as nodes:
+        complete(run, tmp_path, nodes)
+    assert load(tmp_path / "signals.npz").channels["twist.longitudinal"][-1] > 2.0
