@@ -10,9 +10,10 @@ from numba.core.runtime import _nrt_python, rtsys
 from scipy.integrate import solve_ivp
 
 from ev_msgs_py.parameters import ParameterError, build
-from ev_msgs_py.signals import SteeringColumnState, TireForces, WheelTorqueCommand
+from ev_msgs_py.signals import InertialMeasurement, SteeringColumnState, TireForces, WheelTorqueCommand
 from ev_msgs_py.vehicle import Battery, Driveline, Motor, Tyre, Vehicle
 from ev_msgs_py.wheels import Wheels
+from ev_sim.driver.profile import Profile
 from ev_sim.plant.planar.body import rates
 from ev_sim.plant.planar.integrator import integrate
 from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
@@ -161,6 +162,15 @@ MANOEUVRES = {
     ),
     "held speed": (
         {"initial_speed": 10.0, "speed": "held"},
+        lambda t: (command(drive=(300.0, 300.0, 0.0, 0.0)), steered(0.05)),
+    ),
+    "imposed speed": (
+        {
+            "initial_speed": 4.0,
+            "speed": "imposed",
+            "imposed_speed__time": (0.0, 2.0, 3.0),
+            "imposed_speed__speed": (4.0, 8.0, 7.0),
+        },
         lambda t: (command(drive=(300.0, 300.0, 0.0, 0.0)), steered(0.05)),
     ),
 }
@@ -341,6 +351,20 @@ def test_held_speed_is_held_by_a_force_that_neither_turns_nor_pitches_the_car():
     held.advance(command(drive=(300.0, 300.0, 0.0, 0.0)), STRAIGHT)
     power = (held.state[index("holding_work")] - before) / 0.01
     assert power == pytest.approx((sum(held.outputs()[-1].longitudinal_force) - drag) * 10.0, rel=1e-6)  # steady by now
+
+
+def test_imposed_speed_follows_its_profile():
+    """At every period to rounding, in a bend and whatever the drives do; the accelerometer feels it."""
+    parameters, inputs = MANOEUVRES["imposed speed"]
+    car = plant(**parameters)
+    profile = Profile(parameters["imposed_speed__time"], parameters["imposed_speed__speed"], "linear")
+    for n in range(1, 351):
+        car.advance(*inputs(n * 0.01))
+        assert car.state[VX] == pytest.approx(profile.at(n * 0.01), abs=1e-12)
+        if n == 150:
+            imu = next(signal for signal in car.outputs() if isinstance(signal, InertialMeasurement))
+            turning = car.state[YAW_RATE] * car.state[VY]
+            assert imu.longitudinal_acceleration == pytest.approx(2.0 - turning, abs=1e-6)
 
 
 def test_bad_commands_never_reach_the_integrator():
