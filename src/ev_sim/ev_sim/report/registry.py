@@ -36,7 +36,7 @@ class Report(Protocol):
     def metrics(self, runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
         """Metrics by name, in the order of the table."""
 
-    def figures(self, runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+    def figures(self, runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
         """Figures by the name of their file without suffix."""
 
 
