@@ -31,8 +31,8 @@ from ev_sim.plant.planar.powertrain import (
     account,
     apply_drives,
 )
-from ev_sim.plant.planar.state import SIZE, index
-from ev_sim.plant.planar.stepping import X, Y, find_road, steer
+from ev_sim.plant.planar.state import SIZE, X, Y, index
+from ev_sim.plant.planar.surroundings import find_road, steer
 
 # Lags of a step that is long against all of them, with the torque at its beginning: the powertrain then applies the
 # torque of the state and leaves behind the values that its lagged quantities go for.

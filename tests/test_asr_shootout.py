@@ -57,7 +57,7 @@ def test_slip_energy_is_the_work_that_the_speeds_do_not_show(results):
 
 
 def test_table_and_metrics(results):
-    rows = asr_shootout.rows(results)
+    rows = asr_shootout.rows(None, results)
     assert rows[0][:3] == ("snow", "off", "–")
     assert all(len(row) == len(asr_shootout.COLUMNS) for row in rows)
     lines = asr_shootout.tables(GIVEN, results).splitlines()
@@ -70,6 +70,6 @@ def test_table_and_metrics(results):
 
 def test_a_refused_case_leaves_gaps(results):
     broken = {**results, "snow: off": CaseResult("snow: off", {}, refused="no road")}
-    assert set(asr_shootout.rows(broken)[0][2:]) == {"–"}
+    assert set(asr_shootout.rows(None, broken)[0][2:]) == {"–"}
     assert asr_shootout.metrics(GIVEN, broken)["distance_off"].value is None
     assert asr_shootout.figures(GIVEN, broken)

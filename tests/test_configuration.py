@@ -7,10 +7,10 @@ import dataclasses
 import pytest
 from toy_methods import toy, toy_graph
 
-from ev_msgs_py.configuration import check_graph, configure
+from ev_msgs_py.configuration import CommonParameters, check_graph, configure
 from ev_msgs_py.master_parameters import MasterParameters
-from ev_msgs_py.methods import methods_of
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.methods import all_methods, find_method, methods_of
+from ev_msgs_py.parameters import ParameterError, flatten
 from ev_msgs_py.roles import ROLES
 from ev_msgs_py.signals import BodyVelocity, SteeringColumnState
 
@@ -184,3 +184,10 @@ def test_a_law_that_requires_a_column_is_refused_with_another():
     assert text == (
         "electronic_differential method steer_by_wire requires steering_column method by_wire, but powered is chosen"
     )
+
+
+@pytest.mark.parametrize(("role", "name"), [(role, name) for role, of in all_methods().items() for name in of])
+def test_no_parameter_of_a_method_hides_one_that_every_node_has(role, name):
+    """Both would be declared under one name, and the node would take the one for the other."""
+    of_node = {*flatten(CommonParameters()), *flatten(MasterParameters()), "method"}
+    assert not of_node & set(flatten(find_method(role, name).parameters()))

@@ -215,7 +215,7 @@ def test_sweep_counts_what_its_table_says():
     results = {case.name: CaseResult(case.name, {"peak_sideslip": peak[case.name.split()[0]]}) for case in named}
     counts = zhileykin2018_sweep.metrics(argparse.Namespace(), results)
     assert [metric.value for metric in counts.values()] == [40, 40, 40, 40, 0]
-    assert zhileykin2018_sweep.rows(results)[0] == ("2000", "3", "**15.0**", "13.5", "5.7", "nan")
+    assert zhileykin2018_sweep.rows(None, results)[0] == ("2000", "3", "**15.0**", "13.5", "5.7", "nan")
 
 
 # All scenarios

@@ -88,11 +88,12 @@ class LeastSquaresParameters:
         source="assumption",
     )
     use: float = parameter(
-        0.95,
+        1.0,
         unit="1",
         low=0.5,
         high=1.0,
-        about="share of the fitted peak that is used after a hit, on its stable side; 1 is the peak itself",
+        about="share of the fitted peak that is used after a hit, on its stable side; 1 is the peak itself, less costs "
+        "little force and saves much slip",
         source="assumption: the source takes the torque of the step before the peak was passed",
     )
     bandwidth: float = parameter(

@@ -18,7 +18,7 @@ _OTHER = (1, 0, 3, 2)  # wheel of the same axle
 class AdaptiveParameters:
     """Whether refused torque is offered on, and how fast."""
 
-    mode: str = parameter(
+    terrain: str = parameter(
         "off_road",
         choices=("road", "off_road"),
         about="road: equal torques whatever happens; off_road: refused torque is offered to the other wheel",
@@ -59,7 +59,7 @@ class Adaptive:
 
     def __init__(self, parameters: AdaptiveParameters, vehicle: Vehicle, period: float) -> None:
         self._split = TorqueSplit(parameters.brake, vehicle)
-        self._forced = parameters.mode == "off_road"
+        self._forced = parameters.terrain == "off_road"
         self._approach = period / (period + parameters.filter_time)
         driven = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
         self._wheels = [i for i, other in enumerate(_OTHER) if driven[i] and driven[other]]

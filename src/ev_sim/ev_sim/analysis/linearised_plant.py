@@ -15,7 +15,7 @@ from ev_msgs_py.wheels import NO_WHEELS, Wheels
 from ev_sim.plant.planar.body import rates
 from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
 from ev_sim.plant.planar.state import INTEGRATED, INTEGRATED_SIZE, index
-from ev_sim.plant.planar.stepping import steer
+from ev_sim.plant.planar.surroundings import steer
 from ev_sim.surfaces.road import RoadParameters
 from ev_sim.surfaces.table import REFERENCE
 

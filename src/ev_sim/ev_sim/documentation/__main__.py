@@ -1,13 +1,15 @@
-"""scripts/document.sh [--runs | --check]"""
+"""scripts/document.sh [--runs [PAGE ...] | --check]"""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
+from ev_msgs_py.parameters import unknown_name
 from ev_sim.documentation.markdown import with_blocks
-from ev_sim.documentation.pages import RESULTS, stale_pages
+from ev_sim.documentation.pages import RESULTS, SHCHUR, stale_pages
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -15,7 +17,12 @@ def main(argv: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="document.sh", description="Write the generated parts of the pages.")
     parser.add_argument("root", type=Path, help="top of the repository")
     way = parser.add_mutually_exclusive_group()
-    way.add_argument("--runs", action="store_true", help="also drive the scenarios for the results and the images")
+    way.add_argument(
+        "--runs",
+        nargs="*",
+        metavar="PAGE",
+        help="also drive the scenarios and studies for the results and the images, of all pages or of these",
+    )
     way.add_argument("--check", action="store_true", help="change nothing, name the stale pages")
     given = parser.parse_args(argv)
     stale = stale_pages(given.root)
@@ -23,33 +30,47 @@ def main(argv: list[str] | None = None) -> None:
         print(f"{'stale' if given.check else 'written'}: {page.relative_to(given.root)}")
         if not given.check:
             page.write_text(text, encoding="utf-8")
-    if given.runs:
-        _write_results(given.root)
+    if given.runs is not None:
+        _write_results(given.root, given.runs)
     if given.check and stale:
         sys.exit(1)
 
 
-def _write_results(root: Path) -> None:
+def _write_results(root: Path, chosen: Sequence[str]) -> None:
     from ev_sim.documentation import results, scenario_results
 
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
-    driven = results.drive_all()
-    _write(root / "docs" / "shchur2019.md", {RESULTS: results.result_table(driven)})
-    results.save_images(driven, images)
+    known = [SHCHUR, *scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
+    for name in chosen:
+        if name not in known:
+            raise unknown_name("page with results", name, known)
+    wanted = chosen or known
+    if SHCHUR in wanted:
+        driven = results.drive_all()
+        _write(root / SHCHUR, {RESULTS: results.result_table(driven)})
+        results.save_images(driven, images)
     for name, page in scenario_results.SCENARIO_PAGES.items():
-        run = results.drive(page.scenario)
-        texts = {RESULTS: scenario_results.results_of(page, run)}
-        scenario_results.save_images(page, run, images)
-        if page.sweep:
-            cases = scenario_results.drive_sweep(page.sweep)
-            texts[page.sweep] = scenario_results.sweep_table(page.sweep, cases)
-            scenario_results.save_sweep_images(page.sweep, cases, images)
-        _write(root / name, texts)
-    for name, study in scenario_results.STUDY_PAGES.items():
-        cases = scenario_results.drive_sweep(study)
-        scenario_results.save_sweep_images(study, cases, images)
-        _write(root / name, {study: scenario_results.sweep_table(study, cases)})
+        if name in wanted:
+            run = results.drive(page.scenario)
+            texts = {RESULTS: scenario_results.results_of(page, run)}
+            scenario_results.save_images(page, run, images)
+            _write(root / name, {**texts, **_studied(page.studies, images)})
+    for name, studies in scenario_results.STUDY_PAGES.items():
+        if name in wanted:
+            _write(root / name, _studied(studies, images))
+
+
+def _studied(studies: Sequence[str], images: Path) -> dict[str, str]:
+    """The table of each study; its figures go to the images."""
+    from ev_sim.documentation import scenario_results
+
+    texts = {}
+    for study in studies:
+        cases = scenario_results.drive_study(study)
+        scenario_results.save_study_images(study, cases, images)
+        texts[study] = scenario_results.study_table(study, cases)
+    return texts
 
 
 def _write(page: Path, texts: dict[str, str]) -> None:

@@ -6,11 +6,17 @@ from ev_msgs_py.roles import ROLES
 from ev_sim.documentation.markdown import code, table
 from ev_sim.documentation.own_methods import own_methods
 from ev_sim.scenario.scenario import describe_scenario, scenario_names
+from ev_sim.study.study import STUDIES, study_named
 
 
 def scenario_table() -> str:
     """Every scenario with what it says about itself."""
     return table(("scenario", "what it shows"), ((code(name), describe_scenario(name)) for name in scenario_names()))
+
+
+def study_list() -> str:
+    """Every study with what it says about itself."""
+    return table(("study", "what it shows"), ((code(name), study_named(name).ABOUT) for name in STUDIES))
 
 
 def method_table() -> str:

@@ -7,15 +7,17 @@ from pathlib import Path
 
 from ev_sim.documentation import parameter_reference, topic_reference
 from ev_sim.documentation.graph_diagram import graph_diagram
-from ev_sim.documentation.lists import method_table, scenario_table
+from ev_sim.documentation.lists import method_table, scenario_table, study_list
 from ev_sim.documentation.markdown import block_names, with_blocks
 from ev_sim.documentation.scenario_results import SCENARIO_PAGES, STUDY_PAGES
 
+SHCHUR = "docs/shchur2019.md"
 RESULTS = "results"  # made from runs, and so only on demand
 
 PARTS: dict[str, Callable[[], str]] = {
     "graph": graph_diagram,
     "scenarios": scenario_table,
+    "studies": study_list,
     "methods": method_table,
     "common parameters": parameter_reference.common_parameters,
     "vehicle parameters": parameter_reference.vehicle_parameters,
@@ -30,12 +32,12 @@ PARTS: dict[str, Callable[[], str]] = {
 }
 
 PAGES = {
-    "README.md": ("graph", "scenarios", "methods"),
+    "README.md": ("graph", "scenarios", "studies", "methods"),
     "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
     "docs/topics.md": ("topics", "wheel names", "fields"),
-    "docs/shchur2019.md": (RESULTS,),
-    **{name: (RESULTS, page.sweep) if page.sweep else (RESULTS,) for name, page in SCENARIO_PAGES.items()},
-    **{name: (study,) for name, study in STUDY_PAGES.items()},
+    SHCHUR: (RESULTS,),
+    **{name: (RESULTS, *page.studies) for name, page in SCENARIO_PAGES.items()},
+    **STUDY_PAGES,
 }
 
 

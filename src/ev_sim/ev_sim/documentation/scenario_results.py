@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 from ev_sim.documentation.markdown import code, table
 from ev_sim.documentation.results import Driven
 from ev_sim.report.metric import Metric
+from ev_sim.study.run_study import arguments
 from ev_sim.study.study import Results, study_named
 from ev_sim.study.workers import drive_cases
 
@@ -18,13 +18,13 @@ from ev_sim.study.workers import drive_cases
 class Page:
     """Whose results a page shows: one table for each group of names with which metrics end, and figures.
 
-    `sweep` names a study with `COLUMNS` and `rows` whose table stands on the page as a part of that name.
+    `studies` are those whose tables stand on the page as parts of their names.
     """
 
     scenario: str
     columns: tuple[tuple[str, ...], ...]
     figures: tuple[str, ...]
-    sweep: str = ""
+    studies: tuple[str, ...] = ()
 
 
 _CONTROLS = ("equal_torque", "rate", "offset", "increment")
@@ -53,11 +53,14 @@ SCENARIO_PAGES = {
         "zhileykin2018",
         (("rear_drive", "k05", "k1", "k1_estimated", "fixed_split"),),
         ("fig3_fig4", "fig5"),
-        sweep="zhileykin2018_sweep",
+        studies=("zhileykin2018_sweep",),
     ),
 }
 
-STUDY_PAGES = {"docs/asr.md": "asr_shootout"}  # pages that show a study alone
+STUDY_PAGES = {  # pages that show studies alone
+    "docs/asr.md": ("asr_shootout",),
+    "docs/dissertation.md": ("five_methods", "urban_sensitivity"),
+}
 
 
 def results_of(page: Page, driven: Driven) -> str:
@@ -66,26 +69,29 @@ def results_of(page: Page, driven: Driven) -> str:
     return "\n".join([*_by_run(metrics, page.columns), _compared(metrics)])
 
 
-def drive_sweep(name: str) -> Results:
-    """All cases of a study."""
+def drive_study(name: str) -> Results:
+    """All cases of a study with its default options."""
     study = study_named(name)
-    cases = study.cases(argparse.Namespace())
-    return {result.name: result for result in drive_cases(cases, study.measure)}
+    return {result.name: result for result in drive_cases(study.cases(arguments(name, ())), study.measure)}
 
 
-def sweep_table(name: str, results: Results) -> str:
+def study_table(name: str, results: Results) -> str:
     """The rows of a study, and below them what they add up to."""
-    study = study_named(name)
-    metrics = study.metrics(argparse.Namespace(), results)
-    sums = table(("metric", "value"), ((code(key), _number(metric)) for key, metric in metrics.items()))
-    return f"{table(study.COLUMNS, study.rows(results))}\n{sums}"
+    study, given = study_named(name), arguments(name, ())
+    sums = [
+        (code(key), _number(metric), metric.unit)
+        for key, metric in study.metrics(given, results).items()
+        if key.startswith(study.SUMS)
+    ]
+    rows = table(study.COLUMNS, study.rows(given, results))
+    return f"{rows}\n{table(('metric', 'value', 'unit'), sums)}" if sums else rows
 
 
-def save_sweep_images(name: str, results: Results, folder: Path) -> None:
+def save_study_images(name: str, results: Results, folder: Path) -> None:
     """The figures of a study as STUDY_FIGURE.png."""
     from ev_sim.report.drawing import save_figures  # matplotlib is slow to import
 
-    figures = study_named(name).figures(argparse.Namespace(), results)
+    figures = study_named(name).figures(arguments(name, ()), results)
     save_figures({f"{name}_{key}": figure for key, figure in figures.items()}, folder)
 
 

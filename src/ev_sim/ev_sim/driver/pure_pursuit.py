@@ -41,8 +41,8 @@ class PurePursuit:
 
     def step(self, pose: BodyPose, speed: float, leg: int) -> tuple[float, int]:
         """Road-wheel angle [rad] at a speed, negative in reverse [m/s], and the leg of the path that is reached."""
-        p, heading = self._p, pose.heading
-        cosine, sine = math.cos(heading), math.sin(heading)
+        p, z, w = self._p, pose.orientation_z, pose.orientation_w
+        cosine, sine = w * w - z * z, 2 * z * w  # of the heading, from its quaternion
         rear_x, rear_y = pose.x - self._rear_arm * cosine, pose.y - self._rear_arm * sine
         preview = math.copysign(max(p.preview_time * abs(speed), p.shortest_preview), speed)
         distance, leg = self._path.nearest(rear_x, rear_y, leg)

@@ -84,10 +84,10 @@ class CommandGuard:
         return {"non_finite_commands": self.non_finite, "out_of_range_commands": self.out_of_range}
 
     def _value(self, value: float, otherwise: float, low: float, high: float) -> float:
+        if low <= value <= high:
+            return float(value)
         if not math.isfinite(value):
             self.non_finite += 1
             return otherwise
-        if low <= value <= high:
-            return float(value)
         self.out_of_range += 1
         return low if value < low else high

@@ -19,6 +19,7 @@ from ev_sim.report.samples import channel
 from ev_sim.scenario.scenario import Run
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
+from ev_sim.study.text_table import text_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -84,6 +85,7 @@ QUANTITIES = {  # what is measured -> heading of its column and digits
     "false_triggers": ("false triggers", 0),
 }
 COLUMNS = ("road", "asr", *(heading_ for heading_, _ in QUANTITIES.values()))
+SUMS = ("distance_", "mean_slip_", "slip_energy_", "false_triggers_")
 
 
 def controls() -> list[str]:
@@ -189,7 +191,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     return summed
 
 
-def rows(results: Results) -> list[tuple[str, ...]]:
+def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     """Road, control and what was measured; a dash where 30 km/h were not reached."""
 
     def shown(value: float | None, digits: int) -> str:
@@ -205,13 +207,7 @@ def rows(results: Results) -> list[tuple[str, ...]]:
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text."""
-    lines = [COLUMNS, *rows(results)]
-    widths = [max(len(line[i]) for line in lines) for i in range(len(COLUMNS))]
-    sides = (str.ljust, str.ljust, *[str.rjust] * len(QUANTITIES))
-    return "\n".join(
-        "  ".join(side(cell, width) for side, cell, width in zip(sides, line, widths, strict=True)).rstrip()
-        for line in lines
-    )
+    return text_table(COLUMNS, rows(given, results), left=2)
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

@@ -21,6 +21,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ABOUT = "Dissertation, tables 3.6 and 5.6 - five torque control methods, three drivers, many roads (--seeds N)"
+COLUMNS = (
+    "driver",
+    "method",
+    *("wheel efficiency", "printed"),
+    *("drive efficiency", "printed"),
+    *("total efficiency", "printed"),
+    *("energy [kW min]", "printed, as kWh"),
+)
+SUMS = ("methods_apart_", "method_1_above_2_", "seeds_with_")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -102,30 +111,34 @@ def _orders(given: argparse.Namespace, results: Results, driver: str) -> dict[st
     }
 
 
-def tables(given: argparse.Namespace, results: Results) -> str:
+def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     """Tables 3.6 and 5.6, ours (mean and standard deviation over the seeds) beside what is printed."""
-    found, blocks = metrics(given, results), []
-    for driver in given.drivers:
-        rows = [
-            (
-                f"{method} {TITLES[method]}",
-                *(
-                    cell
-                    for quantity, of in (
-                        ("wheel_efficiency", printed.WHEEL_EFFICIENCY),
-                        ("drive_efficiency", printed.DRIVE_EFFICIENCY),
-                        ("total_efficiency", printed.TOTAL_EFFICIENCY),
-                    )
-                    for cell in (_shown(found[f"{quantity}_{method}_{driver}"]), f"{of[method]:.3f}")
-                ),
-                _shown(found[f"energy_{method}_{driver}"], 1 / printed.KILOWATT_MINUTE, ".1f"),
-                f"{printed.ENERGY[method]:.1f}",
-            )
-            for method in METHODS
-        ]
-        header = (f"driver {driver}", "wheel", "printed", "drive", "printed", "total", "printed", "kW min", '"kWh"')
-        blocks.append(text_table(header, rows))
-    return "\n\n".join(blocks)
+    found = metrics(given, results)
+    efficiencies = (
+        ("wheel_efficiency", printed.WHEEL_EFFICIENCY),
+        ("drive_efficiency", printed.DRIVE_EFFICIENCY),
+        ("total_efficiency", printed.TOTAL_EFFICIENCY),
+    )
+    return [
+        (
+            driver,
+            f"{method} {TITLES[method]}",
+            *(
+                cell
+                for quantity, of in efficiencies
+                for cell in (_shown(found[f"{quantity}_{method}_{driver}"]), f"{of[method]:.3f}")
+            ),
+            _shown(found[f"energy_{method}_{driver}"], 1 / printed.KILOWATT_MINUTE, ".1f"),
+            f"{printed.ENERGY[method]:.1f}",
+        )
+        for driver in given.drivers
+        for method in METHODS
+    ]
+
+
+def tables(given: argparse.Namespace, results: Results) -> str:
+    """The rows as aligned text."""
+    return text_table(COLUMNS, rows(given, results), left=2)
 
 
 def _shown(metric: Metric, factor: float = 1.0, form: str = ".3f") -> str:

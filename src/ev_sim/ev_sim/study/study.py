@@ -19,6 +19,7 @@ STUDIES: dict[str, str] = {
     "asr_shootout": "ev_sim.study.asr_shootout",
     "compare": "ev_sim.study.compare",
     "five_methods": "ev_sim.study.five_methods",
+    "urban_sensitivity": "ev_sim.study.urban_sensitivity",
     "zhileykin2018_sweep": "ev_sim.study.zhileykin2018_sweep",
 }
 
@@ -41,6 +42,12 @@ class Study(Protocol):
 
     def metrics(self, given: argparse.Namespace, results: Results) -> dict[str, Metric]:
         """Metrics by name, in the order of the table."""
+
+    COLUMNS: tuple[str, ...]  # of `rows`
+    SUMS: tuple[str, ...]  # with which the metrics begin that sum the rows up
+
+    def rows(self, given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
+        """The table that a page of the documentation shows."""
 
     def tables(self, given: argparse.Namespace, results: Results) -> str:
         """What is printed above the metrics, as aligned text; may be empty."""

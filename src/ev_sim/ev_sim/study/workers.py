@@ -51,7 +51,7 @@ def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
                 threads_per_worker=1,  # one run keeps one core busy
                 processes=True,
                 host="127.0.0.1",
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",  # any free port, for runs side by side
                 silence_logs=logging.ERROR,
             ) as cluster,
             Client(cluster) as client,

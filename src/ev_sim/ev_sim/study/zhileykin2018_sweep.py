@@ -27,6 +27,7 @@ CONTROLS = ("rear_drive", "k05", "k1", "fixed_split")
 FORCES = (2000.0, 2500.0, 3000.0, 3500.0, 4000.0)  # of all wheels together [N]
 ANGLES = tuple(range(3, 11))  # of the road wheels [deg]
 COLUMNS = ("force [N]", "angle [deg]", *CONTROLS)
+SUMS = ("cases", "rear_drive_spins", "holds_")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -82,7 +83,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     }
 
 
-def rows(results: Results) -> list[tuple[str, ...]]:
+def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     """Force, angle and the largest sideslip angle [deg] with each control; two stars where the car spins."""
 
     def shown(peak: float) -> str:
@@ -98,7 +99,7 @@ def rows(results: Results) -> list[tuple[str, ...]]:
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text."""
-    text = "\n".join("".join(f"{cell:>14}" for cell in line) for line in (COLUMNS, *rows(results)))
+    text = "\n".join("".join(f"{cell:>14}" for cell in line) for line in (COLUMNS, *rows(given, results)))
     return f"largest sideslip angle [deg], ** where it passes {math.degrees(LIMIT):g} deg\n{text}"
 
 

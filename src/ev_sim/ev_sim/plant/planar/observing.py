@@ -8,37 +8,17 @@ import numpy as np
 
 from ev_sim.compiled import compiled
 from ev_sim.plant.planar.body import DEFLECTION_X, DEFLECTION_Y, VX, VY, WHEEL_SPEED, YAW_RATE, rates, secants
-from ev_sim.plant.planar.showing import show
-from ev_sim.plant.planar.stepping import find_road, steer
+from ev_sim.plant.planar.surroundings import find_road, steer
 
 
 @compiled
-def observe(
-    state: np.ndarray,
-    car_record: np.ndarray,
-    step_record: np.ndarray,
-    road,
-    voltages: np.ndarray,
-    angle: float,
-    stage: np.ndarray,
-    shaft: np.ndarray,
-    row: np.ndarray,
-) -> int:
-    """Evaluate forces, loads, slips and accelerations at this state and road-wheel angle [rad], into `step_record`.
-
-    All signals of this instant go into `row` (see showing.py). Returns how many wheels are off the ground.
-    """
-    car, step = car_record[0], step_record[0]
+def observe(state: np.ndarray, car, step, road, angle: float, stage: np.ndarray) -> None:
+    """Evaluate forces, loads, slips and accelerations at this state and road-wheel angle [rad], into `step`."""
     find_road(state, car, step, road)
     steer(car, step, angle)
     rates(state, stage, car, step, True)
     for i in range(4):
         step.slip_x[i], step.slip_y[i] = slips(state, car, step, i)
-    show(state, car, step, voltages, shaft, row)
-    lifted = 0
-    for i in range(4):
-        lifted += int(step.load[i] == 0.0)
-    return lifted
 
 
 @compiled

@@ -26,13 +26,12 @@ from ev_sim.plant.planar.body import (
     VX,
     WHEEL_SPEED,
 )
-from ev_sim.plant.planar.observing import observe
+from ev_sim.plant.planar.fused_loop import MEMORY, run
 from ev_sim.plant.planar.powertrain import STATE_OF_CHARGE, TORQUE_SHARE
 from ev_sim.plant.planar.records import STEP, car_record, commands_of
 from ev_sim.plant.planar.showing import SIGNALS, SIZE, loads_of, signals_of
-from ev_sim.plant.planar.state import INTEGRATED_SIZE, at_rest
+from ev_sim.plant.planar.state import X, Y, at_rest
 from ev_sim.plant.planar.step_width import longest_brushless_step, longest_step
-from ev_sim.plant.planar.stepping import X, Y, run
 from ev_sim.surfaces.road import RoadParameters, Segments, left_and_right
 from ev_sim.surfaces.table import coefficients
 
@@ -120,15 +119,13 @@ class PlanarPlant:
             -math.expm1(-self.h / vehicle.driveline.clutch_lag),
             -math.expm1(-self.h / motor.overload_time),
         )
-        self._stage, self._slopes = np.zeros(INTEGRATED_SIZE), np.zeros((4, INTEGRATED_SIZE))
-        self._work = np.zeros((5, 4))
-        self._angle = 0.0
+        self._memory = np.zeros(MEMORY)
         self._imposed = p.imposed_speed.profile() if p.speed == "imposed" else None
         self._periods = 0
         self._lifted: set[str] = set()
         self.row = np.zeros(SIZE)
         self._start(p)
-        self._observe()
+        self._run(0)
 
     def _start(self, p: PlanarParameters) -> None:
         """Rolling straight ahead, or, without speed, parked: the carcasses hold the car on its slope."""
@@ -139,7 +136,7 @@ class PlanarPlant:
         state[STATE_OF_CHARGE] = self.vehicle.battery.state_of_charge
         state[TORQUE_SHARE : TORQUE_SHARE + 4] = car["driven"] / max(car["driven"].sum(), 1.0)
         if p.initial_speed == 0.0:
-            self._observe()
+            self._run(0)
             step = self._step[0]
             state[TRANSFER_X], state[TRANSFER_Y] = -step["gravity_x"], -step["gravity_y"]
             front = car["rear_arm"] / car["wheelbase"]
@@ -147,16 +144,21 @@ class PlanarPlant:
             state[DEFLECTION_X : DEFLECTION_X + 4] = -share * car["mass"] * step["gravity_x"] / car["stiffness_x"]
             state[DEFLECTION_Y : DEFLECTION_Y + 4] = -share * car["mass"] * step["gravity_y"] / car["stiffness_y"]
 
-    def _observe(self) -> None:
-        off_the_ground = observe(
+    def _run(self, steps: int) -> None:
+        """Take a number of steps, and observe the plant."""
+        off_the_ground = run(
             self.state,
             self._car,
             self._step,
             self._road,
+            self._maps,
             self._voltages,
-            self._angle,
-            self._stage,
-            self._work[0],
+            self._lags,
+            self._drives,
+            self._drive_parameters,
+            self.h,
+            steps,
+            self._memory,
             self.row,
         )
         if off_the_ground:
@@ -172,24 +174,7 @@ class PlanarPlant:
         if self._imposed is not None:
             wanted = self._imposed.at(self._periods * self.period)
             self._step["imposed_acceleration"] = (wanted - self.state[VX]) / self.period
-        run(
-            self.state,
-            self._car,
-            self._step,
-            self._road,
-            self._maps,
-            self._voltages,
-            self._lags,
-            self._drives,
-            self._drive_parameters,
-            self.h,
-            self.steps,
-            self._stage,
-            self._slopes,
-            self._work,
-        )
-        self._angle = angle + rate * self.period
-        self._observe()
+        self._run(self.steps)
 
     def outputs(self) -> tuple:
         """Everything that the plant writes, at the instant of its state."""

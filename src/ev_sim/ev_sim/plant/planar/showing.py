@@ -21,7 +21,7 @@ from ev_sim.compiled import compiled
 from ev_sim.driveline.couplings import shaft_speeds
 from ev_sim.plant.planar.body import HEADING, VX, VY, WHEEL_ANGLE, WHEEL_SPEED, YAW_RATE
 from ev_sim.plant.planar.powertrain import BATTERY_POWER, MOTOR_TORQUE, STATE_OF_CHARGE
-from ev_sim.plant.planar.stepping import X, Y
+from ev_sim.plant.planar.state import X, Y
 
 SIGNALS = (
     WheelStates,

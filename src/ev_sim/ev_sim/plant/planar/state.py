@@ -56,6 +56,8 @@ def index(name: str) -> int:
 
 SIZE = sum(size for _, size in ENTRIES)
 INTEGRATED_SIZE = sum(size for _, size in INTEGRATED)
+X = index("x")
+Y = index("y")
 
 
 def names() -> tuple[str, ...]:
