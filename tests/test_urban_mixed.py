@@ -504,7 +504,7 @@ def test_adaptive_when_both_refuse_offers_both():
 def test_adaptive_offers_nothing_while_braking_nor_on_the_road():
     braking = refusing(law_of(Adaptive), DriverCommand(1000.0, 50.0, 0.0), 300.0, 500.0, 1000)
     assert braking.drive == Wheels.front(500.0, 500.0)
-    road = refusing(law_of(Adaptive, mode="road"), DriverCommand(1000.0, 0.0, 0.0), 300.0, 500.0, 1000)
+    road = refusing(law_of(Adaptive, terrain="road"), DriverCommand(1000.0, 0.0, 0.0), 300.0, 500.0, 1000)
     assert road.drive == Wheels.front(500.0, 500.0)
 
 
