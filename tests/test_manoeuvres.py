@@ -216,9 +216,9 @@ def test_each_method_for_the_steady_circle_has_its_figure():
     loaded = load_scenario("steady_circle", Overrides((), [], 2.0)).runs
     runs = {run.name: drive(run)[0] for run in loaded}
     report, vehicle = report_for("steady_circle"), Vehicle()
-    assert list(report.figures(runs, vehicle)) == ["steady_circle", "constant_radius", "path"]
+    assert list(report.figures(runs, vehicle, {})) == ["steady_circle", "constant_radius", "path"]
     alone = {"constant_radius_linear": runs["constant_radius_linear"]}
-    assert list(report.figures(alone, vehicle)) == ["constant_radius", "path"]
+    assert list(report.figures(alone, vehicle, {})) == ["constant_radius", "path"]
 
 
 @pytest.mark.parametrize("tyres", ["linear", "friction"])

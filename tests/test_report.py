@@ -412,7 +412,7 @@ def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
     """Also where channels or whole runs are missing; the panel then says what is not there."""
     from ev_sim.report.drawing import save_figures
 
-    figures = report_for(scenario).figures(runs, VEHICLE)
+    figures = report_for(scenario).figures(runs, VEHICLE, {})
     assert list(figures) == names
     (figure,) = figures.values()
     for axes in figure.axes:

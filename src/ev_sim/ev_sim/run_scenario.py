@@ -16,6 +16,7 @@ from ev_sim.recording.recording import save
 from ev_sim.recording.run_recorder import write_bag
 from ev_sim.report.drawing import save_figures
 from ev_sim.report.registry import report_for
+from ev_sim.report.samples import Parameters
 from ev_sim.report.summary import Summary, write_summary
 from ev_sim.report.table import print_table
 from ev_sim.scenario.command_line import arguments, overrides, own_nodes
@@ -72,7 +73,8 @@ def run_scenario(given: argparse.Namespace) -> None:
     folder = OutputFolder(given.out or Path("results") / scenario.name, scenario.runs)
     outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
     summary = _summary(scenario, outcomes, given)
-    save_figures(report_for(scenario.name).figures(summary.runs, summary.vehicle), folder.directory)
+    figures = report_for(scenario.name).figures(summary.runs, summary.vehicle, _parameters_by_role(scenario))
+    save_figures(figures, folder.directory)
     write_summary(folder.directory / "summary.json", summary)
     print_table(summary.metrics)
     for note in summary.notes:
@@ -114,6 +116,10 @@ def _drive_offline(run: Run, directory: Path, bag: bool, progress: Progress) -> 
     return Outcome(recording, wall_time, notes=tuple(notes))
 
 
+def _parameters_by_role(scenario: Scenario) -> Parameters:
+    return {role: configuration.values() for role, configuration in scenario.runs[0].configurations.items()}
+
+
 def _summary(scenario: Scenario, outcomes: dict[str, Outcome], given: argparse.Namespace) -> Summary:
     runs = {name: outcome.recording for name, outcome in outcomes.items()}
     nodes = {
@@ -122,7 +128,6 @@ def _summary(scenario: Scenario, outcomes: dict[str, Outcome], given: argparse.N
         for role, configuration in run.configurations.items()
     }
     first = scenario.runs[0].configurations
-    by_role = {role: configuration.values() for role, configuration in first.items()}
     vehicle = first[MASTER].common.vehicle
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"
     return Summary(
@@ -134,7 +139,7 @@ def _summary(scenario: Scenario, outcomes: dict[str, Outcome], given: argparse.N
         parameters={node: configuration.values() for node, configuration in nodes.items()},
         vehicle=vehicle,
         runs=runs,
-        metrics=report_for(scenario.name).metrics(runs, vehicle, by_role),
+        metrics=report_for(scenario.name).metrics(runs, vehicle, _parameters_by_role(scenario)),
         wall_time=sum(outcome.wall_time for outcome in outcomes.values()),
         not_reproducible=tuple(reason for outcome in outcomes.values() for reason in outcome.not_reproducible),
         notes=tuple(note for outcome in outcomes.values() for note in outcome.notes),

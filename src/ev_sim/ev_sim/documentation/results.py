@@ -5,15 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ev_msgs_py.roles import MASTER
+from ev_msgs_py.vehicle import Vehicle
 from ev_sim.documentation.markdown import code, table
 from ev_sim.drives.drive import DRIVES
 from ev_sim.report.metric import Metric
 from ev_sim.report.registry import report_for
-from ev_sim.report.samples import Runs
+from ev_sim.report.samples import Parameters, Runs
 from ev_sim.scenario.offline import run_offline
 from ev_sim.scenario.scenario import Overrides, Scenario, load_scenario
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SCENARIOS = ("shchur2019_steps", "shchur2019")
 FIGURES = {"shchur2019_steps": "shchur2019_fig1.png", "shchur2019": "shchur2019_fig4.png"}
@@ -29,9 +34,20 @@ class Driven:
     @property
     def metrics(self) -> dict[str, Metric]:
         """The numbers that it yields."""
-        first = self.scenario.runs[0].configurations
-        parameters = {role: configuration.values() for role, configuration in first.items()}
-        return report_for(self.scenario.name).metrics(self.runs, first[MASTER].common.vehicle, parameters)
+        return report_for(self.scenario.name).metrics(self.runs, self._vehicle, self._parameters)
+
+    @property
+    def figures(self) -> dict[str, Figure]:
+        """What it draws, by name."""
+        return report_for(self.scenario.name).figures(self.runs, self._vehicle, self._parameters)
+
+    @property
+    def _vehicle(self) -> Vehicle:
+        return self.scenario.runs[0].configurations[MASTER].common.vehicle
+
+    @property
+    def _parameters(self) -> Parameters:
+        return {role: configuration.values() for role, configuration in self.scenario.runs[0].configurations.items()}
 
 
 def drive(scenario: str, values: Sequence[tuple[str, str, object]] = ()) -> Driven:
@@ -79,7 +95,5 @@ def save_images(driven: Mapping[str, Mapping[str, Driven]], folder: Path) -> Non
     from ev_sim.report.drawing import save_figures  # matplotlib is slow to import
 
     for scenario, file in FIGURES.items():
-        run = driven[scenario][DRIVES[0]]
-        vehicle = run.scenario.runs[0].configurations[MASTER].common.vehicle
-        figures = report_for(scenario).figures(run.runs, vehicle)
+        figures = driven[scenario][DRIVES[0]].figures
         save_figures({Path(file).stem: next(iter(figures.values()))}, folder)

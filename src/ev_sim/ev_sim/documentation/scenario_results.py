@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ev_msgs_py.roles import MASTER
 from ev_sim.documentation.markdown import code, table
 from ev_sim.documentation.results import Driven
 from ev_sim.report.metric import Metric
-from ev_sim.report.registry import report_for
 from ev_sim.study.run_study import arguments
 from ev_sim.study.study import Results, study_named
 from ev_sim.study.workers import drive_cases
@@ -101,8 +99,7 @@ def save_images(page: Page, driven: Driven, folder: Path) -> None:
     """The figures of a page as SCENARIO_FIGURE.png."""
     from ev_sim.report.drawing import save_figures  # matplotlib is slow to import
 
-    vehicle = driven.scenario.runs[0].configurations[MASTER].common.vehicle
-    figures = report_for(page.scenario).figures(driven.runs, vehicle)
+    figures = driven.figures
     save_figures({f"{page.scenario}_{name}": figures[name] for name in page.figures}, folder)
 
 

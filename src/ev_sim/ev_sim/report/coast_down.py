@@ -70,7 +70,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     )
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Speed over time, and deceleration over speed with the fitted road load."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
 

@@ -40,7 +40,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return motion.of_each_run(runs, of)
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """The course with its cones and the car's path, and the motion over time."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
     from ev_sim.report.plan_view import plan_view

@@ -38,12 +38,21 @@ MOST_IN_PANEL = 4  # curves whose legend fits into a panel; with more the figure
 LEGEND_COLUMNS, LEGEND_ROW = 5, 0.17  # of that legend, the height of a row in [inch]
 
 
-def sheet(panels: Sequence[Panel], xlabel: str, columns: int = 2, start: float | None = None) -> Figure:
-    """A figure with the panels in reading order over one time axis, which begins at `start` [s] if that is given."""
+def sheet(
+    panels: Sequence[Panel],
+    xlabel: str,
+    columns: int = 2,
+    start: float | None = None,
+    panel_width: float = PANEL_WIDTH,
+) -> Figure:
+    """A figure with the panels in reading order over one time axis, which begins at `start` [s] if that is given.
+
+    A panel with its labels is `panel_width` [inch] wide.
+    """
     rows = -(-len(panels) // columns)
     most = max((len(panel.curves) for panel in panels), default=0)
     above = LEGEND_ROW * -(-most // LEGEND_COLUMNS) + 0.1 if most > MOST_IN_PANEL else 0.0
-    width, height = PANEL_WIDTH * columns, PANEL_HEIGHT * rows + 0.35 + above
+    width, height = panel_width * columns, PANEL_HEIGHT * rows + 0.35 + above
     figure = Figure(figsize=(width, height), dpi=DPI)
     # Fixed margins: matplotlib's layout engines draw everything twice to find them.
     figure.subplots_adjust(
@@ -51,13 +60,13 @@ def sheet(panels: Sequence[Panel], xlabel: str, columns: int = 2, start: float |
         right=1 - 0.12 / width,
         bottom=0.45 / height,
         top=1 - (0.28 + above) / height,
-        wspace=0.85 / (PANEL_WIDTH - 0.85),
+        wspace=0.85 / (panel_width - 0.85),
         hspace=0.45 / (PANEL_HEIGHT - 0.45),
     )
     begin, end = _time_limits(panels, start)
     for number, panel in enumerate(panels):
         axes = figure.add_subplot(rows, columns, number + 1)
-        _draw(axes, panel)
+        _draw(axes, panel, panel_width)
         axes.set_xlim(begin, end)
         if number + columns >= len(panels):
             axes.set_xlabel(xlabel, fontsize=TEXT_SIZE)
@@ -106,15 +115,15 @@ def _time_limits(panels: Sequence[Panel], start: float | None) -> tuple[float, f
     return begin, end if end > begin else begin + 1.0
 
 
-def _draw(axes: Axes, panel: Panel) -> None:
-    columns = int(PANEL_WIDTH * DPI)
+def _draw(axes: Axes, panel: Panel, width: float) -> None:
+    columns = int(width * DPI)
     for number, curve in enumerate(panel.curves):
         colour, dashes = STROKES[number % len(STROKES)]
         time, values = thinned(curve.time, curve.values, columns)
         axes.plot(time, values, color=colour, linestyle=dashes, linewidth=1.2, label=curve.label or None)
     axes.set_title(panel.title, loc="left", fontsize=TITLE_SIZE, pad=3)
     axes.set_ylabel(panel.ylabel, fontsize=TEXT_SIZE)
-    axes.yaxis.set_label_coords(-0.5 / (PANEL_WIDTH - 0.85), 0.5)  # in line with the panels above and below
+    axes.yaxis.set_label_coords(-0.5 / (width - 0.85), 0.5)  # in line with the panels above and below
     axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
     axes.locator_params(nbins=6)
     axes.grid(True, color="0.88", linewidth=0.6)

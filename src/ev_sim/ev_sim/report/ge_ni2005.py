@@ -141,7 +141,7 @@ def _in(runs: Runs, name: str, quantity: str) -> Callable[[], float]:
     return lambda: QUANTITIES[quantity][1](run_named(runs, name))
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Figs 3 and 4 with u held, the same with u free, and the torques with and without boundary layer."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
 

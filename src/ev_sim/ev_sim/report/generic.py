@@ -27,7 +27,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     }
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """One sheet for each run."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
 

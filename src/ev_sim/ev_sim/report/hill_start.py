@@ -35,7 +35,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     )
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Pedals, travelled distance, speed and slip around the pull-away."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
 

@@ -25,6 +25,7 @@ REPORTS = {
     "step_steer": "ev_sim.report.step_steer",
     "straight_brake_split_mu": "ev_sim.report.straight_brake_split_mu",
     "tatar_chudzik": "ev_sim.report.tatar_chudzik",
+    "urban_mixed": "ev_sim.report.urban_mixed",
     "zhileykin2018": "ev_sim.report.zhileykin2018",
 }
 GENERIC = "ev_sim.report.generic"
@@ -36,7 +37,7 @@ class Report(Protocol):
     def metrics(self, runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
         """Metrics by name, in the order of the table."""
 
-    def figures(self, runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+    def figures(self, runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
         """Figures by the name of their file without suffix."""
 
 

@@ -57,7 +57,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     }
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Fig. 1: a, road-wheel angle of the object and of the closed loop; b, differential torque."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
 

@@ -47,7 +47,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return result
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Steering-wheel angle, yaw rate, sideslip angle and lateral displacement of all sines."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
 

@@ -72,7 +72,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return result
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Steering angle beyond rolling, sideslip angle, yaw rate, speed over lateral acceleration by method, and paths."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
     from ev_sim.report.plan_view import plan_view

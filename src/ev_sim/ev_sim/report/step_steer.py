@@ -69,7 +69,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return motion.of_each_run(runs, _metrics)
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Steering-wheel angle, yaw rate, lateral acceleration and sideslip angle of all runs."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
 

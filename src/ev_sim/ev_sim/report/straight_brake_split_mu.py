@@ -45,7 +45,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return motion.of_each_run(runs, of)
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Speed, heading, steering-wheel angle and path of all runs, and the wheels of each."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
     from ev_sim.report.plan_view import plan_view

@@ -58,7 +58,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return result
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Lateral forces of each wheel as in figs 3 to 14, equal beside corrected, over the speed in the bend."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
 

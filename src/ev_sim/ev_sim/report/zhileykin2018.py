@@ -97,7 +97,7 @@ def _rear_share(side: str) -> Callable[[Recording], np.ndarray]:
 SHARES = {"h_n": _front_share, "h_2": _rear_share("left"), "h_4": _rear_share("right")}
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Paths (figs 3 and 4), shares (fig. 5), sideslip angle, yaw rate and speed."""
     from ev_sim.report.drawing import sheet  # matplotlib is slow to import
     from ev_sim.report.plan_view import plan_view
