@@ -530,7 +530,7 @@ def test_adhesion_share_stays_below_the_grip_and_in_proportion(torque, left, rig
     for place, friction in enumerate((left, right)):
         assert abs(drive[place]) <= factor * friction * LOADS[place] * 0.32 * (1 + 1e-14)
     assert drive.front_left * right == pytest.approx(drive.front_right * left, rel=1e-12, abs=1e-12)
-    assert abs(sum(drive)) <= abs(torque) * (1 + 1e-14)
+    assert abs(sum(drive)) <= abs(torque) * (1 + 1e-14) + 1e-300  # below that a product keeps few digits
 
 
 def test_adhesion_share_by_hand():

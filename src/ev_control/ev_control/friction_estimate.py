@@ -6,47 +6,18 @@ from dataclasses import dataclass
 
 from ev_control.asr.reference_speed import ReferenceSpeed, ReferenceSpeedParameters, ReferenceSpeedState
 from ev_control.asr.wheel_dynamics import effective_inertia, filter_share
+from ev_control.friction_learning import FrictionLearningParameters
 from ev_control.wheel_loads import WheelLoads
-from ev_msgs_py.parameters import group, parameter
+from ev_msgs_py.parameters import group
 from ev_msgs_py.signals import InertialMeasurement, SteeringColumnState, WheelStates
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 
 
 @dataclass(frozen=True, slots=True)
-class FrictionEstimateParameters:
-    """When the friction in use is that of the road, and what is believed else."""
+class FrictionEstimateParameters(FrictionLearningParameters):
+    """How friction is learnt, and against which speed slip counts."""
 
-    largest_friction: float = parameter(
-        1.2, unit="1", low=0.01, high=3.0, about="friction at the start and at most", source="assumption"
-    )
-    learning_slip: float = parameter(
-        0.15,
-        unit="1",
-        low=0.01,
-        high=1.0,
-        about="slip from which on the friction in use is taken for the friction of the road",
-        source="assumption",
-    )
-    filter_time: float = parameter(
-        0.02, unit="s", low=0.0, high=1.0, about="time constant of the friction in use", source="assumption"
-    )
-    rise: float = parameter(
-        0.3,
-        unit="1/s",
-        low=0.0,
-        high=100.0,
-        about="rise of the estimate without slip, which finds out when the road gets better",
-        source="assumption",
-    )
-    slowest: float = parameter(
-        3.0,
-        unit="rad/s",
-        low=0.1,
-        high=100.0,
-        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
-        source="assumption",
-    )
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
 
 
@@ -63,14 +34,14 @@ class FrictionEstimateState:
 class FrictionEstimate:
     """mu = (M - J w')/(F_z r) of a wheel that slips; of one that does not, a value that slowly rises (assumption).
 
-    A saw tooth: a better road is found only after a while, a worse one by slipping. Loads by `WheelLoads`.
+    See `FrictionLearningParameters.learnt`. Loads by `WheelLoads`.
     """
 
     def __init__(self, parameters: FrictionEstimateParameters, vehicle: Vehicle, period: float, law: str) -> None:
         p = self._p = parameters
         self._period = period
         self._inertia, self._radius = effective_inertia(vehicle), vehicle.wheel_radius
-        self._share, self._rise = filter_share(period, p.filter_time), p.rise * period
+        self._share = filter_share(period, p.filter_time)
         self._loads = WheelLoads(vehicle)
         self._driven = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
         self._reference = ReferenceSpeed(p.reference, vehicle, period, law)
@@ -94,9 +65,6 @@ class FrictionEstimate:
             road = wheels.effort[i] - self._inertia * (velocity[i] - before[i]) / self._period
             used[i] += self._share * (direction * road / (load * self._radius) - used[i])
             slip = direction * (velocity[i] - rolling[i]) / max(abs(velocity[i]), p.slowest)
-            if slip > p.learning_slip:
-                friction[i] = min(max(used[i], 0.0), friction[i])
-            else:
-                friction[i] = min(friction[i] + self._rise, p.largest_friction)
+            friction[i] = p.learnt(friction[i], used[i], slip, self._period)
         s.velocity, s.friction, s.used = velocity, Wheels(*friction), Wheels(*used)
         return s.friction, Wheels(*loads)
