@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ev_control.asr.reference_speed import ReferenceSpeed, ReferenceSpeedParameters, ReferenceSpeedState
 from ev_msgs_py.signals import (
@@ -47,8 +47,7 @@ class TractionControlState:
     wheels: list[Any]
 
 
-@dataclass(slots=True)
-class WheelMotion:
+class WheelMotion(NamedTuple):
     """What is measured of one wheel, counted positive in the direction of its request."""
 
     speed: float  # [rad/s]

@@ -46,6 +46,8 @@ class TorqueSplit:
             equal if rear_left else 0.0,
             equal if rear_right else 0.0,
         )
+        if driver.brake_torque == 0.0:
+            return WheelTorqueRequest(drive)
         front_brake = driver.brake_torque * self._front_share / 2
         rear_brake = driver.brake_torque / 2 - front_brake
         return WheelTorqueRequest(drive, Wheels(front_brake, front_brake, rear_brake, rear_brake))

@@ -42,39 +42,45 @@ class Path:
 
     def __init__(self, parameters: PathParameters) -> None:
         p = parameters
-        self._points = list(zip(p.x, p.y, strict=True)) if p.shape == "waypoints" else _along_arcs(p)
-        self._lengths = [math.dist(a, b) for a, b in pairwise(self._points)]
-        self._start = [0.0]
-        for length in self._lengths:
-            self._start.append(self._start[-1] + length)
+        points = list(zip(p.x, p.y, strict=True)) if p.shape == "waypoints" else _along_arcs(p)
+        self._legs = []  # start (x, y), direction (x, y), distance at which it starts, length
+        start = 0.0
+        for (x0, y0), (x1, y1) in pairwise(points):
+            length = math.dist((x0, y0), (x1, y1))
+            self._legs.append((x0, y0, (x1 - x0) / length, (y1 - y0) / length, start, length))
+            start += length
+        self._last = len(self._legs) - 1
 
     def nearest(self, x: float, y: float, leg: int) -> tuple[float, int]:
         """Distance along the path [m] of the point next to (x, y) [m], and its leg, searched from a leg near by."""
-        share = self._share(x, y, leg)
-        while share > 1.0 and leg + 1 < len(self._lengths):
+        x0, y0, along_x, along_y, start, length = self._legs[leg]
+        passed = (x - x0) * along_x + (y - y0) * along_y
+        while passed > length and leg < self._last:
             leg += 1
-            share = self._share(x, y, leg)
-        while share < 0.0 and leg > 0:
+            x0, y0, along_x, along_y, start, length = self._legs[leg]
+            passed = (x - x0) * along_x + (y - y0) * along_y
+        while passed < 0.0 and leg > 0:
             leg -= 1
-            share = self._share(x, y, leg)
-        low = 0.0 if leg > 0 else -math.inf
-        high = 1.0 if leg + 1 < len(self._lengths) else math.inf
-        return self._start[leg] + min(max(share, low), high) * self._lengths[leg], leg
+            x0, y0, along_x, along_y, start, length = self._legs[leg]
+            passed = (x - x0) * along_x + (y - y0) * along_y
+        # The first and the last leg go on for ever.
+        if passed < 0.0 and leg > 0:
+            passed = 0.0
+        elif passed > length and leg < self._last:
+            passed = length
+        return start + passed, leg
 
     def at(self, distance: float, leg: int) -> tuple[float, float]:
         """The point (x, y) [m] at a distance along the path [m], searched from a leg near by."""
-        while leg + 1 < len(self._lengths) and distance > self._start[leg + 1]:
+        x0, y0, along_x, along_y, start, length = self._legs[leg]
+        while distance > start + length and leg < self._last:
             leg += 1
-        while leg > 0 and distance < self._start[leg]:
+            x0, y0, along_x, along_y, start, length = self._legs[leg]
+        while distance < start and leg > 0:
             leg -= 1
-        share = (distance - self._start[leg]) / self._lengths[leg]
-        (x0, y0), (x1, y1) = self._points[leg], self._points[leg + 1]
-        return x0 + share * (x1 - x0), y0 + share * (y1 - y0)
-
-    def _share(self, x: float, y: float, leg: int) -> float:
-        """Where (x, y) projects on the line of a leg: 0 at its beginning, 1 at its end."""
-        (x0, y0), (x1, y1) = self._points[leg], self._points[leg + 1]
-        return ((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / self._lengths[leg] ** 2
+            x0, y0, along_x, along_y, start, length = self._legs[leg]
+        passed = distance - start
+        return x0 + passed * along_x, y0 + passed * along_y
 
 
 def _along_arcs(p: PathParameters) -> list[tuple[float, float]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from operator import ge, le
 
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Vehicle
@@ -26,7 +25,6 @@ class CommandGuard:
         motors = 1 if vehicle.driveline.coupling == "individual" else len(vehicle.driven_wheels)
         limit = motor_torque * vehicle.gear_ratio * motors
         self.drive_limit = tuple(limit if name in vehicle.driven_wheels else 0.0 for name in WHEEL_NAMES)
-        self._drive_low = tuple(-limit for limit in self.drive_limit)
         self.brake_limit = vehicle.maximum_brake_torque
         self.angle_limit = angle_limit
         self.non_finite = 0
@@ -37,13 +35,14 @@ class CommandGuard:
     def torques(self, command: WheelTorqueCommand) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Drive and brake torques of the wheels that may be held over a period [N m]."""
         drive, brake = command.drive, command.brake
+        d_1, d_2, d_3, d_4 = drive
+        b_1, b_2, b_3, b_4 = brake
+        l_1, l_2, l_3, l_4 = self.drive_limit
+        most = self.brake_limit
         if (
-            all(map(le, drive, self.drive_limit))
-            and all(map(ge, drive, self._drive_low))
-            and min(brake) >= 0.0
-            and max(brake) <= self.brake_limit
-            and sum(brake) < math.inf  # neither min nor max shows every NaN
-        ):
+            (-l_1 <= d_1 <= l_1 and -l_2 <= d_2 <= l_2 and -l_3 <= d_3 <= l_3 and -l_4 <= d_4 <= l_4)
+            and (0.0 <= b_1 <= most and 0.0 <= b_2 <= most and 0.0 <= b_3 <= most and 0.0 <= b_4 <= most)
+        ):  # fmt: skip
             self._brake = brake
             return drive, brake
         drive = tuple(
