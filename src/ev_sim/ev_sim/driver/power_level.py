@@ -77,5 +77,7 @@ class PowerLevel:
     def torque(self, speed: float, wheels: WheelStates) -> float:
         """Drive torque of all wheels together [N m] at a speed of the car [m/s], forwards."""
         power = self._force * max(speed, self._slowest)
-        turning = sum(wheels.velocity[i] for i in self._driven) / len(self._driven)
-        return power / max(turning, self._slowest / self._radius)
+        turning = 0.0
+        for i in self._driven:
+            turning += wheels.velocity[i]
+        return power / max(turning / len(self._driven), self._slowest / self._radius)

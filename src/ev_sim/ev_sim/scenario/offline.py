@@ -6,6 +6,7 @@ import math
 from array import array
 from collections.abc import Callable, Collection, Mapping
 from itertools import accumulate
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -29,8 +30,8 @@ class _Player:
     def __init__(self, configuration: Configuration, made: Any, now: dict[type, Any]) -> None:
         self._object = made
         self._notes = Notes()
-        self.speaks = hasattr(made, "reports")
-        self._reads = configuration.method.reads
+        self._reports = getattr(made, "reports", None)
+        self._heard_of = _inputs(configuration.method.reads)
         self._writes = [
             (signal, TOPICS[signal].codec.carried, TOPICS[signal].codec.shape.flat, array("d"))
             for signal in configuration.method.writes
@@ -51,17 +52,21 @@ class _Player:
         """Put the answer to the present signals among them, and keep it; SignalError as above."""
         now = self._now
         kind, carried, flat, numbers = self._writes[0]
-        now[kind] = signal = carried(self._object.step(*[now[kind] for kind in self._reads]))
+        now[kind] = signal = carried(self._object.step(*self._heard_of(now)))
         numbers.extend(flat(signal))
+
+    @property
+    def speaks(self) -> bool:
+        """Whether the object ever has something to say besides its signals."""
+        return self._reports is not None
 
     def notes(self) -> list[str]:
         """What the object has to say for the first time."""
-        return self._notes.new(self._object)
+        return self._notes.new(self._object) if self._reports() else []
 
     def advance(self) -> None:
         """Integrate with the present signals to the next instant."""
-        now = self._now
-        self._object.advance(*[now[kind] for kind in self._reads])
+        self._object.advance(*self._heard_of(self._now))
 
     def channels(self) -> dict[str, np.ndarray]:
         """All that it has said, by channel."""
@@ -71,6 +76,14 @@ class _Player:
             if (names := TOPICS[kind].channels)
             for channel, column in zip(names, np.array(numbers).reshape(-1, len(names)).T, strict=True)
         }
+
+
+def _inputs(reads: tuple[type, ...]) -> Callable[[Mapping[type, Any]], tuple[Any, ...]]:
+    """Picks what a method reads out of the present signals, in the order of its arguments."""
+    if len(reads) == 1:
+        (only,) = reads
+        return lambda now: (now[only],)
+    return itemgetter(*reads) if reads else lambda now: ()
 
 
 class _RowPlayer(_Player):
@@ -126,8 +139,8 @@ def run_offline(
     players = {role: _player(configuration, now, heard) for role, configuration in configurations.items()}
     integrating = [players[role] for role in players if ROLES[role].kind is RoleKind.INTEGRATES]
     answering = [players[role] for role in step_order(ROLES)]
-    time = np.array([stamps.to_seconds(step * period) for step in range(steps + 1)])
     speaking = [(role, player) for role, player in players.items() if player.speaks]
+    time = np.array([stamps.to_seconds(step * period) for step in range(steps + 1)])
 
     for step, t in enumerate(time.tolist()):
         now[Instant] = Instant(t)

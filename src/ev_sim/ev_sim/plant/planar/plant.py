@@ -169,11 +169,11 @@ class PlanarPlant:
         """Integrate over one period under a command that is held and a steering angle that goes on at its rate."""
         drive, brake = self.guard.torques(command)
         angle, rate = self.guard.angle(column), self.guard.rate(column, self.period)
-        self._commands[:] = (*drive, *brake, angle, rate)
         self._periods += 1
+        acceleration = 0.0
         if self._imposed is not None:
-            wanted = self._imposed.at(self._periods * self.period)
-            self._step["imposed_acceleration"] = (wanted - self.state[VX]) / self.period
+            acceleration = (self._imposed.at(self._periods * self.period) - float(self.state[VX])) / self.period
+        self._commands[:] = (*drive, *brake, angle, rate, acceleration)
         self._run(self.steps)
 
     def outputs(self) -> tuple:

@@ -84,7 +84,7 @@ STEP = np.dtype(
         ("brake_command", *_WHEELS),
         ("steering_angle", _ONE),  # mean road-wheel angle [rad]
         ("steering_rate", _ONE),
-        ("imposed_acceleration", _ONE),  # rate of the longitudinal velocity that an outer force sets [m/s^2]
+        ("imposed_acceleration", _ONE),  # of the longitudinal velocity, set by an outer force [m/s^2]
         ("drive", *_WHEELS),  # at the wheels, behind motors and driveline [N m]
         ("mean_drive", *_WHEELS),  # over the last call of `run` [N m]
         ("brake", *_WHEELS),
@@ -111,8 +111,8 @@ STEP = np.dtype(
 
 
 def commands_of(step: np.ndarray) -> np.ndarray:
-    """Drive and brake commands, steering angle and rate of a STEP array of shape (1,), as a view of shape (10,)."""
-    return step.view(np.float64)[: STEP.fields["imposed_acceleration"][1] // np.dtype(np.float64).itemsize]
+    """All commands of a STEP array of shape (1,), drive torques to imposed acceleration, as a view of shape (11,)."""
+    return step.view(np.float64)[: STEP.fields["drive"][1] // np.dtype(np.float64).itemsize]
 
 
 def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]]:
