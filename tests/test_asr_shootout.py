@@ -61,7 +61,7 @@ def test_table_and_metrics(results):
     assert rows[0][:3] == ("snow", "off", "–")
     assert all(len(row) == len(asr_shootout.COLUMNS) for row in rows)
     lines = asr_shootout.tables(GIVEN, results).splitlines()
-    assert len(lines) == 5 and lines[0].startswith("road")
+    assert len(lines) == 6 and lines[0].startswith("road")  # header, rule, two controls on two roads
     metrics = asr_shootout.metrics(GIVEN, results)
     assert all(isinstance(value, Metric) and value.value is not None for value in metrics.values())
     distances = [results[f"{road}: off"].measured["distance"] for road in GIVEN.roads]
