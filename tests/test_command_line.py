@@ -125,7 +125,7 @@ def test_unknown_words_end_with_status_2(words, said, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["nowhere"], "unknown scenario 'nowhere'; known: "),
+        (["nowhere"], "unknown scenario or study 'nowhere'; known: "),
         (["shchur2019", "--set", "plant.drive=magic"], "plant: parameter drive: 'magic' is refused, "),
         (["shchur2019", "--method", "asr=on"], "asr: unknown asr method 'on'; known: "),
         (["shchur2019", "--duration", "-1"], "duration: -1.0 is refused"),

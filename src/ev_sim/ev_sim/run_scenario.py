@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from ev_msgs_py.methods import all_methods
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.parameters import ParameterError, unknown_name
 from ev_msgs_py.roles import MASTER
 from ev_msgs_py.shape import SignalError
 from ev_sim.recording.recording import save
@@ -69,6 +69,8 @@ def print_list() -> None:
 
 def run_scenario(given: argparse.Namespace) -> None:
     """Drive all runs of a scenario and report; see `main` for what is raised."""
+    if given.scenario not in scenario_names():
+        raise unknown_name("scenario or study", given.scenario, [*scenario_names(), *STUDIES])
     scenario = load_scenario(given.scenario, overrides(given))
     folder = OutputFolder(given.out or Path("results") / scenario.name, scenario.runs)
     outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}

@@ -75,10 +75,9 @@ def run_study(name: str, argv: Sequence[str]) -> None:
 
 
 def _positive(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise ValueError
-    return number
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is refused, allowed is 1 or more")
+    return int(text)
 
 
 def _summary(
