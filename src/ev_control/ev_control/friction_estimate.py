@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.asr.reference_speed import ReferenceSpeed, ReferenceSpeedParameters, ReferenceSpeedState
-from ev_control.asr.wheel_dynamics import effective_inertia, filter_share
+from ev_control.asr.wheel_dynamics import filter_share
 from ev_control.friction_learning import FrictionLearningParameters
 from ev_control.wheel_loads import WheelLoads
 from ev_msgs_py.parameters import group
@@ -40,7 +40,7 @@ class FrictionEstimate:
     def __init__(self, parameters: FrictionEstimateParameters, vehicle: Vehicle, period: float, law: str) -> None:
         p = self._p = parameters
         self._period = period
-        self._inertia, self._radius = effective_inertia(vehicle), vehicle.wheel_radius
+        self._inertia, self._radius = vehicle.driven_wheel_inertia, vehicle.wheel_radius
         self._share = filter_share(period, p.filter_time)
         self._loads = WheelLoads(vehicle)
         self._driven = [name in vehicle.driven_wheels for name in WHEEL_NAMES]

@@ -243,3 +243,8 @@ class Vehicle:
             raise ParameterError("centre_of_mass_to_rear_axle is above wheelbase")
         if abs(self.centre_of_mass_offset) >= min(self.front_track, self.rear_track) / 2:
             raise ParameterError("centre_of_mass_offset lies outside the wheels")
+
+    @property
+    def driven_wheel_inertia(self) -> float:
+        """Inertia of a driven wheel with its rotor behind the gear, J = J_w + i^2 J_r [kg m^2]."""
+        return self.wheel_inertia + self.gear_ratio**2 * self.motor.rotor_inertia

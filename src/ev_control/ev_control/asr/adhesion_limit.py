@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from ev_control.asr.reference_speed import ReferenceSpeedParameters
 from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
-from ev_control.asr.wheel_dynamics import Filtered, effective_inertia, filter_share, road_torque
+from ev_control.asr.wheel_dynamics import Filtered, filter_share, road_torque
 from ev_control.friction_learning import FrictionLearningParameters
 from ev_control.wheel_loads import WheelLoads
 from ev_msgs_py.methods import method
@@ -50,7 +50,7 @@ class AdhesionLimit(TractionControl):
 
     def __init__(self, parameters: AdhesionLimitParameters, vehicle: Vehicle, period: float) -> None:
         p = self._p = parameters
-        self._inertia, self._radius = effective_inertia(vehicle), vehicle.wheel_radius
+        self._inertia, self._radius = vehicle.driven_wheel_inertia, vehicle.wheel_radius
         self._efficiency = vehicle.motor.gear_efficiency
         self._share = filter_share(period, p.filter_time)
         self._loads = WheelLoads(vehicle)

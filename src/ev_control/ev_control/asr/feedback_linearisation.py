@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from ev_control.asr.slip_regulator import RegulatedWheel, SlipRegulator, SlipRegulatorParameters
 from ev_control.asr.traction_control import WheelMotion
-from ev_control.asr.wheel_dynamics import Filtered, effective_inertia, filter_share, road_torque
+from ev_control.asr.wheel_dynamics import Filtered, filter_share, road_torque
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.vehicle import Vehicle
@@ -51,7 +51,7 @@ class FeedbackLinearisation(SlipRegulator):
     def __init__(self, parameters: FeedbackLinearisationParameters, vehicle: Vehicle, period: float) -> None:
         p = parameters
         self._rate, self._share = p.rate, filter_share(period, p.road_filter)
-        self._inertia, self._radius = effective_inertia(vehicle), vehicle.wheel_radius
+        self._inertia, self._radius = vehicle.driven_wheel_inertia, vehicle.wheel_radius
         self._efficiency = vehicle.motor.gear_efficiency
         super().__init__("feedback_linearisation", FeedbackLinearisationWheel, p.regulator, vehicle, period)
 

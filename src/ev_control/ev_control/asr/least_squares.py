@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from ev_control.asr.reference_speed import ReferenceSpeedParameters
 from ev_control.asr.slip_curve_fit import SlipCurveFit
 from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
-from ev_control.asr.wheel_dynamics import Filtered, effective_inertia, filter_share, road_torque
+from ev_control.asr.wheel_dynamics import Filtered, filter_share, road_torque
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import ParameterError, group, parameter
 from ev_msgs_py.vehicle import Vehicle
@@ -175,7 +175,7 @@ class LeastSquares(TractionControl):
     def __init__(self, parameters: LeastSquaresParameters, vehicle: Vehicle, period: float) -> None:
         p = self._p = parameters
         self._samples = max(round(p.window / period), _FEWEST_SAMPLES)
-        self._inertia = effective_inertia(vehicle)
+        self._inertia = vehicle.driven_wheel_inertia
         self._nominal = vehicle.motor.nominal_torque * vehicle.gear_ratio
         self._radius, self._efficiency = vehicle.wheel_radius, vehicle.motor.gear_efficiency
         self._road_share = filter_share(period, p.road_filter)

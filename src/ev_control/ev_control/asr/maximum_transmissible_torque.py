@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from ev_control.asr.reference_speed import ReferenceSpeedParameters
 from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
-from ev_control.asr.wheel_dynamics import Filtered, effective_inertia, filter_share, mass_share, road_torque
+from ev_control.asr.wheel_dynamics import Filtered, filter_share, mass_share, road_torque
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.vehicle import Vehicle
@@ -71,7 +71,7 @@ class MaximumTransmissibleTorque(TractionControl):
 
     def __init__(self, parameters: MaximumTransmissibleTorqueParameters, vehicle: Vehicle, period: float) -> None:
         p = self._p = parameters
-        self._inertia, self._radius = effective_inertia(vehicle), vehicle.wheel_radius
+        self._inertia, self._radius = vehicle.driven_wheel_inertia, vehicle.wheel_radius
         ratio = self._inertia / (p.relaxation * mass_share(vehicle) * vehicle.wheel_radius**2)
         self._torque_factor = (ratio + 1) / vehicle.motor.gear_efficiency
         self._share, self._rise = filter_share(period, p.filter_time), p.rise * period

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from ev_control.asr.slip_regulator import RegulatedWheel, SlipRegulator, SlipRegulatorParameters
 from ev_control.asr.traction_control import WheelMotion
-from ev_control.asr.wheel_dynamics import effective_inertia
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.vehicle import Vehicle
@@ -48,7 +47,7 @@ class PiSlip(SlipRegulator):
 
     def __init__(self, parameters: PiSlipParameters, vehicle: Vehicle, period: float) -> None:
         p = parameters
-        self._inertia = effective_inertia(vehicle)
+        self._inertia = vehicle.driven_wheel_inertia
         self._proportional = 2 * p.damping_ratio * p.natural_frequency
         self._integral_step = p.natural_frequency**2 * period
         super().__init__("pi_slip", PiSlipWheel, p.regulator, vehicle, period)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ev_control.asr.traction_control import WheelMotion
-from ev_control.asr.wheel_dynamics import Filtered, effective_inertia, filter_share, mass_share
+from ev_control.asr.wheel_dynamics import Filtered, filter_share, mass_share
 from ev_msgs_py.parameters import parameter
 from ev_msgs_py.vehicle import Vehicle
 
@@ -87,7 +87,7 @@ class SlipObserver:
     def __init__(self, parameters: SlipObserverParameters, vehicle: Vehicle, period: float) -> None:
         self._p = parameters
         self._period = period
-        self._inertia, self._radius = effective_inertia(vehicle), vehicle.wheel_radius
+        self._inertia, self._radius = vehicle.driven_wheel_inertia, vehicle.wheel_radius
         self._mass = mass_share(vehicle)
         self._carried = self._radius**2 * self._mass
         self._share = filter_share(period, parameters.filter_time)

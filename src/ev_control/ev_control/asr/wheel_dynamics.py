@@ -8,11 +8,6 @@ from ev_control.asr.traction_control import WheelMotion
 from ev_msgs_py.vehicle import Vehicle
 
 
-def effective_inertia(vehicle: Vehicle) -> float:
-    """Inertia of a driven wheel with its rotor behind the gear, J = J_w + i^2 J_r [kg m^2]."""
-    return vehicle.wheel_inertia + vehicle.gear_ratio**2 * vehicle.motor.rotor_inertia
-
-
 def mass_share(vehicle: Vehicle) -> float:
     """The part of the car's mass that one driven wheel has to move [kg]; the source's M is that of a single wheel."""
     return vehicle.mass / max(len(set(vehicle.driven_wheels)), 1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.asr.wheel_dynamics import filter_share
 from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
@@ -60,7 +61,7 @@ class Adaptive:
     def __init__(self, parameters: AdaptiveParameters, vehicle: Vehicle, period: float) -> None:
         self._split = TorqueSplit(parameters.brake, vehicle)
         self._forced = parameters.terrain == "off_road"
-        self._approach = period / (period + parameters.filter_time)
+        self._approach = filter_share(period, parameters.filter_time)
         driven = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
         self._wheels = [i for i, other in enumerate(_OTHER) if driven[i] and driven[other]]
         self.state = AdaptiveState()

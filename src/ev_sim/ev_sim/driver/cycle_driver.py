@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,7 +11,7 @@ from ev_msgs_py.signals import BodyPose, BodyVelocity, DriverCommand, Instant, S
 from ev_msgs_py.vehicle import Vehicle
 from ev_sim.driver.cycle_modes import TRACTION, CycleModes, CycleModesParameters
 from ev_sim.driver.lane_keeping import LaneKeeping, LaneKeepingParameters, LaneKeepingState
-from ev_sim.driver.profile_file import with_profile_from_file
+from ev_sim.driver.profile_file import with_speed_profile_from_file
 from ev_sim.driver.speed_control import (
     SpeedControl,
     SpeedControlParameters,
@@ -49,10 +48,7 @@ class CycleDriver(ABC):
 
     parameters = CycleDriverParameters
 
-    @staticmethod
-    def load_files(parameters: Any) -> Any:
-        """The parameters with the profile from its file, if they name one; see `with_profile_from_file`."""
-        return dataclasses.replace(parameters, speed_profile=with_profile_from_file(parameters.speed_profile))
+    load_files = staticmethod(with_speed_profile_from_file)
 
     def __init__(self, parameters: Any, vehicle: Vehicle, period: float) -> None:
         refuse_unread_file(parameters.speed_profile)

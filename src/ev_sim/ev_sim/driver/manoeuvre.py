@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 from ev_msgs_py.methods import method
 from ev_msgs_py.signals import BodyVelocity, DriverCommand, Instant
 from ev_msgs_py.vehicle import Vehicle
 from ev_sim.driver.pedal_profile import Feet, FeetParameters, FeetState
-from ev_sim.driver.profile_file import with_profile_from_file
+from ev_sim.driver.profile_file import with_speed_profile_from_file
 
 
 @method("driver", "manoeuvre")
@@ -20,10 +18,7 @@ class ManoeuvreDriver:
 
     parameters = FeetParameters
 
-    @staticmethod
-    def load_files(parameters: FeetParameters) -> FeetParameters:
-        """The parameters with the profile from its file, if they name one; see `with_profile_from_file`."""
-        return dataclasses.replace(parameters, speed_profile=with_profile_from_file(parameters.speed_profile))
+    load_files = staticmethod(with_speed_profile_from_file)
 
     def __init__(self, parameters: FeetParameters, vehicle: Vehicle, period: float) -> None:
         self._feet = Feet(parameters, period)

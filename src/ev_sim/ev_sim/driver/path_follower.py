@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass, field
 
 from ev_msgs_py.methods import method
@@ -10,7 +9,7 @@ from ev_msgs_py.signals import BodyPose, BodyVelocity, DriverCommand, Instant, S
 from ev_msgs_py.vehicle import Vehicle
 from ev_sim.driver.lane_keeping import LaneKeeping, LaneKeepingParameters, LaneKeepingState
 from ev_sim.driver.pedal_profile import Feet, FeetParameters, FeetState
-from ev_sim.driver.profile_file import with_profile_from_file
+from ev_sim.driver.profile_file import with_speed_profile_from_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +34,7 @@ class PathFollower:
 
     parameters = PathFollowerParameters
 
-    @staticmethod
-    def load_files(parameters: PathFollowerParameters) -> PathFollowerParameters:
-        """The parameters with the profile from its file, if they name one; see `with_profile_from_file`."""
-        return dataclasses.replace(parameters, speed_profile=with_profile_from_file(parameters.speed_profile))
+    load_files = staticmethod(with_speed_profile_from_file)
 
     def __init__(self, parameters: PathFollowerParameters, vehicle: Vehicle, period: float) -> None:
         self._feet = Feet(parameters, period)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
+from typing import TypeVar
+
 from ev_msgs_py.csv_file import read_csv
 from ev_msgs_py.parameters import build, flatten
 from ev_sim.driver.speed_control import SpeedProfileParameters
 
+P = TypeVar("P")  # a parameter dataclass with a group `speed_profile`
 _COLUMNS = ({"t_s": 1.0}, {"v_mps": 1.0, "v_kmh": 1 / 3.6})
 
 
@@ -23,3 +27,8 @@ def with_profile_from_file(
         return build(SpeedProfileParameters, {**flatten(parameters), "time": time, "speed": speed, "file": ""})
 
     return read_csv(f"{name}.file", parameters.file, _COLUMNS, profile) if parameters.file else parameters
+
+
+def with_speed_profile_from_file(parameters: P) -> P:
+    """The same parameters of a driver, whose group `speed_profile` comes from its file if it names one."""
+    return dataclasses.replace(parameters, speed_profile=with_profile_from_file(parameters.speed_profile))

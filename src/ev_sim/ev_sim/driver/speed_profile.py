@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass, field
 
 from ev_msgs_py.methods import method
@@ -10,7 +9,7 @@ from ev_msgs_py.parameters import group
 from ev_msgs_py.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_msgs_py.vehicle import Vehicle
 from ev_sim.driver.profile import Profile
-from ev_sim.driver.profile_file import with_profile_from_file
+from ev_sim.driver.profile_file import with_speed_profile_from_file
 from ev_sim.driver.speed_control import SpeedControl, SpeedControlParameters, SpeedProfileParameters, refuse_unread_file
 from ev_sim.driver.steering import AngleControl, AngleControlState, SteeringParameters
 
@@ -41,10 +40,7 @@ class SpeedProfileDriver:
 
     parameters = SpeedProfileDriverParameters
 
-    @staticmethod
-    def load_files(parameters: SpeedProfileDriverParameters) -> SpeedProfileDriverParameters:
-        """The parameters with the profile from its file, if they name one; see `with_profile_from_file`."""
-        return dataclasses.replace(parameters, speed_profile=with_profile_from_file(parameters.speed_profile))
+    load_files = staticmethod(with_speed_profile_from_file)
 
     def __init__(self, parameters: SpeedProfileDriverParameters, vehicle: Vehicle, period: float) -> None:
         wanted, steering = parameters.speed_profile, parameters.steering

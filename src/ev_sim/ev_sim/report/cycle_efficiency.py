@@ -115,7 +115,7 @@ def wheel_shares(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) ->
     """
     inside = traction(run, driver)
     period = np.diff(run.time, prepend=run.time[0])
-    inertia = vehicle.wheel_inertia + vehicle.gear_ratio**2 * vehicle.motor.rotor_inertia
+    inertia = vehicle.driven_wheel_inertia
     shares = {}
     for wheel in vehicle.driven_wheels:
         free = free_wheel_beside(wheel, vehicle)

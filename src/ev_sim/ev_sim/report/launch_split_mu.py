@@ -10,8 +10,8 @@ from ev_msgs_py.vehicle import Vehicle
 from ev_sim.recording.recording import Recording
 from ev_sim.report import motion, quantities
 from ev_sim.report.metric import Metric, metric
-from ev_sim.report.panels import Curve, panel
-from ev_sim.report.samples import Parameters, Runs, channel, run_named
+from ev_sim.report.samples import Parameters, Runs, channel
+from ev_sim.report.split_friction_figures import split_friction_figures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,38 +45,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
 def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Speed, heading and steering-wheel angle of all runs, rim speeds of the first, and the paths."""
-    from ev_sim.report.drawing import sheet  # matplotlib is slow to import
-    from ev_sim.report.plan_view import plan_view
-
-    def rims(name: str) -> list[Curve]:
-        run = run_named(runs, name)
-        return [
-            Curve(
-                run.time,
-                vehicle.wheel_radius * channel(run, f"wheel_states.velocity.{wheel}"),
-                wheel.replace("_", " "),
-            )
-            for wheel in vehicle.driven_wheels
-        ]
-
-    panels = [
-        panel("Speed", "speed [m/s]", lambda: motion.curve_of_each_run(runs, quantities.speed)),
-        panel(
-            "Heading",
-            "heading [deg]",
-            lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(motion.heading(run))),
-        ),
-        panel(
-            "Steering-wheel angle",
-            "angle [deg]",
-            lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(channel(run, motion.STEERING_WHEEL_ANGLE))),
-        ),
-        *(panel(f"Rim speeds, {name}", "speed [m/s]", lambda name=name: rims(name)) for name in runs),
-    ]
-    tracks = [
-        Curve(channel(run, "pose.x"), channel(run, "pose.y"), name.replace("_", " ")) for name, run in runs.items()
-    ]
-    return {"launch": sheet(panels, "time [s]"), "path": plan_view("Path of the centre of mass", tracks)}
+    return split_friction_figures("launch", runs, vehicle, vehicle.driven_wheels)
 
 
 def _launch(run: Recording) -> slice:

@@ -53,7 +53,7 @@ def slip_and_road_torque(run: Recording, vehicle: Vehicle, wheel: str) -> tuple[
     speed = channel(run, f"wheel_states.velocity.{wheel}")
     free = channel(run, f"wheel_states.velocity.{free_wheel_beside(wheel, vehicle)}")
     slip = 1 - free / np.maximum(speed, SLOWEST)
-    inertia = vehicle.wheel_inertia + vehicle.gear_ratio**2 * vehicle.motor.rotor_inertia
+    inertia = vehicle.driven_wheel_inertia
     road = channel(run, f"wheel_states.effort.{wheel}").copy()
     road[1:] -= inertia * np.diff(speed) / np.diff(run.time)
     # The road torque is a mean over the period, so it goes with the mean slip of the period.

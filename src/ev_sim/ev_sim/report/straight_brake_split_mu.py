@@ -11,8 +11,8 @@ from ev_msgs_py.wheels import WHEEL_NAMES
 from ev_sim.recording.recording import Recording
 from ev_sim.report import motion, quantities
 from ev_sim.report.metric import Metric, metric
-from ev_sim.report.panels import Curve, panel
-from ev_sim.report.samples import Parameters, Runs, channel, run_named
+from ev_sim.report.samples import Parameters, Runs, channel
+from ev_sim.report.split_friction_figures import split_friction_figures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,35 +47,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
 def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Speed, heading, steering-wheel angle and path of all runs, and the wheels of each."""
-    from ev_sim.report.drawing import sheet  # matplotlib is slow to import
-    from ev_sim.report.plan_view import plan_view
-
-    panels = [
-        panel("Speed", "speed [m/s]", lambda: motion.curve_of_each_run(runs, quantities.speed)),
-        panel(
-            "Heading",
-            "heading [deg]",
-            lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(motion.heading(run))),
-        ),
-        panel(
-            "Steering-wheel angle",
-            "angle [deg]",
-            lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(channel(run, motion.STEERING_WHEEL_ANGLE))),
-        ),
-        *(panel(f"Rim speeds, {name}", "speed [m/s]", lambda name=name: _rims(runs, name, vehicle)) for name in runs),
-    ]
-    tracks = [
-        Curve(channel(run, "pose.x"), channel(run, "pose.y"), name.replace("_", " ")) for name, run in runs.items()
-    ]
-    return {"braking": sheet(panels, "time [s]"), "path": plan_view("Path of the centre of mass", tracks)}
-
-
-def _rims(runs: Runs, name: str, vehicle: Vehicle) -> list[Curve]:
-    run = run_named(runs, name)
-    return [
-        Curve(run.time, vehicle.wheel_radius * channel(run, f"wheel_states.velocity.{wheel}"), wheel.replace("_", " "))
-        for wheel in WHEEL_NAMES
-    ]
+    return split_friction_figures("braking", runs, vehicle, WHEEL_NAMES)
 
 
 def _onset(run: Recording) -> int:

@@ -6,16 +6,13 @@ import argparse
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ev_msgs_py.parameters import ParameterError
-from ev_sim.recording.recording import Recording
 from ev_sim.report.metric import Metric, Reference, mean_over_seeds
-from ev_sim.scenario.scenario import Run
 from ev_sim.study import dissertation_tables as printed
 from ev_sim.study import urban_cases
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 from ev_sim.study.text_table import text_table
-from ev_sim.study.urban_cases import DRIVERS, METHODS, TITLES, case_name
+from ev_sim.study.urban_cases import DRIVERS, METHODS, TITLES, case_name, roads
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,19 +39,15 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every method with every driver on every road."""
-    if given.seeds < 1:
-        raise ParameterError(f"--seeds {given.seeds} is refused, allowed is 1 or more")
     return [
         urban_cases.case(method, driver, seed)
         for driver in given.drivers
         for method in METHODS
-        for seed in range(1, given.seeds + 1)
+        for seed in roads(given)
     ]
 
 
-def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """Efficiencies and energies of a cycle, see `urban_cases.measure`."""
-    return urban_cases.measure(recording, run)
+measure = urban_cases.measure
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
@@ -81,7 +74,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 def _values(given: argparse.Namespace, results: Results, method: int, driver: str) -> list[Mapping[str, Any]]:
     """What was measured with the seeds in their order, without the cases that gave nothing."""
-    names = (case_name(method, driver, seed) for seed in range(1, given.seeds + 1))
+    names = (case_name(method, driver, seed) for seed in roads(given))
     return [results[name].measured for name in names if results[name].measured]
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Mapping
 from typing import Any
 
+from ev_msgs_py.parameters import ParameterError
 from ev_msgs_py.roles import MASTER
 from ev_sim.recording.recording import Recording
 from ev_sim.report.cycle_efficiency import energies, slip_energy, wheel_sums
@@ -44,6 +46,13 @@ def case(method: int, driver: str, seed: int, name: str = "", further: Values = 
         ("plant", "road.seed", seed),
     )
     return Case(name or case_name(method, driver, seed), SCENARIO, (*values, *further))
+
+
+def roads(given: argparse.Namespace) -> range:
+    """The seeds 1 to N of the option --seeds; ParameterError if there is none."""
+    if given.seeds < 1:
+        raise ParameterError(f"--seeds {given.seeds} is refused, allowed is 1 or more")
+    return range(1, given.seeds + 1)
 
 
 def case_name(method: int, driver: str, seed: int) -> str:

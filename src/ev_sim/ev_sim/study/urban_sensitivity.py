@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from ev_msgs_py.parameters import ParameterError
-from ev_sim.recording.recording import Recording
 from ev_sim.report.metric import Metric, mean_over_seeds
-from ev_sim.scenario.scenario import Run
 from ev_sim.study import urban_cases
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 from ev_sim.study.text_table import text_table
-from ev_sim.study.urban_cases import DRIVERS, METHODS, Values
+from ev_sim.study.urban_cases import DRIVERS, METHODS, Values, roads
 from ev_sim.surfaces.table import SURFACES
 
 if TYPE_CHECKING:
@@ -92,13 +89,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every method that a change concerns, on every road."""
-    if given.seeds < 1:
-        raise ParameterError(f"--seeds {given.seeds} is refused, allowed is 1 or more")
     return [
         urban_cases.case(method, given.driver, seed, _name(change, method, seed), change.values)
         for change in CHANGES
         for method in change.methods
-        for seed in range(1, given.seeds + 1)
+        for seed in roads(given)
     ]
 
 
@@ -106,9 +101,7 @@ def _name(change: Change, method: int, seed: int) -> str:
     return f"{change.name} method {method} seed {seed}"
 
 
-def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """Efficiencies and energies of a cycle, see `urban_cases.measure`."""
-    return urban_cases.measure(recording, run)
+measure = urban_cases.measure
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
@@ -117,7 +110,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     found = {}
     for change in CHANGES:
         for method in change.methods:
-            measured = [results[_name(change, method, seed)].measured for seed in range(1, given.seeds + 1)]
+            measured = [results[_name(change, method, seed)].measured for seed in roads(given)]
             values = [value[key] for value in measured if value]
             name = f"wheel_efficiency_{method}_{change.name}"
             found[name] = (
