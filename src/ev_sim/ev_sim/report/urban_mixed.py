@@ -6,6 +6,7 @@ Dissertation, eqs 2.37 to 2.40. Its tables compare methods over many roads; the 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -51,9 +52,12 @@ def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, F
 
 
 def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[str, Metric]:
+    # Several metrics share them, and a cycle has a hundred thousand samples.
+    sums = cache(lambda: cycle.wheel_sums(run, vehicle, driver))
+    energies = cache(lambda: cycle.energies(run, driver))
+
     def of_wheels(quantity: Callable[[cycle.WheelSums], float], side: str = "") -> float:
-        sums = cycle.wheel_sums(run, vehicle, driver)
-        values = [quantity(wheel) for name, wheel in sums.items() if name.endswith(side)]
+        values = [quantity(wheel) for name, wheel in sums().items() if name.endswith(side)]
         if not values:
             raise NotMeasured(f"no wheel is driven on the {side}" if side else "no wheel is driven")
         return sum(values) / len(values)
@@ -62,13 +66,13 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
         return of_wheels(lambda wheel: wheel.efficiency, side)
 
     def drives() -> float:
-        shaft, battery = cycle.energies(run, driver)
+        shaft, battery = energies()
         if battery <= 0.0:
             raise NotMeasured("the battery gave nothing in the traction windows")
         return shaft / battery
 
     def energy() -> float:
-        return cycle.energies(run, driver)[1]
+        return energies()[1]
 
     return {
         **{f"wheel_efficiency_{side}": metric(lambda side=side: wheels(side), "1") for side in _SIDES},
