@@ -119,7 +119,7 @@ class _Equations:
             plant._maps,
             plant._voltages,
             (vehicle.motor.torque_lag, vehicle.motor.overload_time, vehicle.driveline.clutch_lag),
-            (plant._drives, plant._drive_parameters),
+            (plant._record["drives"][0], plant._record["drive_parameters"][0]),
         )
         self._scratch, self._work, self._margins = np.zeros(SIZE), np.zeros((5, 4)), np.zeros(4)
         self.events = [self._event(i) for i in range(4)]

@@ -26,6 +26,7 @@ class Codec(ABC):
 
     message_type: str
     shape: Shape
+    rounds = False  # whether the message carries single precision
 
     @abstractmethod
     def prepare(self, message: Any) -> Any:
@@ -147,7 +148,7 @@ class FieldCodec(Codec):
         self.shape = shape_of(signal)
         self._places = [places[channel] for channel in self.shape.channels]
         self._get = attrgetter(*self._places)
-        self._single_precision = single_precision
+        self.rounds = single_precision
 
     def prepare(self, message: Any) -> Any:
         return message
@@ -162,7 +163,7 @@ class FieldCodec(Codec):
 
     def numbers(self, signal: Any) -> Sequence[float]:
         values = self.shape.flat(signal)
-        if not self._single_precision:
+        if not self.rounds:
             return values
         single = array("f", values)
         if not math.isfinite(sum(single)):
@@ -176,7 +177,7 @@ class FieldCodec(Codec):
                 raise SignalError(f"{name} is {value}, allowed is what single precision holds, up to 3.4e38")
 
     def carried(self, signal: Any) -> Any:
-        if not self._single_precision:
+        if not self.rounds:
             return signal
         single = self.numbers(signal)
         return signal if tuple(single) == signal else self.shape.signal_of(single)

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+import struct
 import typing
+from collections.abc import Callable
 from functools import cache
-from itertools import chain
 from typing import Any
 
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
 
-_wheels = Wheels._make
+_FLOAT = struct.calcsize("d")
+_OF_WHEELS = struct.Struct(f"{len(WHEEL_NAMES)}d")
+_of_wheels = _OF_WHEELS.unpack_from
+_new = tuple.__new__  # of a named tuple, without the detour by the names of its fields
 
 
 class SignalError(ValueError):
@@ -35,10 +39,12 @@ class Shape:
             self.channels = tuple(f"{name}.{wheel}" for name in self.fields for wheel in WHEEL_NAMES)
         else:
             self.channels = self.fields
+        self.size = len(self.channels)
+        self.packing = struct.Struct(f"{self.size}d")
 
     def flat(self, signal: Any) -> tuple[float, ...]:
         """The numbers of a signal, in the order of `channels`; SignalError if one is not finite."""
-        values = tuple(chain.from_iterable(signal)) if self.per_wheel else signal
+        values = sum(signal, ()) if self.per_wheel else signal
         if not math.isfinite(sum(values)):
             self._refuse(values)
         return values
@@ -51,8 +57,17 @@ class Shape:
     def signal_of(self, values: tuple[float, ...]) -> Any:
         """The signal with these numbers; the inverse of `flat`."""
         if self.per_wheel:
-            values = [_wheels(values[i : i + 4]) for i in range(0, len(values), 4)]
+            values = [Wheels._make(values[i : i + 4]) for i in range(0, len(values), 4)]
         return self.signal._make(values)
+
+    def reader(self, numbers: Any, place: int) -> Callable[[], Any]:
+        """A function that gives the signal whose numbers a buffer of float64 holds just then, from a place on."""
+        signal, begin = self.signal, place * _FLOAT
+        if self.per_wheel:
+            places = [begin + i * _OF_WHEELS.size for i in range(len(self.fields))]
+            return lambda: _new(signal, [_new(Wheels, _of_wheels(numbers, place)) for place in places])
+        unpack = self.packing.unpack_from
+        return lambda: _new(signal, unpack(numbers, begin))
 
 
 @cache

@@ -59,10 +59,11 @@ class CommandGuard:
         self._angle = self._value(column.road_wheel_angle, self._angle, -self.angle_limit, self.angle_limit)
         return self._angle
 
-    def rate(self, column: SteeringColumnState, period: float) -> float:
-        """Rate [rad/s] at which the angle may go on over a period [s], so that it stays within its limit."""
-        low, high = -self.angle_limit - self._angle, self.angle_limit - self._angle
-        return self._value(column.road_wheel_rate, 0.0, low / period, high / period)
+    def steering(self, column: SteeringColumnState, period: float) -> tuple[float, float]:
+        """The angle as above, and the rate [rad/s] at which it may go on over a period [s] within its limit."""
+        angle = self.angle(column)
+        low, high = (-self.angle_limit - angle) / period, (self.angle_limit - angle) / period
+        return angle, self._value(column.road_wheel_rate, 0.0, low, high)
 
     @property
     def refused(self) -> int:

@@ -46,11 +46,19 @@ def secant(curve: int, slip: float, c0: float, c1: float, c2: float, c3: float) 
 
 def peak(curve: str, coefficients: tuple[float, float, float, float]) -> float:
     """The largest friction use up to full slip [1], the available friction; found on a grid of 1e-4 in slip."""
-    kind = CURVES.index(curve)
-    return max(friction(kind, index * 1e-4, *coefficients) for index in range(10001))
+    return friction(CURVES.index(curve), peak_slip(curve, coefficients), *coefficients)
 
 
 def peak_slip(curve: str, coefficients: tuple[float, float, float, float]) -> float:
     """The slip [1] of the largest friction use, on the grid of `peak`; 1 for a curve that only rises."""
-    kind = CURVES.index(curve)
-    return max(range(10001), key=lambda index: friction(kind, index * 1e-4, *coefficients)) * 1e-4
+    return _peak_slip(CURVES.index(curve), *coefficients)
+
+
+@compiled
+def _peak_slip(curve: int, c0: float, c1: float, c2: float, c3: float) -> float:
+    best, highest = 0.0, friction(curve, 0.0, c0, c1, c2, c3)
+    for index in range(1, 10001):
+        here = friction(curve, index * 1e-4, c0, c1, c2, c3)
+        if here > highest:
+            best, highest = index * 1e-4, here
+    return best

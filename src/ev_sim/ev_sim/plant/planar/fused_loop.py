@@ -21,27 +21,30 @@ MEMORY = 5 * INTEGRATED_SIZE + 20  # working memory of the Runge-Kutta method an
 @compiled
 def run(
     state: np.ndarray,
-    car_record: np.ndarray,
-    step_record: np.ndarray,
-    road,
-    maps,
-    voltages: np.ndarray,
-    lags,
-    drives: np.ndarray,
-    drive_parameters: np.ndarray,
-    h: float,
+    record: np.ndarray,
     steps: int,
     memory: np.ndarray,
     row: np.ndarray,
+    left: np.ndarray,
+    right: np.ndarray,
+    slope: np.ndarray,
+    voltages: np.ndarray,
+    map_speed: np.ndarray,
+    map_torque: np.ndarray,
+    map_efficiency: np.ndarray,
 ) -> int:
-    """Advance the plant in place by a number of steps of h [s] under the command in `step_record`, and observe it.
+    """Advance the plant in place by a number of steps under the command in `record`, and observe it.
 
-    The steering angle goes on at its commanded rate, the torque commands are held. `memory` of shape (MEMORY,) is
-    working memory; the signals of the last instant go into `row` (see showing.py). Without steps the plant is observed
-    only. Returns how many wheels are off the ground.
+    The steering angle goes on at its commanded rate, the torque commands are held. `record` is a PLANT of shape (1,);
+    the arrays of road and efficiency map come one by one, because a tuple of them costs more for each call. `memory` of
+    shape (MEMORY,) is working memory; the signals of the last instant go into `row` (see showing.py). Without steps the
+    plant is observed only. Returns how many wheels are off the ground.
     """
-    car, step = car_record[0], step_record[0]
-    brushless = (drives, drive_parameters)  # in a tuple from outside they would cost more than a step does
+    plant = record[0]
+    car, step, h = plant.car, plant.step, plant.h
+    lags = (plant.lags[0], plant.lags[1], plant.lags[2], plant.lags[3])
+    brushless = (plant.drives, plant.drive_parameters)
+    road, maps = (left, right, slope), (map_speed, map_torque, map_efficiency)
     stage = memory[:INTEGRATED_SIZE]
     slopes = memory[INTEGRATED_SIZE : 5 * INTEGRATED_SIZE].reshape(4, INTEGRATED_SIZE)
     work = memory[5 * INTEGRATED_SIZE :].reshape(5, 4)

@@ -28,12 +28,12 @@ from ev_sim.plant.planar.body import (
 )
 from ev_sim.plant.planar.fused_loop import MEMORY, run
 from ev_sim.plant.planar.powertrain import STATE_OF_CHARGE, TORQUE_SHARE
-from ev_sim.plant.planar.records import STEP, car_record, commands_of
+from ev_sim.plant.planar.records import COMMANDS, PLANT, car_record
 from ev_sim.plant.planar.showing import SIGNALS, SIZE, loads_of, signals_of
 from ev_sim.plant.planar.state import X, Y, at_rest
 from ev_sim.plant.planar.step_width import longest_brushless_step, longest_step
-from ev_sim.surfaces.road import RoadParameters, Segments, left_and_right
-from ev_sim.surfaces.table import coefficients
+from ev_sim.plant.planar.surroundings import road_tables
+from ev_sim.surfaces.road import RoadParameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ class PlanarPlant:
         )
 
     def __init__(self, parameters: PlanarParameters, vehicle: Vehicle, period: float):
-        p, motor = parameters, vehicle.motor
+        p = parameters
         refuse_unread_file(p.imposed_speed, "imposed_speed")
         self.vehicle = vehicle
         self.period = period
@@ -101,24 +101,14 @@ class PlanarPlant:
         self.steps = max(math.ceil(period / longest * (1.0 - 1e-12)), 1)
         self.h = period / self.steps
         self.state = at_rest()
-        motor_torque = p.motor.torque_limit if p.drive in DRIVES else motor.peak_torque
+        motor_torque = p.motor.torque_limit if p.drive in DRIVES else vehicle.motor.peak_torque
         self.guard = CommandGuard(vehicle, motor_torque, vehicle.maximum_road_wheel_angle)
-        self._car = car_record(vehicle, p.load_transfer_lag, p.drive in DRIVES, p.speed != "free")
-        self._step = np.zeros(1, STEP)
-        self._step["cos_steer"] = 1.0
-        self._step["segment"] = -1  # nothing is found yet
-        self._commands = commands_of(self._step)
-        self._road = _road_arrays(p.road, vehicle)
+        self._road = road_tables(p.road, vehicle)
         self._maps = _efficiency_map(vehicle if p.drive not in DRIVES else Vehicle())
-        self._drives = drives_at_rest(4)
-        self._drive_parameters = drive_record(p if p.drive in DRIVES else DriveParameters())
         self._voltages = np.array(vehicle.battery.open_circuit_voltage)
-        self._lags = (
-            -math.expm1(-self.h / motor.torque_lag),
-            1.0 + math.expm1(-self.h / motor.torque_lag) * motor.torque_lag / self.h,
-            -math.expm1(-self.h / vehicle.driveline.clutch_lag),
-            -math.expm1(-self.h / motor.overload_time),
-        )
+        self._record = self._plant_record(p)
+        self._car, self._step = self._record["car"], self._record["step"]
+        self._commands = memoryview(self._record.view(np.uint8))
         self._memory = np.zeros(MEMORY)
         self._imposed = p.imposed_speed.profile() if p.speed == "imposed" else None
         self._periods = 0
@@ -126,6 +116,22 @@ class PlanarPlant:
         self.row = np.zeros(SIZE)
         self._start(p)
         self._run(0)
+
+    def _plant_record(self, p: PlanarParameters) -> np.ndarray:
+        record, motor = np.zeros(1, PLANT), self.vehicle.motor
+        record["car"] = car_record(self.vehicle, p.load_transfer_lag, p.drive in DRIVES, p.speed != "free")
+        record["step"]["cos_steer"] = 1.0
+        record["step"]["segment"] = -1  # nothing is found yet
+        record["drives"] = drives_at_rest(4)
+        record["drive_parameters"] = drive_record(p if p.drive in DRIVES else DriveParameters())
+        record["h"] = self.h
+        record["lags"] = (
+            -math.expm1(-self.h / motor.torque_lag),
+            1.0 + math.expm1(-self.h / motor.torque_lag) * motor.torque_lag / self.h,
+            -math.expm1(-self.h / self.vehicle.driveline.clutch_lag),
+            -math.expm1(-self.h / motor.overload_time),
+        )
+        return record
 
     def _start(self, p: PlanarParameters) -> None:
         """Rolling straight ahead, or, without speed, parked: the carcasses hold the car on its slope."""
@@ -147,19 +153,7 @@ class PlanarPlant:
     def _run(self, steps: int) -> None:
         """Take a number of steps, and observe the plant."""
         off_the_ground = run(
-            self.state,
-            self._car,
-            self._step,
-            self._road,
-            self._maps,
-            self._voltages,
-            self._lags,
-            self._drives,
-            self._drive_parameters,
-            self.h,
-            steps,
-            self._memory,
-            self.row,
+            self.state, self._record, steps, self._memory, self.row, *self._road, self._voltages, *self._maps
         )
         if off_the_ground:
             loads = loads_of(self.row)
@@ -168,12 +162,12 @@ class PlanarPlant:
     def advance(self, command: WheelTorqueCommand, column: SteeringColumnState) -> None:
         """Integrate over one period under a command that is held and a steering angle that goes on at its rate."""
         drive, brake = self.guard.torques(command)
-        angle, rate = self.guard.angle(column), self.guard.rate(column, self.period)
+        angle, rate = self.guard.steering(column, self.period)
         self._periods += 1
         acceleration = 0.0
         if self._imposed is not None:
             acceleration = (self._imposed.at(self._periods * self.period) - float(self.state[VX])) / self.period
-        self._commands[:] = (*drive, *brake, angle, rate, acceleration)
+        COMMANDS.pack_into(self._commands, 0, *drive, *brake, angle, rate, acceleration)
         self._run(self.steps)
 
     def outputs(self) -> tuple:
@@ -196,23 +190,6 @@ class PlanarPlant:
     def diagnostics(self) -> dict[str, float]:
         """Counts of commands that were not taken as they came, and of wheels off the ground now."""
         return {**self.guard.diagnostics, "lifted_wheels": int(np.count_nonzero(loads_of(self.row) == 0.0))}
-
-
-def _road_arrays(road: RoadParameters, vehicle: Vehicle) -> tuple[np.ndarray, ...]:
-    left, right = left_and_right(road)
-    return (
-        *_track_arrays(left, vehicle, road.rolling_resistance_scale),
-        *_track_arrays(right, vehicle, road.rolling_resistance_scale),
-        np.array(road.slope_distance),
-        np.array(road.grade),
-        np.array(road.side_slope),
-    )
-
-
-def _track_arrays(segments: Segments, vehicle: Vehicle, scale: float) -> tuple[np.ndarray, np.ndarray]:
-    tyre = vehicle.tyre
-    of = {name: coefficients(tyre.curve, tyre.coefficients, name, scale) for name in set(segments.surface)}
-    return np.array(segments.start), np.array([of[name] for name in segments.surface])
 
 
 def _efficiency_map(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

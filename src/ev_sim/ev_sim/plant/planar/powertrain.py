@@ -81,7 +81,7 @@ def apply_drives(
         if car.brushless == 1:
             drives, parameters = brushless
             voltage = terminal_voltage(state, car, voltages)
-            advance_drive(drives[i], parameters[0], scale * target[i], shaft[i] * car.gear, voltage, h)
+            advance_drive(drives[i], parameters, scale * target[i], shaft[i] * car.gear, voltage, h)
             held[i] = drives[i].mean_torque
             state[MOTOR_TORQUE + i] = drives[i].torque
         else:

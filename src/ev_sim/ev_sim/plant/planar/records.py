@@ -1,12 +1,15 @@
-"""The two records that the compiled plant works with: constants of the car, and what acts in this step."""
+"""The records that the compiled plant works with: constants of the car, what acts in this step, and the drives."""
 
 from __future__ import annotations
+
+import struct
 
 import numpy as np
 
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES
 from ev_sim.driveline.couplings import COUPLINGS
+from ev_sim.drives.drive import DRIVE_STATE, DriveParameters, drive_record
 from ev_sim.tyres.combined import COMBINATIONS
 from ev_sim.tyres.curve import CURVES
 
@@ -79,7 +82,7 @@ CAR = np.dtype(
 
 STEP = np.dtype(
     [
-        # The commands come first, so that one assignment sets them all, see `commands_of`.
+        # The commands come first, so that all of them are set at once, see `COMMANDS`.
         ("drive_command", *_WHEELS),  # at the wheels [N m]
         ("brake_command", *_WHEELS),
         ("steering_angle", _ONE),  # mean road-wheel angle [rad]
@@ -110,9 +113,20 @@ STEP = np.dtype(
 )
 
 
-def commands_of(step: np.ndarray) -> np.ndarray:
-    """All commands of a STEP array of shape (1,), drive torques to imposed acceleration, as a view of shape (11,)."""
-    return step.view(np.float64)[: STEP.fields["drive"][1] // np.dtype(np.float64).itemsize]
+PLANT = np.dtype(
+    [
+        ("step", STEP),
+        ("car", CAR),
+        ("drives", DRIVE_STATE, (4,)),  # of brushless DC drives
+        ("drive_parameters", drive_record(DriveParameters()).dtype),
+        ("h", _ONE),  # width of a step [s]
+        ("lags", *_WHEELS),  # what of each lag a step closes, see `apply_drives`
+    ],
+    align=True,
+)
+
+# The commands of a step, drive torques to imposed acceleration, with which a PLANT begins.
+COMMANDS = struct.Struct(f"{STEP.fields['drive'][1] // _ONE().itemsize}d")
 
 
 def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]]:
