@@ -49,6 +49,21 @@ class Shape:
             self._refuse(values)
         return values
 
+    def writer(self, numbers: Any) -> Callable[[Any], None]:
+        """A function that puts the numbers of a signal behind those of the last one, in a buffer of float64.
+
+        It raises SignalError as `flat`.
+        """
+        flat, pack, size = self.flat, self.packing.pack_into, self.packing.size
+        memory, place = memoryview(numbers).cast("B"), 0
+
+        def write(signal: Any) -> None:
+            nonlocal place
+            pack(memory, place, *flat(signal))
+            place += size
+
+        return write
+
     def _refuse(self, values: tuple[float, ...]) -> None:
         for channel, value in zip(self.channels, values, strict=True):
             if not math.isfinite(value):

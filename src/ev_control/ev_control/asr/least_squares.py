@@ -228,7 +228,7 @@ class LeastSquares(TractionControl):
         """Whether the fitted curve falls at the present slip, for long enough; notes the slip of its peak."""
         p, fit, slip = self._p, wheel.fit, wheel.slip
         peak = None
-        if fit.is_full and slip > p.least_slip and slip > fit.mean and fit.variance > (p.spread * noise) ** 2:
+        if slip > p.least_slip and fit.is_full and slip > fit.mean and fit.variance > (p.spread * noise) ** 2:
             peak = fit.peak()
         if peak is None or peak > slip:
             wheel.falling = 0

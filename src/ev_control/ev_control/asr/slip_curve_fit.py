@@ -17,9 +17,7 @@ class SlipCurveFit:
 
     size: int = 25
     offset: float = 1e-4
-    x: list[float] = field(default_factory=list)
-    root: list[float] = field(default_factory=list)
-    y: list[float] = field(default_factory=list)
+    samples: list[tuple[float, float, float]] = field(default_factory=list)  # x, root of x + offset, y
     next: int = 0
     sum_x: float = 0.0
     sum_xx: float = 0.0
@@ -31,42 +29,34 @@ class SlipCurveFit:
         """Take one sample in, and the oldest one out where the window is full."""
         x = max(x, 0.0)
         root = math.sqrt(x + self.offset)
-        if len(self.x) < self.size:
-            self.x.append(x)
-            self.root.append(root)
-            self.y.append(y)
+        old_x = old_root = old_y = 0.0
+        if len(self.samples) < self.size:
+            self.samples.append((x, root, y))
         else:
-            i = self.next
-            old_x, old_root, old_y = self.x[i], self.root[i], self.y[i]
-            self.x[i], self.root[i], self.y[i] = x, root, y
-            self.sum_x -= old_x
-            self.sum_xx -= old_x * old_x
-            self.sum_x_root -= old_x * old_root
-            self.sum_xy -= old_x * old_y
-            self.sum_root_y -= old_root * old_y
-            self.next = i + 1
-        if self.next == self.size:
-            self.next = 0
-            self._sum_anew()
-            return
-        self.sum_x += x
-        self.sum_xx += x * x
-        self.sum_x_root += x * root
-        self.sum_xy += x * y
-        self.sum_root_y += root * y
+            old_x, old_root, old_y = self.samples[self.next]
+            self.samples[self.next] = (x, root, y)
+            self.next += 1
+            if self.next == self.size:
+                self._begin_ring_anew()
+                return
+        self.sum_x = self.sum_x - old_x + x
+        self.sum_xx = self.sum_xx - old_x * old_x + x * x
+        self.sum_x_root = self.sum_x_root - old_x * old_root + x * root
+        self.sum_xy = self.sum_xy - old_x * old_y + x * y
+        self.sum_root_y = self.sum_root_y - old_root * old_y + root * y
 
-    def _sum_anew(self) -> None:
-        x, root, y = self.x, self.root, self.y
-        self.sum_x = math.fsum(x)
-        self.sum_xx = math.fsum([a * a for a in x])
-        self.sum_x_root = math.fsum([a * b for a, b in zip(x, root, strict=True)])
-        self.sum_xy = math.fsum([a * b for a, b in zip(x, y, strict=True)])
-        self.sum_root_y = math.fsum([a * b for a, b in zip(root, y, strict=True)])
+    def _begin_ring_anew(self) -> None:
+        self.next, samples = 0, self.samples
+        self.sum_x = math.fsum([x for x, _, _ in samples])
+        self.sum_xx = math.fsum([x * x for x, _, _ in samples])
+        self.sum_x_root = math.fsum([x * root for x, root, _ in samples])
+        self.sum_xy = math.fsum([x * y for x, _, y in samples])
+        self.sum_root_y = math.fsum([root * y for _, root, y in samples])
 
     @property
     def is_full(self) -> bool:
         """Whether the window has all its samples."""
-        return len(self.x) == self.size
+        return len(self.samples) == self.size
 
     @property
     def mean(self) -> float:
@@ -80,7 +70,7 @@ class SlipCurveFit:
 
     def coefficients(self) -> tuple[float, float] | None:
         """A and B of the least squared error, None where the samples lie too close together to tell them apart."""
-        sum_of_roots = self.sum_x + len(self.x) * self.offset
+        sum_of_roots = self.sum_x + len(self.samples) * self.offset
         determinant = self.sum_xx * sum_of_roots - self.sum_x_root * self.sum_x_root
         if determinant <= 1e-9 * self.sum_xx * sum_of_roots:
             return None

@@ -92,32 +92,33 @@ class TractionControl(ABC):
     ) -> WheelTorqueCommand:
         """The requested torques [N m], those of slipping wheels limited."""
         s, drive = self.state, request.drive
-        asked = drive[0] + drive[1] + drive[2] + drive[3]
-        braked = any(request.brake)
         if not is_plausible(column, wheels, imu):
             s.velocity = None
-            limits = [wheel.limit for wheel in s.wheels]
+            return _limited(request, self._driven, [wheel.limit for wheel in s.wheels])
+        asked = drive[0] + drive[1] + drive[2] + drive[3]
+        direction = (asked > 0.0) - (asked < 0.0)
+        braked = any(request.brake)
+        if braked:
+            direction = (s.reference.speed < 0.0) - (s.reference.speed > 0.0)
+        self._reference.state = s.reference
+        rolling = self._reference.rolling_speeds(wheels.velocity, column.road_wheel_angle, imu, direction)
+        if braked or not any(drive):
+            self._forget()
+            limits = None
         else:
-            self._reference.state = s.reference
-            direction = (asked > 0.0) - (asked < 0.0)
-            if braked:
-                direction = (s.reference.speed < 0.0) - (s.reference.speed > 0.0)
-            rolling = self._reference.rolling_speeds(wheels.velocity, column.road_wheel_angle, imu, direction)
-            limits = self._limits(drive, braked, wheels, rolling, imu)
-            s.velocity = wheels.velocity
-        allowed = list(drive)
-        for i, limit in zip(self._driven, limits, strict=True):
-            if abs(allowed[i]) > limit:
-                allowed[i] = math.copysign(limit, allowed[i])
-        return WheelTorqueCommand(Wheels(*allowed), request.brake)
+            limits = self._limits(drive, wheels, rolling, imu)
+        s.velocity = wheels.velocity
+        return _limited(request, self._driven, limits)
+
+    def _forget(self) -> None:
+        s = self.state
+        for place, direction in enumerate(s.direction):
+            if direction != 0.0:
+                s.direction[place] = 0.0
+                s.wheels[place] = self._new_wheel()
 
     def _limits(
-        self,
-        drive: Wheels,
-        braked: bool,
-        wheels: WheelStates,
-        rolling: tuple[float, float, float, float],
-        imu: InertialMeasurement,
+        self, drive: Wheels, wheels: WheelStates, rolling: tuple[float, float, float, float], imu: InertialMeasurement
     ) -> list[float]:
         """The largest torque of each driven wheel [N m]."""
         s, limits = self.state, []
@@ -126,7 +127,7 @@ class TractionControl(ABC):
         for place, i in enumerate(self._driven):
             wanted = drive[i]
             ahead = 1.0 if wanted > 0.0 else -1.0
-            if braked or wanted == 0.0 or ahead * s.reference.speed < -_PULLING_AWAY:
+            if wanted == 0.0 or ahead * s.reference.speed < -_PULLING_AWAY:
                 ahead = 0.0
             if ahead != s.direction[place]:
                 s.direction[place] = ahead
@@ -154,16 +155,24 @@ class TractionControl(ABC):
         """The largest torque of a wheel [N m] of which `wanted` [N m], above zero, is asked; goes on with its state."""
 
 
+def _limited(request: WheelTorqueRequest, driven: list[int], limits: list[float] | None) -> WheelTorqueCommand:
+    """The request with the drive torques of the driven wheels within their limits [N m], if there are any."""
+    drive, brake = request
+    if limits is None:
+        return WheelTorqueCommand(drive, brake)
+    allowed = list(drive)
+    for i, limit in zip(driven, limits, strict=True):
+        if abs(drive[i]) > limit:
+            allowed[i] = math.copysign(limit, drive[i])
+    return WheelTorqueCommand(Wheels(*allowed), brake)
+
+
 def is_plausible(column: SteeringColumnState, wheels: WheelStates, imu: InertialMeasurement) -> bool:
     """Whether all that is measured is finite and could be a road vehicle's."""
-    speed, torque = _LARGEST_SPEED, _LARGEST_TORQUE
-    w_1, w_2, w_3, w_4 = wheels.velocity
-    m_1, m_2, m_3, m_4 = wheels.effort
     return (
-        (-speed < w_1 < speed and -speed < w_2 < speed and -speed < w_3 < speed and -speed < w_4 < speed)
-        and (-torque < m_1 < torque and -torque < m_2 < torque and -torque < m_3 < torque and -torque < m_4 < torque)
-        and -_LARGEST_ACCELERATION < imu.longitudinal_acceleration < _LARGEST_ACCELERATION
-        and -_LARGEST_ACCELERATION < imu.lateral_acceleration < _LARGEST_ACCELERATION
-        and -_LARGEST_YAW_RATE < imu.yaw_rate < _LARGEST_YAW_RATE
-        and -_LARGEST_ANGLE < column.road_wheel_angle < _LARGEST_ANGLE
+        math.hypot(*wheels.velocity) < _LARGEST_SPEED
+        and math.hypot(*wheels.effort) < _LARGEST_TORQUE
+        and math.hypot(imu.longitudinal_acceleration, imu.lateral_acceleration) < _LARGEST_ACCELERATION
+        and abs(imu.yaw_rate) < _LARGEST_YAW_RATE
+        and abs(column.road_wheel_angle) < _LARGEST_ANGLE
     )

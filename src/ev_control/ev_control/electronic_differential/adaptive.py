@@ -69,19 +69,18 @@ class Adaptive:
     def step(self, driver: DriverCommand, wheels: WheelStates) -> WheelTorqueRequest:
         """Wheel torques [N m]: the equal share, and what the other wheel of the axle was refused."""
         s, equal = self.state, self._split.request(driver)
-        if not self._forced:
+        before, s.share = s.share, equal.drive
+        if not self._forced or driver.drive_torque == 0.0 or driver.brake_torque != 0.0:
+            s.refused = NO_WHEELS
             return equal
-        before, refused = s.share, [0.0, 0.0, 0.0, 0.0]
-        s.share = equal.drive
-        offered = list(equal.drive)
-        if driver.brake_torque == 0.0:
-            for i in self._wheels:
-                share = before[i]
-                if share * equal.drive[i] <= 0.0:
-                    continue
-                ahead = 1.0 if share > 0.0 else -1.0
-                short = min(max(ahead * (share - wheels.effort[i]), 0.0), ahead * share)
-                refused[i] = s.refused[i] + self._approach * (short - s.refused[i])
-                offered[_OTHER[i]] += ahead * refused[i]
+        refused, offered = [0.0, 0.0, 0.0, 0.0], list(equal.drive)
+        for i in self._wheels:
+            share = before[i]
+            if share * equal.drive[i] <= 0.0:
+                continue
+            ahead = 1.0 if share > 0.0 else -1.0
+            short = min(max(ahead * (share - wheels.effort[i]), 0.0), ahead * share)
+            refused[i] = s.refused[i] + self._approach * (short - s.refused[i])
+            offered[_OTHER[i]] += ahead * refused[i]
         s.refused = Wheels(*refused)
         return WheelTorqueRequest(Wheels(*offered), equal.brake)

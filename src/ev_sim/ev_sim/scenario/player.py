@@ -55,15 +55,27 @@ class SignalPlayer(Player):
     def __init__(self, configuration: Configuration, made: Any, now: dict[type, Any], instants: int) -> None:
         super().__init__(configuration, made, now)
         self._tracks = [Track(signal, instants) for signal in configuration.method.writes]
+        # Taken apart here, because that is done several times a step.
+        self._parts = [
+            (kind, track.carried, track.keep)
+            for kind, track in zip(configuration.method.writes, self._tracks, strict=True)
+        ]
 
     def show(self) -> None:
-        for track, signal in zip(self._tracks, self._object.outputs(), strict=True):
-            self._now[track.signal] = track.keep(signal)
+        for (kind, carried, keep), signal in zip(self._parts, self._object.outputs(), strict=True):
+            if carried:
+                signal = carried(signal)
+            keep(signal)
+            self._now[kind] = signal
 
     def answer(self) -> None:
         """Put the answer to the present signals among them, and keep it; SignalError as above."""
-        now, track = self._now, self._tracks[0]
-        now[track.signal] = track.keep(self._object.step(*self._heard_of(now)))
+        now, (kind, carried, keep) = self._now, self._parts[0]
+        signal = self._object.step(*self._heard_of(now))
+        if carried:
+            signal = carried(signal)
+        keep(signal)
+        now[kind] = signal
 
     def channels(self) -> dict[str, np.ndarray]:
         return {name: values for track in self._tracks for name, values in track.channels().items()}

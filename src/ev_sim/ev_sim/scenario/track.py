@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
 from ev_msgs_py.topics import TOPICS
@@ -13,33 +10,17 @@ from ev_msgs_py.topics import TOPICS
 class Track:
     """The numbers of a signal, a row for each of a known number of instants.
 
-    `keep(signal)` fills the next row and gives the signal back as its message would carry it; SignalError if a number
-    is not finite.
+    `keep(signal)` fills the next row; SignalError if a number is not finite. `carried(signal)` is the signal as its
+    message would bring it, or None where that is the signal itself.
     """
 
     def __init__(self, signal: type, instants: int) -> None:
-        self.signal = signal
-        self._rows = np.empty((instants, TOPICS[signal].codec.shape.size))
-        self.keep = _keeper(signal, self._rows)
+        self._topic = TOPICS[signal]
+        codec = self._topic.codec
+        self._rows = np.empty((instants, codec.shape.size))
+        self.keep = codec.shape.writer(self._rows)
+        self.carried = codec.carried if codec.rounds else None
 
     def channels(self) -> dict[str, np.ndarray]:
         """All that was kept, by channel."""
-        return dict(zip(TOPICS[self.signal].channels, self._rows.T, strict=True))
-
-
-def _keeper(signal: type, rows: np.ndarray) -> Callable[[Any], Any]:
-    # A closure, because this is done for every signal of every step and attributes cost more than the work.
-    codec = TOPICS[signal].codec
-    carried = codec.carried if codec.rounds else None
-    flat, pack, size = codec.shape.flat, codec.shape.packing.pack_into, codec.shape.packing.size
-    memory, place = memoryview(rows).cast("B"), 0
-
-    def keep(signal: Any) -> Any:
-        nonlocal place
-        if carried:
-            signal = carried(signal)
-        pack(memory, place, *flat(signal))
-        place += size
-        return signal
-
-    return keep
+        return dict(zip(self._topic.channels, self._rows.T, strict=True))

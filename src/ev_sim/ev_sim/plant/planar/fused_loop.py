@@ -29,22 +29,21 @@ def run(
     right: np.ndarray,
     slope: np.ndarray,
     voltages: np.ndarray,
-    map_speed: np.ndarray,
-    map_torque: np.ndarray,
-    map_efficiency: np.ndarray,
+    maps,
 ) -> int:
     """Advance the plant in place by a number of steps under the command in `record`, and observe it.
 
     The steering angle goes on at its commanded rate, the torque commands are held. `record` is a PLANT of shape (1,);
-    the arrays of road and efficiency map come one by one, because a tuple of them costs more for each call. `memory` of
-    shape (MEMORY,) is working memory; the signals of the last instant go into `row` (see showing.py). Without steps the
-    plant is observed only. Returns how many wheels are off the ground.
+    the arrays of the road come one by one, because a tuple of them costs more for each call. `maps` are the three
+    arrays of an efficiency map, or None: then this is compiled without looking at any. `memory` of shape (MEMORY,) is
+    working memory; the signals of the last instant go into `row` (see showing.py). Without steps the plant is observed
+    only. Returns how many wheels are off the ground.
     """
     plant = record[0]
     car, step, h = plant.car, plant.step, plant.h
     lags = (plant.lags[0], plant.lags[1], plant.lags[2], plant.lags[3])
     brushless = (plant.drives, plant.drive_parameters)
-    road, maps = (left, right, slope), (map_speed, map_torque, map_efficiency)
+    road = (left, right, slope)
     stage = memory[:INTEGRATED_SIZE]
     slopes = memory[INTEGRATED_SIZE : 5 * INTEGRATED_SIZE].reshape(4, INTEGRATED_SIZE)
     work = memory[5 * INTEGRATED_SIZE :].reshape(5, 4)

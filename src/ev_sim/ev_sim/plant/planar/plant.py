@@ -104,7 +104,7 @@ class PlanarPlant:
         motor_torque = p.motor.torque_limit if p.drive in DRIVES else vehicle.motor.peak_torque
         self.guard = CommandGuard(vehicle, motor_torque, vehicle.maximum_road_wheel_angle)
         self._road = road_tables(p.road, vehicle)
-        self._maps = _efficiency_map(vehicle if p.drive not in DRIVES else Vehicle())
+        self._maps = _efficiency_map(vehicle) if p.drive not in DRIVES else None
         self._voltages = np.array(vehicle.battery.open_circuit_voltage)
         self._record = self._plant_record(p)
         self._car, self._step = self._record["car"], self._record["step"]
@@ -153,7 +153,7 @@ class PlanarPlant:
     def _run(self, steps: int) -> None:
         """Take a number of steps, and observe the plant."""
         off_the_ground = run(
-            self.state, self._record, steps, self._memory, self.row, *self._road, self._voltages, *self._maps
+            self.state, self._record, steps, self._memory, self.row, *self._road, self._voltages, self._maps
         )
         if off_the_ground:
             loads = loads_of(self.row)
@@ -192,11 +192,11 @@ class PlanarPlant:
         return {**self.guard.diagnostics, "lifted_wheels": int(np.count_nonzero(loads_of(self.row) == 0.0))}
 
 
-def _efficiency_map(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _efficiency_map(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     motor = vehicle.motor
     if motor.map_file:
         raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
-    shape = (len(motor.map_speed), len(motor.map_torque))
     if not motor.map_efficiency:
-        return np.zeros(1), np.zeros(1), np.zeros((1, 1))
+        return None
+    shape = (len(motor.map_speed), len(motor.map_torque))
     return np.array(motor.map_speed), np.array(motor.map_torque), np.array(motor.map_efficiency).reshape(shape)

@@ -27,13 +27,13 @@ DRIVE_WORK = index("drive_work")
 
 @compiled
 def motor_loss(car, maps, torque: float, speed: float) -> float:
-    """Loss of one motor with inverter [W] at its shaft torque [N m] and speed [rad/s]."""
+    """Loss of one motor with inverter [W] at its shaft torque [N m] and speed [rad/s]; `maps` is None without a map."""
+    if maps is None:
+        return loss_power(
+            torque, speed, car.copper_loss, car.iron_loss, car.eddy_loss, car.inverter_loss, car.inverter_torque_loss
+        )
     speeds, torques, efficiency = maps
-    if efficiency.shape[0] > 1:
-        return map_loss_power(torque, speed, speeds, torques, efficiency)
-    return loss_power(
-        torque, speed, car.copper_loss, car.iron_loss, car.eddy_loss, car.inverter_loss, car.inverter_torque_loss
-    )
+    return map_loss_power(torque, speed, speeds, torques, efficiency)
 
 
 @compiled
