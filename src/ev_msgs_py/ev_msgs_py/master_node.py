@@ -132,8 +132,9 @@ class MasterNode(SteppedNode):
 
     def _put_awaited_signals_first(self) -> None:
         """Publish first what most nodes listen to: their step goes on while the rest is being published."""
-        counts = [writer.publisher.get_subscription_count() for writer in self.writers.values()]
-        self._order = sorted(range(len(counts)), key=lambda place: -counts[place])
+        writers = list(self.writers.items())
+        place_of = [(-writer.publisher.get_subscription_count(), arrival_place(signal)) for signal, writer in writers]
+        self._order = sorted(range(len(writers)), key=lambda n: place_of[n])
 
     def _publish(self, answer: Answer) -> None:
         for place in self._order:

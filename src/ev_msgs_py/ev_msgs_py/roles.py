@@ -52,7 +52,8 @@ class Role:
         return signal is Instant or signal in self.reads
 
 
-_BODY = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition)
+# In the order in which they are published: first what the driver waits for, with whom every step begins.
+_BODY = (WheelStates, BodyVelocity, BodyPose, InertialMeasurement, MotorStates, BatteryCondition)
 
 ROLES = {
     role.name: role

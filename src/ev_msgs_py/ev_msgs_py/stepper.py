@@ -26,9 +26,10 @@ WRITERS = writers(ROLES)
 _ORDER = {role: place for place, role in enumerate(sequence(ROLES))}
 
 
-def arrival_place(signal: type) -> int:
-    """Place of a signal's writer within one step: the higher, the later it arrives."""
-    return _ORDER[WRITERS[signal]]
+def arrival_place(signal: type) -> tuple[int, int]:
+    """Place of a signal's writer within one step, and of the signal among all that it writes: higher arrives later."""
+    writer = WRITERS[signal]
+    return _ORDER[writer], ROLES[writer].writes.index(signal)
 
 
 def upstream_signals(role: str) -> frozenset[type]:
@@ -37,7 +38,7 @@ def upstream_signals(role: str) -> frozenset[type]:
     Repeated ones call for a repeated answer. That of a role behind would not only be useless: two nodes that read
     each other would repeat their answers for ever.
     """
-    return frozenset(signal for signal in WRITERS if arrival_place(signal) < _ORDER[role])
+    return frozenset(signal for signal, writer in WRITERS.items() if _ORDER[writer] < _ORDER[role])
 
 
 class Stepper:
