@@ -10,7 +10,7 @@ import re
 import struct
 from typing import Any
 
-_ENCAPSULATION = b"\x00\x01\x00\x00"  # plain CDR, little-endian
+ENCAPSULATION = b"\x00\x01\x00\x00"  # plain CDR, little-endian
 _CODES = {
     "boolean": "?",
     "octet": "B",
@@ -32,7 +32,7 @@ def serialize(message: Any) -> bytes:
     """The bytes of a ROS message with its encapsulation header; fields of numbers, texts, messages and lists."""
     body = bytearray()
     _write_message(body, message)
-    return _ENCAPSULATION + bytes(body)
+    return ENCAPSULATION + bytes(body)
 
 
 def _write_message(body: bytearray, message: Any) -> None:

@@ -64,7 +64,10 @@ class Inbox:
         if kind in step:
             return Arrival.REPEATED
         step[kind] = signal
-        self._missing = None
+        if self.last is None or kind in self._followed or len(self._pending) > _KEPT_AHEAD:
+            self._missing = None
+        elif self._missing is not None and stamp == self.last + self.period:
+            self._missing = tuple([other for other in self._missing if other is not kind])
         if len(self._pending) > _KEPT_AHEAD:
             del self._pending[min(self._pending)]
         return Arrival.NEW

@@ -20,7 +20,7 @@ from ev_msgs_py.stepped_node import QUALITY, SteppedNode
 from ev_msgs_py.stepper import WRITERS, Answer, arrival_place
 from ev_msgs_py.topics import Topic
 from ev_msgs_py.wheels import NO_WHEELS
-from ev_msgs_py.wire_format import stamp_of
+from ev_msgs_py.wire_format import stamp_alone, stamp_of
 
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 
@@ -32,7 +32,6 @@ class MasterNode(SteppedNode):
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(MASTER, **node_arguments)
-        self._clock_message = Clock()
         self._clock_publisher = self.create_publisher(Clock, "/clock", QUALITY)
         self._recorded = -1  # stamp up to which the recorder holds everything
         self._paused = False
@@ -73,7 +72,7 @@ class MasterNode(SteppedNode):
     def awaits(self) -> Subscription:
         """The input that arrives last, also while the next step is only waiting for its time."""
         wanted = self.wanted() or self.stepper.reads
-        return self.signal_subscriptions[wanted[0] if len(wanted) == 1 else max(wanted, key=arrival_place)]
+        return self.readers[wanted[0] if len(wanted) == 1 else max(wanted, key=arrival_place)].subscription
 
     def wake_up_within(self) -> float:
         """Seconds until the next instant is due if nothing else holds it back, at most the period of retries."""
@@ -140,8 +139,7 @@ class MasterNode(SteppedNode):
         for place in self._order:
             signal = answer.signals[place]
             self.writers[type(signal)].write(answer.stamp, signal)
-        stamps.write(self._clock_message.clock, answer.stamp)
-        self._clock_publisher.publish(self._clock_message)
+        self._clock_publisher.publish(stamp_alone(answer.stamp))
         self._published = time.monotonic()
         self.pass_notes_on()
 

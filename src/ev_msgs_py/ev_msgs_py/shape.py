@@ -71,9 +71,11 @@ class Shape:
 
     def signal_of(self, values: tuple[float, ...]) -> Any:
         """The signal with these numbers; the inverse of `flat`."""
+        if len(values) != self.size:
+            raise TypeError(f"{self.signal.__name__} has {self.size} numbers, not {len(values)}")
         if self.per_wheel:
-            values = [Wheels._make(values[i : i + 4]) for i in range(0, len(values), 4)]
-        return self.signal._make(values)
+            values = [_new(Wheels, values[i : i + 4]) for i in range(0, len(values), 4)]
+        return _new(self.signal, values)
 
     def reader(self, numbers: Any, place: int) -> Callable[[], Any]:
         """A function that gives the signal whose numbers a buffer of float64 holds just then, from a place on."""

@@ -77,7 +77,7 @@ def _answer(service: Service) -> None:
 def _wait(nodes: Sequence[Spinnable]) -> bool:
     """Sleep until an awaited message arrives; False if none has within the time that the nodes allow."""
     awaited = [subscription for node in nodes if (subscription := node.awaits()) is not None]
-    timeout = min(node.wake_up_within() for node in nodes)
+    timeout = min([node.wake_up_within() for node in nodes])
     if not awaited:
         time.sleep(timeout)
         return False

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -30,10 +32,29 @@ class SignalWriter:
     def __init__(self, node: Node, topic: Topic) -> None:
         self._wire = wire_format(topic.signal)
         self.publisher: Publisher = node.create_publisher(self._wire.message_class, topic.name, QUALITY)
+        self._publish = self.publisher.handle.publish_raw
 
     def write(self, stamp: int, signal: Any) -> None:
         """Publish a signal; SignalError, and nothing is published, if a number is not finite."""
-        self.publisher.publish(self._wire.pack(stamp, signal))
+        self._publish(self._wire.pack(stamp, signal))
+
+
+class SignalReader:
+    """Receives one signal: gives each serialized message to `receive`, from an executor or where `take` finds one."""
+
+    def __init__(self, node: Node, topic: Topic, receive: Callable[[Topic, bytes], None]) -> None:
+        message_class = wire_format(topic.signal).message_class
+        self._receive = partial(receive, topic)
+        self.subscription = node.create_subscription(message_class, topic.name, self._receive, QUALITY, raw=True)
+        self._take = partial(self.subscription.handle.take_message, message_class, True)
+
+    def take(self) -> bool:
+        """Take a message if there is one."""
+        taken = self._take()
+        if taken is None:
+            return False
+        self._receive(taken[0])
+        return True
 
 
 class SteppedNode(Node):
@@ -58,7 +79,9 @@ class SteppedNode(Node):
         self.add_on_set_parameters_callback(self._on_set_parameters)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in self.configuration.method.writes}
-        self.signal_subscriptions = {signal: self._subscribe(signal) for signal in self.also_reads(self.stepper.reads)}
+        self.readers = {
+            signal: SignalReader(self, TOPICS[signal], self.receive) for signal in self.also_reads(self.stepper.reads)
+        }
         if self.configuration.unused:
             names = ", ".join(self.configuration.unused)
             self.get_logger().info(f"method {self.configuration.method.name} does not use: {names}")
@@ -75,34 +98,18 @@ class SteppedNode(Node):
     def _create(self) -> Any:
         return self.configuration.create()
 
-    def _subscribe(self, signal: type) -> Subscription:
-        topic = TOPICS[signal]
-
-        def receive(message: bytes) -> None:
-            self.receive(topic, message)
-
-        return self.create_subscription(wire_format(signal).message_class, topic.name, receive, QUALITY, raw=True)
-
     def poll(self) -> bool:
         """Take what the next step waits for and step where that completes the inputs; False if nothing was there."""
         progressed = False
         for signal in self.wanted():
-            progressed |= self._take(signal)
+            progressed |= self.readers[signal].take()
         return progressed
 
     def sweep(self) -> None:
         """Take everything: what nobody waits for are repetitions, and they tell that somebody misses an answer."""
-        for signal in self.signal_subscriptions:
-            while self._take(signal):
+        for reader in self.readers.values():
+            while reader.take():
                 pass
-
-    def _take(self, signal: type) -> bool:
-        subscription = self.signal_subscriptions[signal]
-        taken = subscription.handle.take_message(subscription.msg_type, True)
-        if taken is None:
-            return False
-        subscription.callback(taken[0])
-        return True
 
     def wanted(self) -> tuple[type, ...]:
         """The signals that the next step waits for."""
@@ -110,7 +117,7 @@ class SteppedNode(Node):
 
     def awaits(self) -> Subscription:
         """The subscription to wake up for: of the inputs that are missing the one that arrives last."""
-        return self.signal_subscriptions[max(self.wanted(), key=arrival_place)]
+        return self.readers[max(self.wanted(), key=arrival_place)].subscription
 
     def wake_up_within(self) -> float:
         """Seconds after which the node wants to be polled though no message has come."""
@@ -130,6 +137,8 @@ class SteppedNode(Node):
         stamp, signal = received
         fresh, last = self.stepper.is_fresh, self.stepper.inbox.last
         arrival = self.stepper.offer(topic.signal, stamp, signal)
+        if arrival is Arrival.NEW and self.stepper.lacks_inputs:
+            return  # most messages end here
         if arrival is Arrival.RESTART:
             self._before_reset = last + 2 * self.stepper.period
         if fresh and stamp > 0 and not self._joined_late:

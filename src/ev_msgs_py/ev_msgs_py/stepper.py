@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ev_msgs_py import stamps
 from ev_msgs_py.graph import sequence, writers
@@ -14,8 +13,7 @@ from ev_msgs_py.roles import INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.signals import Instant
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(NamedTuple):
     """What a node says for one instant."""
 
     stamp: int
@@ -80,6 +78,11 @@ class Stepper:
             self._begin_anew()
         return arrival
 
+    @property
+    def lacks_inputs(self) -> bool:
+        """Whether it is under way and its next step still waits for an input."""
+        return self.answer is not None and self.inbox.last is not None and self.inbox.complete() is None
+
     def answers_to(self, kind: type, stamp: int, arrival: Arrival) -> Iterator[Answer]:
         """What a message that has been taken in leads to: an answer, or recent answers again."""
         if arrival is Arrival.REPEATED and kind in self.upstream:
@@ -126,8 +129,8 @@ class Stepper:
 
     def step_with(self, stamp: int, inputs: Mapping[type, Any]) -> Answer:
         """One step with these inputs."""
-        inputs = {**inputs, Instant: Instant(stamps.to_seconds(stamp))}
-        arguments = [inputs[kind] for kind in self._signature]
+        now = Instant(stamps.to_seconds(stamp))
+        arguments = [now if kind is Instant else inputs[kind] for kind in self._signature]
         self._at_rest = False
         if self.integrates:
             self._before = self.answer

@@ -92,3 +92,8 @@ def stamp_of(message: bytes) -> int:
     """The stamp in a serialized message of the contract, in nanoseconds."""
     seconds, nanoseconds = struct.unpack_from("<iI", message, STAMP_AT)
     return seconds * stamps.NANOSECONDS + nanoseconds
+
+
+def stamp_alone(stamp: int) -> bytes:
+    """A serialized message that is nothing but a stamp, as /clock is."""
+    return cdr.ENCAPSULATION + struct.pack("<iI", *divmod(stamp, stamps.NANOSECONDS))

@@ -53,15 +53,13 @@ class RecorderNode(Node):
         self._recorder = RunRecorder(topics, names, period, bag, realtime, self._last or None)
         self._wrote = False
         self._told = -1
-        self._clock = -1
+        self._clock_stamp = -1
         self._next_poll = 0.0
         # The master's first: nobody speaks of an instant before the master does, so nothing seems to be ahead of it.
         masters_first = sorted(enumerate(topics), key=lambda place: place[1].signal not in ROLES[MASTER].writes)
         self._all_subscriptions = [self._subscribe(index, topic) for index, topic in masters_first]
-        self._all_subscriptions.append(self.create_subscription(Clock, "/clock", self._on_clock, QUALITY, raw=True))
-        self._all_subscriptions.append(
-            self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, QUALITY, raw=True)
-        )
+        if bag is not None:
+            self._all_subscriptions += self._subscribe_beside()
         self._progress = SignalWriter(self, TOPICS[RECORDER_WRITES])
         self.create_timer(_POLL_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
 
@@ -72,14 +70,21 @@ class RecorderNode(Node):
         kind = message_class(topic.codec.message_type)
         return self.create_subscription(kind, topic.name, receive, QUALITY, raw=True)
 
+    def _subscribe_beside(self) -> tuple[Subscription, Subscription]:
+        """What is no signal of the contract only goes into the bag."""
+        return (
+            self.create_subscription(Clock, "/clock", self._on_clock, QUALITY, raw=True),
+            self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, QUALITY, raw=True),
+        )
+
     def _on_clock(self, message: bytes) -> None:
         stamp = stamp_of(message)
-        if stamp != self._clock:  # the master repeats the stamp where it repeats the state
-            self._clock = stamp
+        if stamp != self._clock_stamp:  # the master repeats the stamp where it repeats the state
+            self._clock_stamp = stamp
             self._recorder.add_beside("/clock", "rosgraph_msgs/msg/Clock", message, stamp)
 
     def _on_diagnostics(self, message: bytes) -> None:
-        stamp = max(self._clock, 0)
+        stamp = max(self._clock_stamp, 0)
         self._recorder.add_beside("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", message, stamp)
 
     def poll(self) -> bool:
