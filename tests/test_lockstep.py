@@ -14,6 +14,7 @@ from ev_msgs_py.configuration import Configuration
 from ev_msgs_py.inbox import Arrival, Inbox
 from ev_msgs_py.roles import MASTER, ROLES, RoleKind
 from ev_msgs_py.signals import (
+    BodyPose,
     BodyVelocity,
     DriverCommand,
     SteeringColumnState,
@@ -22,7 +23,7 @@ from ev_msgs_py.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
-from ev_msgs_py.stepper import upstream_signals
+from ev_msgs_py.stepper import arrival_place, upstream_signals
 from ev_sim.recording.recording import Recording
 from ev_sim.scenario.offline import run_offline
 from ev_sim.scenario.scenario import load_scenario
@@ -299,6 +300,25 @@ def test_incomplete_steps_do_not_pile_up():
     assert box.complete() == 999 * PERIOD
 
 
+@given(
+    st.lists(st.tuples(st.sampled_from((DriverCommand, WheelStates, SteeringColumnState)), st.integers(0, 3))),
+    st.sampled_from((frozenset(), frozenset({SteeringColumnState}))),
+)
+def test_what_is_missing_is_what_has_not_come(messages, followed):
+    """Asked after every message, as a node does, or only at the end: the same."""
+    asked, unasked = (inbox((DriverCommand, WheelStates, SteeringColumnState), followed=followed) for _ in range(2))
+    for box in (asked, unasked):
+        box.expect(0)
+    for kind, step in messages:
+        for box in (asked, unasked):
+            box.offer(kind, step * PERIOD, None)
+        asked.missing()
+    assert asked.missing() == unasked.missing()
+    come = {kind for kind, step in messages if step == 0}
+    gone_on = {kind for kind, step in messages if step == 1} | set(asked.reads) - followed
+    assert set(asked.missing()) == set(asked.reads) - (come & gone_on)
+
+
 def test_a_followed_input_must_have_gone_on():
     """The master waits until who integrates has taken the step, for nobody would repeat its inputs later."""
     box = inbox(followed=frozenset({WheelStates}))
@@ -412,6 +432,14 @@ def test_realtime_lets_a_node_that_answers_step_once():
     feed(stepper, 0)
     assert [answer.stamp for answer in feed(stepper, 3 * PERIOD)] == [3 * PERIOD]
     assert stepper.stepped == [0, 3 * PERIOD]
+
+
+def test_the_plant_says_first_what_the_others_wait_for():
+    """A node sleeps until the input that comes last: of the plant's, the one that it publishes last."""
+    order = sorted(ROLES["plant"].writes, key=arrival_place)
+    assert tuple(order) == ROLES["plant"].writes
+    assert max((WheelStates, BodyVelocity, BodyPose), key=arrival_place) is BodyPose
+    assert max((BodyPose, DriverCommand, SteeringColumnState), key=arrival_place) is DriverCommand
 
 
 def test_who_integrates_is_followed_by_the_master():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
+import numpy as np
 import pytest
 from toy_methods import ToyParameters, toy, toy_graph
 
@@ -12,7 +13,7 @@ from ev_msgs_py.configuration import Configuration
 from ev_msgs_py.methods import Method
 from ev_msgs_py.parameters import ParameterError
 from ev_msgs_py.roles import MASTER, ROLES
-from ev_msgs_py.shape import SignalError
+from ev_msgs_py.shape import SignalError, shape_of
 from ev_msgs_py.signals import (
     BatteryCondition,
     BodyVelocity,
@@ -140,6 +141,64 @@ def test_a_law_that_gives_no_number_stops_the_run_in_one_line(bad):
     with pytest.raises(SignalError) as error:
         run_offline({**clockwork(), "electronic_differential": law, "asr": asr}, 0.1)
     assert str(error.value) == f"WheelTorqueRequest.drive.front_right is {bad}, only finite numbers are allowed"
+
+
+class InARow:
+    """A plant whose outputs lie in a row; the n-th number of it counts, from `start` on."""
+
+    def __init__(self, place: int, start: float) -> None:
+        self._shapes = [shape_of(kind) for kind in ROLES[MASTER].writes]
+        self.row = np.zeros(sum(shape.size for shape in self._shapes))
+        self.row[place] = start
+        self._place = place
+
+    def outputs(self):
+        ends = np.cumsum([shape.size for shape in self._shapes])[:-1]
+        parts = [part.tolist() for part in np.split(self.row, ends)]
+        return tuple(shape.signal_of(part) for shape, part in zip(self._shapes, parts, strict=True))
+
+    def advance(self, command: WheelTorqueCommand) -> None:
+        self.row[self._place] += 1.0
+
+
+def with_a_row(place: int, start: float) -> dict[str, Configuration]:
+    made = played_by(MASTER, lambda *given: InARow(place, start), (WheelTorqueCommand,))
+    return {**toy_graph(), MASTER: made}
+
+
+def test_outputs_in_a_row_are_recorded_and_heard_as_any_others():
+    """The same plant with and without its row: whoever reads it does the same."""
+    channels = run_offline(with_a_row(1, 0.0), 0.03).channels
+    assert channels["wheel_states.position.front_right"].tolist() == [0.0, 1.0, 2.0, 3.0]
+
+    class Plain(InARow):
+        row = None
+
+        def __init__(self) -> None:
+            self.hidden = InARow(1, 0.0)
+
+        def outputs(self):
+            return self.hidden.outputs()
+
+        def advance(self, command: WheelTorqueCommand) -> None:
+            self.hidden.advance(command)
+
+    plain = played_by(MASTER, lambda *given: Plain(), (WheelTorqueCommand,))
+    assert signal_hash(run_offline({**toy_graph(), MASTER: plain}, 0.03)) == signal_hash(
+        run_offline(with_a_row(1, 0.0), 0.03)
+    )
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_a_number_in_a_row_that_is_none_stops_the_run_by_its_name(bad):
+    with pytest.raises(SignalError, match=f"WheelStates.position.front_right is {bad}"):
+        run_offline(with_a_row(1, bad), 0.03)
+
+
+@pytest.mark.filterwarnings("ignore:overflow")
+def test_a_number_whose_square_is_infinite_is_a_number():
+    channels = run_offline(with_a_row(1, 1e200), 0.01).channels
+    assert channels["wheel_states.position.front_right"].tolist() == [1e200, 1e200]
 
 
 def test_nodes_that_do_not_fit_together_do_not_start():

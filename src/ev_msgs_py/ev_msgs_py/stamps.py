@@ -20,8 +20,3 @@ def to_seconds(stamp: int) -> float:
 def read(time: Any) -> int:
     """The stamp in a builtin_interfaces/Time."""
     return time.sec * NANOSECONDS + time.nanosec
-
-
-def write(time: Any, stamp: int) -> None:
-    """Put a stamp into a builtin_interfaces/Time."""
-    time.sec, time.nanosec = divmod(stamp, NANOSECONDS)
