@@ -9,9 +9,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ev_control.asr.reference_speed import ReferenceSpeed, ReferenceSpeedParameters
 from ev_control.asr.slip_observers import SlipObserver, SlipObserverParameters, SlipObserverState
 from ev_control.asr.traction_control import WheelMotion
+from ev_control.reference_speed import ReferenceSpeed, ReferenceSpeedParameters
 from ev_msgs_py.signals import InertialMeasurement
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.asr.reference_speed import ReferenceSpeed, ReferenceSpeedParameters, ReferenceSpeedState
-from ev_control.asr.wheel_dynamics import filter_share
+from ev_control.first_order_filter import filter_share
 from ev_control.friction_learning import FrictionLearningParameters
+from ev_control.reference_speed import ReferenceSpeed, ReferenceSpeedParameters, ReferenceSpeedState
 from ev_control.wheel_loads import WheelLoads
 from ev_msgs_py.parameters import group
 from ev_msgs_py.signals import InertialMeasurement, SteeringColumnState, WheelStates

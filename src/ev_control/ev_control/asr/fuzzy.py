@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from ev_control.asr.slip_regulator import RegulatedWheel, SlipRegulator, SlipRegulatorParameters
 from ev_control.asr.traction_control import WheelMotion
-from ev_control.asr.wheel_dynamics import Filtered, filter_share
+from ev_control.first_order_filter import Filtered, filter_share
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.vehicle import Vehicle

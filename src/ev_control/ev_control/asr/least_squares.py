@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from ev_control.asr.reference_speed import ReferenceSpeedParameters
 from ev_control.asr.slip_curve_fit import SlipCurveFit
 from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
-from ev_control.asr.wheel_dynamics import Filtered, filter_share, road_torque
+from ev_control.asr.wheel_dynamics import road_torque
+from ev_control.first_order_filter import Filtered, filter_share
+from ev_control.reference_speed import ReferenceSpeedParameters
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import ParameterError, group, parameter
 from ev_msgs_py.vehicle import Vehicle

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from ev_control.asr.reference_speed import ReferenceSpeedParameters
 from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
-from ev_control.asr.wheel_dynamics import Filtered, filter_share, mass_share, road_torque
+from ev_control.asr.wheel_dynamics import mass_share, road_torque
+from ev_control.first_order_filter import Filtered, filter_share
+from ev_control.reference_speed import ReferenceSpeedParameters
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.vehicle import Vehicle

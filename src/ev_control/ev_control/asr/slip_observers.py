@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ev_control.asr.traction_control import WheelMotion
-from ev_control.asr.wheel_dynamics import Filtered, filter_share, mass_share
+from ev_control.asr.wheel_dynamics import mass_share
+from ev_control.first_order_filter import Filtered, filter_share
 from ev_msgs_py.parameters import parameter
 from ev_msgs_py.vehicle import Vehicle
 

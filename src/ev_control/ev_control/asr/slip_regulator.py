@@ -7,9 +7,9 @@ from abc import abstractmethod
 from dataclasses import dataclass, field
 from typing import Any
 
-from ev_control.asr.reference_speed import ReferenceSpeedParameters
 from ev_control.asr.slip_observers import SlipObserver, SlipObserverParameters, SlipObserverState
 from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
+from ev_control.reference_speed import ReferenceSpeedParameters
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.vehicle import Vehicle
 

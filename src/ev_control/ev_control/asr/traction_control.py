@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ev_control.asr.reference_speed import ReferenceSpeed, ReferenceSpeedParameters, ReferenceSpeedState
+from ev_control.reference_speed import ReferenceSpeed, ReferenceSpeedParameters, ReferenceSpeedState
 from ev_msgs_py.signals import (
     InertialMeasurement,
     SteeringColumnState,

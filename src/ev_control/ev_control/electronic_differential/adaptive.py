@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.asr.wheel_dynamics import filter_share
 from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit
+from ev_control.first_order_filter import filter_share
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import DriverCommand, WheelStates, WheelTorqueRequest

@@ -17,6 +17,7 @@ from ev_sim.report.zhileykin2018 import LIMIT
 from ev_sim.scenario.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
+from ev_sim.study.text_table import text_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -99,8 +100,8 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text."""
-    text = "\n".join("".join(f"{cell:>14}" for cell in line) for line in (COLUMNS, *rows(given, results)))
-    return f"largest sideslip angle [deg], ** where it passes {math.degrees(LIMIT):g} deg\n{text}"
+    table = text_table(COLUMNS, rows(given, results), left=0)
+    return f"largest sideslip angle [deg], ** where it passes {math.degrees(LIMIT):g} deg\n{table}"
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
