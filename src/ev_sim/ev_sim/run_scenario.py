@@ -104,6 +104,8 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
 
 def _drive_offline(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
     write_parameter_file(directory / "parameters.yaml", run, node_parameters(run, directory, bag))
+    for configuration in run.configurations.values():
+        configuration.create()  # compiled code is loaded before the clock starts
     start = time.monotonic()
     notes: list[str] = []
     recording = run_offline(
