@@ -126,7 +126,7 @@ def _watch(
     run: Run, nodes: list[NodeProcess], observer: Observer, directory: Path, progress: Progress, stop: StopRequest
 ) -> Outcome:
     """Look at processes and time until plant and recorder have come to their end by themselves."""
-    started = None
+    started = ended = None  # wall time at which the car was first seen under way, and at its last instant
     ending = {MASTER, RECORDER}
     last = stamps.to_seconds(stamps.from_seconds(run.duration) // run.period * run.period)
     patience = math.inf  # wall time up to which the recorder may tell that it has everything
@@ -138,6 +138,8 @@ def _watch(
         progress(observer.time)
         if started is None and observer.time > 0:
             started = time.monotonic()
+        if ended is None and observer.time >= last:
+            ended = time.monotonic()
         for node in nodes:
             code = node.process.poll()
             if code == 0 and node.name in (MASTER, RECORDER):
@@ -147,7 +149,8 @@ def _watch(
                     raise RunFailed(f"node {node.name} was stopped at {observer.time:g} s of simulated time")
             elif code is not None:
                 raise RunFailed(f"{node.failure()}, at {observer.time:g} s of simulated time")
-    wall_time = time.monotonic() - (started if started is not None else time.monotonic())
+    now = time.monotonic()
+    wall_time = (ended or now) - (started or now)
     progress(run.duration)
     warnings, notes = not_reproducible(run, observer.warnings), tuple(observer.notes)
     return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes)
