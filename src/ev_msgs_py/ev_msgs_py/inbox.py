@@ -64,12 +64,13 @@ class Inbox:
         if kind in step:
             return Arrival.REPEATED
         step[kind] = signal
-        if self.last is None or kind in self._followed or len(self._pending) > _KEPT_AHEAD:
+        if self.last is None or kind in self._followed:
             self._missing = None
         elif self._missing is not None and stamp == self.last + self.period:
             self._missing = tuple([other for other in self._missing if other is not kind])
         if len(self._pending) > _KEPT_AHEAD:
             del self._pending[min(self._pending)]
+            self._missing = None
         return Arrival.NEW
 
     def expect(self, stamp: int) -> None:

@@ -81,8 +81,8 @@ class Shape:
         """A function that gives the signal whose numbers a buffer of float64 holds just then, from a place on."""
         signal, begin = self.signal, place * _FLOAT
         if self.per_wheel:
-            places = [begin + i * _OF_WHEELS.size for i in range(len(self.fields))]
-            return lambda: _new(signal, [_new(Wheels, _of_wheels(numbers, place)) for place in places])
+            begins = [begin + i * _OF_WHEELS.size for i in range(len(self.fields))]
+            return lambda: _new(signal, [_new(Wheels, _of_wheels(numbers, each)) for each in begins])
         unpack = self.packing.unpack_from
         return lambda: _new(signal, unpack(numbers, begin))
 

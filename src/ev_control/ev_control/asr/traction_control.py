@@ -103,19 +103,20 @@ class TractionControl(ABC):
         self._reference.state = s.reference
         rolling = self._reference.rolling_speeds(wheels.velocity, column.road_wheel_angle, imu, direction)
         if braked or not any(drive):
-            self._forget()
+            for place in range(len(self._driven)):
+                self._turn(place, 0.0)
             limits = None
         else:
             limits = self._limits(drive, wheels, rolling, imu)
         s.velocity = wheels.velocity
         return _limited(request, self._driven, limits)
 
-    def _forget(self) -> None:
+    def _turn(self, place: int, ahead: float) -> None:
+        """Note the direction of the request of a driven wheel, which is forgotten where that is another one."""
         s = self.state
-        for place, direction in enumerate(s.direction):
-            if direction != 0.0:
-                s.direction[place] = 0.0
-                s.wheels[place] = self._new_wheel()
+        if ahead != s.direction[place]:
+            s.direction[place] = ahead
+            s.wheels[place] = self._new_wheel()
 
     def _limits(
         self, drive: Wheels, wheels: WheelStates, rolling: tuple[float, float, float, float], imu: InertialMeasurement
@@ -129,9 +130,7 @@ class TractionControl(ABC):
             ahead = 1.0 if wanted > 0.0 else -1.0
             if wanted == 0.0 or ahead * s.reference.speed < -_PULLING_AWAY:
                 ahead = 0.0
-            if ahead != s.direction[place]:
-                s.direction[place] = ahead
-                s.wheels[place] = self._new_wheel()
+            self._turn(place, ahead)
             if ahead == 0.0:
                 limits.append(math.inf)
                 continue

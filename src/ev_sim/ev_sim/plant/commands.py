@@ -61,12 +61,8 @@ class CommandGuard:
 
     def steering(self, column: SteeringColumnState, period: float) -> tuple[float, float]:
         """The angle as above, and the rate [rad/s] at which it may go on over a period [s] within its limit."""
-        angle, rate, limit = column.road_wheel_angle, column.road_wheel_rate, self.angle_limit
-        if -limit <= angle <= limit and (-limit - angle) / period <= rate <= (limit - angle) / period:
-            self._angle = angle
-            return angle, rate
-        angle = self.angle(column)
-        return angle, self._value(rate, 0.0, (-limit - angle) / period, (limit - angle) / period)
+        angle, limit = self.angle(column), self.angle_limit
+        return angle, self._value(column.road_wheel_rate, 0.0, (-limit - angle) / period, (limit - angle) / period)
 
     @property
     def refused(self) -> int:

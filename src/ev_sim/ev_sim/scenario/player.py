@@ -62,20 +62,18 @@ class SignalPlayer(Player):
         ]
 
     def show(self) -> None:
-        for (kind, carried, keep), signal in zip(self._parts, self._object.outputs(), strict=True):
-            if carried:
-                signal = carried(signal)
-            keep(signal)
-            self._now[kind] = signal
+        for part, signal in zip(self._parts, self._object.outputs(), strict=True):
+            self._say(*part, signal)
 
     def answer(self) -> None:
         """Put the answer to the present signals among them, and keep it; SignalError as above."""
-        now, (kind, carried, keep) = self._now, self._parts[0]
-        signal = self._object.step(*self._heard_of(now))
+        self._say(*self._parts[0], self._object.step(*self._heard_of(self._now)))
+
+    def _say(self, kind: type, carried: Callable[[Any], Any] | None, keep: Callable[[Any], None], signal: Any) -> None:
         if carried:
             signal = carried(signal)
         keep(signal)
-        now[kind] = signal
+        self._now[kind] = signal
 
     def channels(self) -> dict[str, np.ndarray]:
         return {name: values for track in self._tracks for name, values in track.channels().items()}
