@@ -63,13 +63,14 @@ class SignalPlayer(Player):
 
     def show(self) -> None:
         for part, signal in zip(self._parts, self._object.outputs(), strict=True):
-            self._say(*part, signal)
+            self._say(part, signal)
 
     def answer(self) -> None:
         """Put the answer to the present signals among them, and keep it; SignalError as above."""
-        self._say(*self._parts[0], self._object.step(*self._heard_of(self._now)))
+        self._say(self._parts[0], self._object.step(*self._heard_of(self._now)))
 
-    def _say(self, kind: type, carried: Callable[[Any], Any] | None, keep: Callable[[Any], None], signal: Any) -> None:
+    def _say(self, part: tuple[type, Any, Any], signal: Any) -> None:
+        kind, carried, keep = part
         if carried:
             signal = carried(signal)
         keep(signal)
