@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from ev_msgs_py import stamps
 from ev_msgs_py.efficiency_map import with_map_from_file
 from ev_msgs_py.measured import behind_sensors
-from ev_msgs_py.methods import Method, create, find_method, methods_of
+from ev_msgs_py.methods import Method, create, find_method, methods_of, refuse_layout
 from ev_msgs_py.parameters import (
     Entry,
     ParameterError,
@@ -70,6 +70,11 @@ class Configuration:
         """The control period in nanoseconds."""
         return stamps.from_seconds(self.common.control_period)
 
+    @property
+    def is_ideal(self) -> bool:
+        """Whether all its sensors show the truth."""
+        return self.sensors == type(self.sensors)()
+
     def create(self) -> Any:
         """A new object of the method, at rest, behind its sensors."""
         made = create(self.method, self.parameters, self.common.vehicle, self.common.control_period)
@@ -124,6 +129,7 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     load_files = getattr(method.factory, "load_files", None)
     if load_files is not None:
         parameters = load_files(parameters)
+    refuse_layout(method, parameters, common.vehicle)
     return Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors)
 
 

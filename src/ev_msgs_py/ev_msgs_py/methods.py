@@ -8,11 +8,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
-from typing import Any
+from typing import Any, TypeVar
 
-from ev_msgs_py.parameters import unknown_name
+from ev_msgs_py.layout import refusal
+from ev_msgs_py.lockstep.law import Law, given_names
+from ev_msgs_py.parameters import ParameterError, unknown_name
 from ev_msgs_py.roles import INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.signals import Instant
+
+T = TypeVar("T")
 
 _REGISTER: dict[str, dict[str, Method]] = {}
 
@@ -23,7 +27,7 @@ class Method:
 
     role: str
     name: str
-    factory: type
+    factory: Any
     reads: tuple[type, ...]
     parameters: type
 
@@ -45,7 +49,7 @@ class Method:
     @property
     def writes(self) -> tuple[type, ...]:
         """The signals it writes: those of its role, or the part of them that it can know."""
-        return getattr(self.factory, "writes", ROLES[self.role].writes)
+        return getattr(self.factory, "writes", None) or ROLES[self.role].writes
 
     @property
     def requires(self) -> dict[str, str]:
@@ -53,35 +57,56 @@ class Method:
         return getattr(self.factory, "requires", {})
 
     @property
+    def law(self) -> Law | None:
+        """The functions that it consists of; None if it is a class."""
+        return self.factory if isinstance(self.factory, Law) else None
+
+    @property
+    def documented(self) -> Any:
+        """What carries its docstring."""
+        return self.factory if self.law is None else self.law.function
+
+    @property
     def about(self) -> str:
         """First line of the docstring."""
-        return (inspect.getdoc(self.factory) or "").partition("\n")[0]
+        return (inspect.getdoc(self.documented) or "").partition("\n")[0]
 
 
-def method(role: str, name: str) -> Callable[[type], type]:
-    """Register a class as a method of a role.
+def method(role: str, name: str, parameters: type | None = None, **how: Any) -> Callable[[T], T]:
+    """Register a class or a function as a method of a role.
 
-    The class has `parameters` (a parameter dataclass), `__init__(parameters, vehicle, period)` and, by the kind of
-    its role, `step(...)` (answers at once) or `outputs()` and `advance(...)` (integrates). The annotations of `step`
-    or `advance` name the signals it reads; TypeError if its role may not read one of them. All that lasts between
-    steps is in its attribute `state`. An object that integrates may have a `row`, a float64 array, always the same,
-    with the numbers of its outputs in the order of their channels and as its messages carry them: the offline runner
-    then makes only those signals of it that somebody reads. The class may say `writes` (the part of its role's signals
-    that it can know) and `requires` (by role the method without which it makes no sense).
+    A class has `parameters` (a parameter dataclass), `__init__(parameters, vehicle, period)` and, by the kind of
+    its role, `step(...)` (answers at once) or `outputs()` and `advance(...)` (integrates). All that lasts between steps
+    is in its attribute `state`. It may say `writes` (the part of its role's signals that it can know) and `requires`
+    (by role the method without which it makes no sense).
+
+    A function comes with its parameter dataclass and, in `how`, what else `lockstep.law.Law` has.
+
+    The annotations of `step`, `advance` or the function name the signals that are read; TypeError if the role may not
+    read one of them.
     """
 
-    def register(factory: type) -> type:
-        function = factory.advance if ROLES[role].kind is RoleKind.INTEGRATES else factory.step  # type: ignore
+    def register(defined: T) -> T:
+        factory: Any = defined
+        if parameters is not None:
+            factory = Law(defined, parameters, **how)
+        function = _stepping(role, factory)
         hints = typing.get_type_hints(function)
-        hints.pop("return", None)
-        reads = tuple(hints.values())
+        given = given_names(function) if parameters is not None else ()
+        reads = tuple(kind for argument, kind in hints.items() if argument not in (*given, "return"))
         for signal in reads:
             if not ROLES[role].may_read(signal):
                 raise TypeError(f"{role} method {name}: a {role} does not read {signal.__name__} (see roles.py)")
-        _REGISTER.setdefault(role, {})[name] = Method(role, name, factory, reads, factory.parameters)  # type: ignore
-        return factory
+        _REGISTER.setdefault(role, {})[name] = Method(role, name, factory, reads, factory.parameters)
+        return defined
 
     return register
+
+
+def _stepping(role: str, factory: Any) -> Callable[..., Any]:
+    if isinstance(factory, Law):
+        return factory.function
+    return factory.advance if ROLES[role].kind is RoleKind.INTEGRATES else factory.step
 
 
 @cache
@@ -116,3 +141,10 @@ def all_methods() -> dict[str, dict[str, Method]]:
 def create(method: Method, parameters: Any, vehicle: Any, period: float) -> Any:
     """A new object of a method, at rest."""
     return method.factory(parameters, vehicle, period)
+
+
+def refuse_layout(method: Method, parameters: Any, vehicle: Any) -> None:
+    """ParameterError if the vehicle lacks what a method with these parameters needs."""
+    text = refusal(method.role, method.name, getattr(method.factory, "needs", ()), parameters, vehicle)
+    if text:
+        raise ParameterError(text)

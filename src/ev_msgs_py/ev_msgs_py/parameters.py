@@ -197,6 +197,25 @@ def flatten(instance: Any, prefix: str = "") -> dict[str, Any]:
     return {entry.name: entry.default for entry in entries(instance, prefix)}
 
 
+def number_tree(instance: Any) -> dict[str, Any]:
+    """The numbers of a parameter dataclass as a tree: floats by name, groups as trees.
+
+    A choice is its place among the choices, a switch 0 or 1. Free text and arrays, which are no numbers, are left out.
+    """
+    tree: dict[str, Any] = {}
+    for f in fields(instance):
+        value = getattr(instance, f.name)
+        if is_dataclass(value):
+            tree[f.name] = number_tree(value)
+        elif isinstance(value, str):
+            choices = f.metadata[_SPEC].choices
+            if choices:
+                tree[f.name] = float(choices.index(value))
+        elif not isinstance(value, tuple):
+            tree[f.name] = float(value)
+    return tree
+
+
 def unknown_name(kind: str, name: Any, known: Iterable[str]) -> ParameterError:
     """The error for a name that does not exist: it lists the known ones, the most similar first."""
     known = list(known)

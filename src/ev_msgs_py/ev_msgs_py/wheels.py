@@ -30,4 +30,5 @@ class Wheels(NamedTuple):
 
 
 WHEEL_NAMES = Wheels._fields
+FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT = range(len(WHEEL_NAMES))  # places in Wheels
 NO_WHEELS = Wheels.all(0.0)

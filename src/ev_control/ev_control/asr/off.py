@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.methods import method
 from ev_msgs_py.signals import WheelTorqueCommand, WheelTorqueRequest
-from ev_msgs_py.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,16 +14,8 @@ class OffParameters:
     """Nothing to choose."""
 
 
-@method("asr", "off")
-class Off:
+@method("asr", "off", OffParameters)
+@compilable
+def off(request: WheelTorqueRequest) -> WheelTorqueCommand:
     """Let the requested wheel torques through unchanged."""
-
-    parameters = OffParameters
-    state = None  # nothing lasts between steps
-
-    def __init__(self, parameters: OffParameters, vehicle: Vehicle, period: float) -> None:
-        pass
-
-    def step(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
-        """The same torques [N m]."""
-        return WheelTorqueCommand(request.drive, request.brake)
+    return WheelTorqueCommand(request.drive, request.brake)

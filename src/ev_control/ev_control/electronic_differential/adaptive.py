@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit
+from ev_control.electronic_differential.torque_split import BrakeSplitParameters, split
 from ev_control.first_order_filter import filter_share
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import per_wheel
+from ev_msgs_py.layout import any_driven
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import DriverCommand, WheelStates, WheelTorqueRequest
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+from ev_msgs_py.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_LEFT, REAR_RIGHT, Wheels
 
-_OTHER = (1, 0, 3, 2)  # wheel of the same axle
-
+TERRAINS = ("road", "off_road")
+ROAD, OFF_ROAD = range(len(TERRAINS))
 
 @dataclass(frozen=True, slots=True)
 class AdaptiveParameters:
@@ -21,7 +24,7 @@ class AdaptiveParameters:
 
     terrain: str = parameter(
         "off_road",
-        choices=("road", "off_road"),
+        choices=TERRAINS,
         about="road: equal torques whatever happens; off_road: refused torque is offered to the other wheel",
         source="dissertation, section 2.4",
     )
@@ -38,14 +41,17 @@ class AdaptiveParameters:
 
 @dataclass(slots=True)
 class AdaptiveState:
-    """What each wheel was asked for as its own share, and how much of it was refused [N m]."""
+    """What lasts between steps."""
 
-    share: Wheels = NO_WHEELS
-    refused: Wheels = NO_WHEELS
+    share: list[float] = per_wheel(unit="N m", about="what each wheel was asked for as its own share")
+    refused: list[float] = per_wheel(unit="N m", about="how much of it was refused")
 
 
-@method("electronic_differential", "adaptive")
-class Adaptive:
+@method("electronic_differential", "adaptive", AdaptiveParameters, state=AdaptiveState, needs=(any_driven,))
+@compilable
+def adaptive(
+    p: AdaptiveParameters, car: Car, s: AdaptiveState, period: float, driver: DriverCommand, wheels: WheelStates
+) -> WheelTorqueRequest:
     """Give equal torques, and offer what one wheel of an axle does not take to the other wheel.
 
     Dissertation, sections 2.4 and 3.1: the base is equal torques; where the ASR holds a wheel at the limit of its
@@ -53,34 +59,32 @@ class Adaptive:
     other wheel, whose own ASR decides what it takes. So the wheels get no more than the driver asked for as soon as
     the refusal is noticed; while it fades, for `filter_time`, the sum of the requests is up to R_i higher. Without ASR
     this is `equal_torque`. Nothing is offered on while the driver brakes, and a changed direction begins anew.
-    ValueError if the vehicle has no driven wheel.
     """
+    equal = split(p.brake, car, driver, 0.0)
+    offers = p.terrain == OFF_ROAD and driver.drive_torque != 0.0 and driver.brake_torque == 0.0
+    front_left, front_right, rear_left, rear_right = equal.drive
+    if offers:
+        approach = filter_share(period, p.filter_time)
+        front_right += refused(car, s, FRONT_LEFT, FRONT_RIGHT, equal.drive[0], wheels.effort[0], approach)
+        front_left += refused(car, s, FRONT_RIGHT, FRONT_LEFT, equal.drive[1], wheels.effort[1], approach)
+        rear_right += refused(car, s, REAR_LEFT, REAR_RIGHT, equal.drive[2], wheels.effort[2], approach)
+        rear_left += refused(car, s, REAR_RIGHT, REAR_LEFT, equal.drive[3], wheels.effort[3], approach)
+    else:
+        s.refused[:] = NO_WHEELS
+    s.share[:] = equal.drive
+    return WheelTorqueRequest(Wheels(front_left, front_right, rear_left, rear_right), equal.brake)
 
-    parameters = AdaptiveParameters
 
-    def __init__(self, parameters: AdaptiveParameters, vehicle: Vehicle, period: float) -> None:
-        self._split = TorqueSplit(parameters.brake, vehicle)
-        self._forced = parameters.terrain == "off_road"
-        self._approach = filter_share(period, parameters.filter_time)
-        driven = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
-        self._wheels = [i for i, other in enumerate(_OTHER) if driven[i] and driven[other]]
-        self.state = AdaptiveState()
-
-    def step(self, driver: DriverCommand, wheels: WheelStates) -> WheelTorqueRequest:
-        """Wheel torques [N m]: the equal share, and what the other wheel of the axle was refused."""
-        s, equal = self.state, self._split.request(driver)
-        before, s.share = s.share, equal.drive
-        if not self._forced or driver.drive_torque == 0.0 or driver.brake_torque != 0.0:
-            s.refused = NO_WHEELS
-            return equal
-        refused, offered = [0.0, 0.0, 0.0, 0.0], list(equal.drive)
-        for i in self._wheels:
-            share = before[i]
-            if share * equal.drive[i] <= 0.0:
-                continue
-            ahead = 1.0 if share > 0.0 else -1.0
-            short = min(max(ahead * (share - wheels.effort[i]), 0.0), ahead * share)
-            refused[i] = s.refused[i] + self._approach * (short - s.refused[i])
-            offered[_OTHER[i]] += ahead * refused[i]
-        s.refused = Wheels(*refused)
-        return WheelTorqueRequest(Wheels(*offered), equal.brake)
+@compilable
+def refused(
+    car: Car, s: AdaptiveState, wheel: int, other: int, share: float, effort: float, approach: float
+) -> float:
+    """What a wheel did not take of its share, for the other one [N m]; `effort` is the torque that acts on it."""
+    before = s.share[wheel]
+    if car.driven[wheel] == 0.0 or car.driven[other] == 0.0 or before * share <= 0.0:
+        s.refused[wheel] = 0.0
+        return 0.0
+    ahead = 1.0 if before > 0.0 else -1.0
+    short = min(max(ahead * (before - effort), 0.0), ahead * before)
+    s.refused[wheel] += approach * (short - s.refused[wheel])
+    return ahead * s.refused[wheel]

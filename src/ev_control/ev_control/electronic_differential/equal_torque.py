@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit
+from ev_control.electronic_differential.torque_split import BrakeSplitParameters, split
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.layout import any_driven
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group
 from ev_msgs_py.signals import DriverCommand, WheelTorqueRequest
-from ev_msgs_py.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,19 +20,8 @@ class EqualTorqueParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "equal_torque")
-class EqualTorque:
-    """Give every driven wheel the same share of the drive torque, for any layout.
-
-    ValueError if the vehicle has no driven wheel.
-    """
-
-    parameters = EqualTorqueParameters
-    state = None  # nothing lasts between steps
-
-    def __init__(self, parameters: EqualTorqueParameters, vehicle: Vehicle, period: float) -> None:
-        self._split = TorqueSplit(parameters.brake, vehicle)
-
-    def step(self, driver: DriverCommand) -> WheelTorqueRequest:
-        """Equal wheel torques [N m]."""
-        return self._split.request(driver)
+@method("electronic_differential", "equal_torque", EqualTorqueParameters, needs=(any_driven,))
+@compilable
+def equal_torque(p: EqualTorqueParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
+    """Give every driven wheel the same share of the drive torque, for any layout."""
+    return split(p.brake, car, driver, 0.0)

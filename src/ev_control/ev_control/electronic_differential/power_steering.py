@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 from ev_control.electronic_differential.torque_split import (
     BrakeSplitParameters,
-    TorqueSplit,
-    require_driven_front_wheels,
+    split,
     torque_difference_per_steering_moment,
 )
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.layout import FRONT_WHEELS_DRIVEN
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
-from ev_msgs_py.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,26 +33,16 @@ class PowerSteeringParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "power_steering")
-class PowerSteering:
+@method("electronic_differential", "power_steering", PowerSteeringParameters, needs=(FRONT_WHEELS_DRIVEN,))
+@compilable
+def power_steering(
+    p: PowerSteeringParameters, car: Car, driver: DriverCommand, column: SteeringColumnState
+) -> WheelTorqueRequest:
     """Split the drive torque so that the difference of the front wheels assists and damps the steering.
 
     Delta M = M_R - M_L = (2 r_k i / d) (gamma M_b - k_ck alpha - b_ck alpha'), with the hand torque M_b [N m] and the
-    steering-wheel angle alpha [rad] as the column measures them, left positive. Shchur (2019), eq 4. ValueError unless
-    both front wheels are driven.
+    steering-wheel angle alpha [rad] as the column measures them, left positive. Shchur (2019), eq 4.
     """
-
-    parameters = PowerSteeringParameters
-    state = None  # nothing lasts between steps
-
-    def __init__(self, parameters: PowerSteeringParameters, vehicle: Vehicle, period: float) -> None:
-        require_driven_front_wheels(vehicle, "power_steering")
-        self._p = parameters
-        self._split = TorqueSplit(parameters.brake, vehicle)
-        self._lever = torque_difference_per_steering_moment(vehicle) * vehicle.steering_ratio
-
-    def step(self, driver: DriverCommand, column: SteeringColumnState) -> WheelTorqueRequest:
-        """Equal wheel torques [N m] with the difference of eq 4."""
-        p = self._p
-        difference = self._lever * (p.gamma * column.hand_torque - p.k_ck * column.angle - p.b_ck * column.rate)
-        return self._split.request(driver, difference)
+    lever = torque_difference_per_steering_moment(car) * car.steering_ratio
+    difference = lever * (p.gamma * column.hand_torque - p.k_ck * column.angle - p.b_ck * column.rate)
+    return split(p.brake, car, driver, difference)

@@ -1,0 +1,1 @@
+"""Holding a method against the contract: pure, deterministic, finite, the same bits compiled and interpreted."""

@@ -1,0 +1,60 @@
+"""A law stepped twice with the same signals, compiled and in plain Python: every number must have the same bits."""
+
+from __future__ import annotations
+
+import struct
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.check.inputs import RandomInputs
+from ev_msgs_py.compiling.loop import call_part
+from ev_msgs_py.compiling.part import CompiledPart
+from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.contract import frame
+from ev_msgs_py.roles import ROLES, RoleKind
+from ev_msgs_py.shape import shape_of
+from ev_msgs_py.topics import TOPICS
+
+
+def differing_bits(configuration: Configuration, steps: int, seed: int) -> str:
+    """What differs first between the compiled and the interpreted form of a configured law; empty if nothing does."""
+    method = configuration.method
+    settings = (configuration.parameters, configuration.common.vehicle, configuration.common.control_period)
+    compiled, plain = CompiledPart(method, *settings), method.law(*settings)
+    integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
+    inputs = RandomInputs(method.reads, seed, configuration.common.control_period)
+    for step in range(steps):
+        signals = inputs.next()
+        here, there = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
+        _write(here, method.reads, signals)
+        function, state, constants = compiled.addresses()
+        if integrates:
+            call_part(function, here.ctypes.data, there.ctypes.data, state, constants)
+            plain.advance(*signals)
+            said = plain.outputs()
+        else:
+            there = here
+            call_part(function, here.ctypes.data, here.ctypes.data, state, constants)
+            said = (plain.step(*signals),)
+        for signal, kind in zip(said, method.writes, strict=True):
+            expected = TOPICS[kind].codec.numbers(signal)
+            for channel, one, other in zip(shape_of(kind).channels, there[frame.PLACES[kind]], expected, strict=True):
+                if _bits(one) != _bits(other):
+                    return f"step {step}: {kind.__name__}.{channel} is {one!r} compiled, {other!r} interpreted"
+        for place, (one, other) in enumerate(zip(compiled.state, plain.state, strict=False)):
+            if _bits(one) != _bits(other):
+                return f"step {step}: number {place} of the state is {one!r} compiled, {other!r} interpreted"
+    return ""
+
+
+def _write(row: np.ndarray, reads: tuple[type, ...], signals: tuple[Any, ...]) -> None:
+    for kind, signal in zip(reads, signals, strict=True):
+        if kind in frame.PLACES:
+            row[frame.PLACES[kind]] = shape_of(kind).flat(signal)
+        else:
+            row[frame.TIME] = signal.time
+
+
+def _bits(number: float) -> bytes:
+    return struct.pack("<d", number)

@@ -1,0 +1,74 @@
+"""What an object is told once, as one row of numbers that compiled code reads: parameters, car, prepared constants.
+
+    total  period  p ...  car ...  c ...  tables ...
+
+`total` is the length of the row. A tuple of numbers in `c` (a table) stands there as its place and its length; the
+numbers themselves come at the end of the row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.contract.record import numbers, record_type
+
+HEAD = ("total", "period")
+
+
+def constants_type(trees: Mapping[str, Any]) -> np.dtype:
+    """The layout of a row up to where `c` begins."""
+    parts = [(name, record_type(tree)) for name, tree in trees.items() if tree]
+    return np.dtype([*((name, np.float64) for name in HEAD), *parts])
+
+
+def constants_row(trees: Mapping[str, Any], c: Any, period: float) -> np.ndarray:
+    """The row of one object."""
+    head = [0.0, period]
+    for tree in trees.values():
+        head += numbers(tree)
+    leaves = list(_leaves(c))
+    place = len(head) + sum(2 if isinstance(leaf, tuple) else 1 for leaf in leaves)
+    tables: list[float] = []
+    for leaf in leaves:
+        if isinstance(leaf, tuple):
+            head += [float(place + len(tables)), float(len(leaf))]
+            tables += map(float, leaf)
+        else:
+            head.append(float(leaf))
+    row = np.array(head + tables)
+    row[0] = len(row)
+    return row
+
+
+def _leaves(c: Any) -> list[Any]:
+    if c is None:
+        return []
+    if not hasattr(c, "_fields"):
+        return [c]
+    return [leaf for value in c for leaf in _leaves(value)]
+
+
+class Unpacking:
+    """The source text that makes `c` of a row, and the classes that it names."""
+
+    def __init__(self, c: Any, begin: int) -> None:
+        self.classes: dict[str, type] = {}
+        self._place = begin
+        self.text = self._expression(c)
+
+    def _expression(self, value: Any) -> str:
+        if value is None:
+            return "None"
+        if hasattr(value, "_fields"):
+            name = f"C_{len(self.classes)}"
+            self.classes[name] = type(value)
+            return f"{name}({', '.join(self._expression(inner) for inner in value)})"
+        place = self._place
+        if isinstance(value, tuple):
+            self._place += 2
+            return f"table(row, {place})"
+        self._place += 1
+        return f"row[{place}]"

@@ -1,0 +1,54 @@
+"""A digest of everything that the compiled form of some functions depends on.
+
+numba keeps a compiled function until its own file changes; that a function it calls, or a number that it takes from
+another module, has changed goes unnoticed, and the old results would come back.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+from collections.abc import Iterator
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+
+def fingerprint(*roots: Any) -> str:
+    """Hexadecimal digits that change with the source text of any function reached, and with every constant of theirs."""
+    digest = hashlib.sha256()
+    seen: set[int] = set()
+    waiting = list(reversed(roots))
+    while waiting:
+        found = waiting.pop()
+        function = getattr(found, "py_func", found)
+        if not isinstance(function, FunctionType):
+            digest.update(_constant(found).encode())
+        elif id(function) not in seen:
+            seen.add(id(function))
+            digest.update(f"{function.__module__}.{function.__qualname__}\0{inspect.getsource(function)}\0".encode())
+            waiting += reversed(list(_used_by(function)))
+    return digest.hexdigest()
+
+
+def _used_by(function: FunctionType) -> Iterator[Any]:
+    """What a function takes from outside of it, by the names in its code."""
+    for name in _names(function.__code__):
+        if name in function.__globals__:
+            yield function.__globals__[name]
+    for cell in function.__closure__ or ():
+        yield cell.cell_contents
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    yield from code.co_names
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _names(constant)
+
+
+def _constant(value: Any) -> str:
+    if isinstance(value, ModuleType):
+        return value.__name__
+    if isinstance(value, type):
+        return f"{value.__qualname__}{getattr(value, '_fields', '')}"
+    return repr(value)

@@ -1,0 +1,71 @@
+"""The instants of a run in one compiled loop over the parts of its graph."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import njit, types
+from numba.extending import intrinsic
+
+from ev_msgs_py.compiling.library import OPTIONS, use_cache
+
+FINISHED, NOT_FINITE, FAILED = range(3)
+
+use_cache()
+
+
+@intrinsic
+def _call(typingctx: Any, address: Any, now: Any, next: Any, state: Any, constants: Any) -> Any:
+    """Call the C function at an address with four pointers."""
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer = ir.IntType(8).as_pointer()
+        kind = ir.FunctionType(ir.IntType(32), [pointer] * 4)
+        function = builder.inttoptr(arguments[0], kind.as_pointer())
+        return builder.call(function, [builder.inttoptr(argument, pointer) for argument in arguments[1:]])
+
+    return types.int32(types.intp, types.intp, types.intp, types.intp, types.intp), codegen
+
+
+@njit(cache=True, nogil=True, **OPTIONS)
+def call_part(address: int, now: int, next: int, state: int, constants: int) -> int:
+    """Call a part by the addresses of its function, frames, state and constants."""
+    return _call(address, now, next, state, constants)
+
+
+@njit(cache=True, **OPTIONS)
+def _is_finite(frame: np.ndarray, begin: int, end: int) -> bool:
+    for i in range(begin, end):
+        if not np.isfinite(frame[i]):
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True, **OPTIONS)
+def run_instants(
+    frames: np.ndarray, first: int, last: int, final: bool, parts: np.ndarray, answering: int, stopped: np.ndarray
+) -> int:
+    """Let the parts answer at the instants first..last-1 and integrate from each of them to the next one.
+
+    `frames` of shape (instants, frame size) begin at the first instant; at a `final` last one all answer, too. `parts`
+    has a row for each part: addresses of its function, its state and its constants, begin and end of what it writes;
+    first those that answer, `answering` of them. Returns FINISHED; or NOT_FINITE or FAILED, with instant and part in
+    `stopped`, and then nothing behind that has been done.
+    """
+    width = frames.shape[1] * 8
+    base = frames.ctypes.data
+    for n in range(first, last + int(final)):
+        now = base + n * width
+        for i in range(parts.shape[0]):
+            at = n if i < answering else n + 1
+            if at > last:
+                break
+            status = _call(parts[i, 0], now, base + at * width, parts[i, 1], parts[i, 2])
+            stopped[0], stopped[1] = at, i
+            if status != 0:
+                return FAILED
+            if not _is_finite(frames[at], parts[i, 3], parts[i, 4]):
+                return NOT_FINITE
+    return FINISHED

@@ -1,0 +1,115 @@
+"""The source text of a compiled part: a C function that reads signals from a frame, calls the law, writes its answer.
+
+    int step(double *now, double *next, double *state, double *constants)
+
+A role that answers reads and writes `now`. One that integrates advances its state by what it reads in `now` and writes
+`next`; with `now` a null pointer it only writes what its state shows. The result is 0.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.constants import Unpacking, constants_type
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.record import record_type
+from ev_msgs_py.lockstep.law import Given, given_names
+from ev_msgs_py.methods import Method
+from ev_msgs_py.roles import ROLES, RoleKind
+from ev_msgs_py.shape import shape_of
+from ev_msgs_py.signals import Instant
+from ev_msgs_py.topics import TOPICS
+from ev_msgs_py.wheels import Wheels
+
+_TEXT = '''"""{title}: generated, do not edit."""
+
+from numba import carray, cfunc, types
+
+P = types.voidptr
+
+
+@cfunc(types.int32(P, P, P, P), cache=True, error_model="numpy")
+def step(now, next, state, constants):
+    k = carray(constants, 1, CONSTANTS)[0]
+    row = carray(constants, int(k.total), FLOAT)
+    period = k.period
+{given}
+    there = carray(next, {size}, FLOAT)
+{body}
+    return 0
+'''
+
+
+def part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
+    """The text, and the names that it uses."""
+    law = method.law
+    assert law is not None
+    layout = constants_type(given.trees)
+    unpacking = Unpacking(given.values["c"], layout.itemsize // 8)
+    names: dict[str, Any] = {"CONSTANTS": layout, "FLOAT": np.float64, "law": law.function, "Wheels": Wheels}
+    names.update(unpacking.classes)
+    names["table"] = _table
+    lines = [f"{name} = k.{name}" for name, tree in given.trees.items() if tree]
+    lines.append(f"c = {unpacking.text}")
+    state = record_type(given.values["s"])
+    if state.itemsize:
+        names["STATE"] = state
+        lines.append("s = carray(state, 1, STATE)[0]")
+    reading = [f"here = carray(now, {frame.SIZE}, FLOAT)"]
+    arguments = list(given_names(law.function))
+    for signal in method.reads:
+        names[signal.__name__] = signal
+        argument = f"signal_{len(arguments)}"
+        reading.append(f"{argument} = {_reading(signal)}")
+        arguments.append(argument)
+    call = f"law({', '.join(arguments)})"
+    if ROLES[method.role].kind is RoleKind.INTEGRATES:
+        names["outputs"] = law.outputs
+        shown = f"outputs({', '.join(given_names(law.outputs))})"
+        body = ["if now:", *_indented([*reading, call]), *_writing(method.writes, shown)]
+    else:
+        body = [*reading, *_writing(method.writes, call)]
+    title = f"{method.role} {method.name}"
+    text = _TEXT.format(
+        title=title, given="\n".join(_indented(lines)), size=frame.SIZE, body="\n".join(_indented(body))
+    )
+    return text, names
+
+
+@compilable
+def _table(row: Any, place: int) -> Any:
+    """The table whose place and length stand at a place of the row."""
+    begin = int(row[place])
+    return row[begin : begin + int(row[place + 1])]
+
+
+def _indented(lines: list[str]) -> list[str]:
+    return [f"    {line}" for line in lines]
+
+
+def _reading(signal: type) -> str:
+    """The expression that makes a signal of the frame `here`."""
+    if signal is Instant:
+        return f"Instant(here[{frame.TIME}])"
+    begin, shape = frame.PLACES[signal].start, shape_of(signal)
+    values = [f"here[{begin + i}]" for i in range(shape.size)]
+    if shape.per_wheel:
+        values = [f"Wheels({', '.join(values[i : i + 4])})" for i in range(0, shape.size, 4)]
+    return f"{signal.__name__}({', '.join(values)})"
+
+
+def _writing(writes: tuple[type, ...], call: str) -> list[str]:
+    """The statements that put what a call returns into the frame `there`, as its messages carry it."""
+    lines = [f"said = {call}"]
+    for n, signal in enumerate(writes):
+        begin, shape = frame.PLACES[signal].start, shape_of(signal)
+        source = "said" if len(writes) == 1 else f"said[{n}]"
+        for i, channel in enumerate(shape.channels):
+            value = f"{source}.{channel}"
+            if TOPICS[signal].codec.rounds:
+                value = f"types.float32({value})"
+            lines.append(f"there[{begin + i}] = {value}")
+    return lines

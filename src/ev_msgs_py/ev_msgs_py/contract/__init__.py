@@ -1,0 +1,1 @@
+"""What the nodes agree on: signals, topics, roles, the frame, declared records."""

@@ -1,0 +1,130 @@
+"""Declared records: every number that an object keeps has a name, a unit and a start value, once.
+
+A record is a dataclass with slots whose fields are made by `entry`, `per_wheel`, `series`, `part` or `each_wheel`. Python
+works on its instances; compiled code works on the same numbers in one row of float64, with the same names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.wheels import WHEEL_NAMES
+
+_WHEELS = len(WHEEL_NAMES)
+
+
+def entry(start: float = 0.0, *, unit: str, about: str = "") -> Any:
+    """One number; a condition is 0.0 or 1.0."""
+    return field(default=start, metadata={"unit": unit, "about": about})
+
+
+def per_wheel(start: float = 0.0, *, unit: str, about: str = "") -> Any:
+    """One number for each wheel, in the order of Wheels."""
+    return series(_WHEELS, start, unit=unit, about=about)
+
+
+def series(count: int, start: float = 0.0, *, unit: str, about: str = "") -> Any:
+    """A fixed number of numbers, such as a window of samples."""
+    return field(default_factory=lambda: [start] * count, metadata={"unit": unit, "about": about})
+
+
+def part(of: type) -> Any:
+    """A record within the record."""
+    return field(default_factory=of)
+
+
+def each_wheel(of: type) -> Any:
+    """A record for each wheel, in the order of Wheels."""
+    return field(default_factory=lambda: [of() for _ in range(_WHEELS)])
+
+
+def record_type(values: Any) -> np.dtype:
+    """The layout of a record, or of a tree of mappings, in compiled code: float64 in order of declaration."""
+    return np.dtype([(name, *_element(value)) for name, value in _items(values)])
+
+
+def _items(values: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(values, Mapping):
+        yield from values.items()
+    elif is_dataclass(values):
+        for f in fields(values):
+            yield f.name, getattr(values, f.name)
+    else:
+        yield from vars(values).items()
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float, np.number))
+
+
+def _element(value: Any) -> tuple[Any, ...]:
+    if _is_number(value):
+        return (np.float64,)
+    if not isinstance(value, (Sequence, np.ndarray)):
+        return (record_type(value),)
+    inner = np.float64 if not len(value) or _is_number(value[0]) else record_type(value[0])
+    return inner, (len(value),)
+
+
+def numbers(values: Any) -> list[float]:
+    """All numbers of a record or a tree, in order of declaration."""
+    found: list[float] = []
+    for _, value in _items(values):
+        _append(found, value)
+    return found
+
+
+def _append(found: list[float], value: Any) -> None:
+    if _is_number(value):
+        found.append(float(value))
+    elif isinstance(value, (Sequence, np.ndarray)):
+        for element in value:
+            _append(found, element)
+    else:
+        found += numbers(value)
+
+
+def fill(record: Any, row: Sequence[float]) -> None:
+    """Set all numbers of a record from a row as `numbers` gives it; ValueError if its length is another one."""
+    source = iter(row)
+    try:
+        _fill(record, source)
+    except StopIteration:
+        raise ValueError(f"{type(record).__name__} has more than {len(row)} numbers") from None
+    if next(source, None) is not None:
+        raise ValueError(f"{type(record).__name__} has fewer than {len(row)} numbers")
+
+
+def _fill(record: Any, source: Iterator[float]) -> None:
+    for f in fields(record):
+        value = getattr(record, f.name)
+        if is_dataclass(value):
+            _fill(value, source)
+        elif isinstance(value, list):
+            for i, element in enumerate(value):
+                if is_dataclass(element):
+                    _fill(element, source)
+                else:
+                    value[i] = float(next(source))
+        else:
+            setattr(record, f.name, float(next(source)))
+
+
+def names(record: Any, prefix: str = "") -> list[str]:
+    """One dotted name for each number; those of wheels end with the wheel, those of a series with their place."""
+    found: list[str] = []
+    for name, value in _items(record):
+        if _is_number(value):
+            found.append(prefix + name)
+        elif isinstance(value, list):
+            ends = WHEEL_NAMES if len(value) == _WHEELS else tuple(map(str, range(len(value))))
+            for end, element in zip(ends, value, strict=True):
+                inner = f"{prefix}{name}.{end}"
+                found += [inner] if _is_number(element) else names(element, f"{inner}.")
+        else:
+            found += names(value, f"{prefix}{name}.")
+    return found
