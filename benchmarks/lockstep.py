@@ -27,7 +27,9 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
-from ev_msgs_py.run_role import make_node
+from ev_msgs_py.nodes.run_role import make_node
+from ev_msgs_py.nodes.signal_io import QUALITY
+from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.signals import (
     BodyVelocity,
     DriverCommand,
@@ -35,9 +37,7 @@ from ev_msgs_py.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
-from ev_msgs_py.spinning import spin
-from ev_msgs_py.stepped_node import QUALITY
-from ev_msgs_py.wire_format import wire_format
+from ev_msgs_py.wire.message_format import format_of
 from ev_sim.scenario.domain import free_domain
 from ev_sim.scenario.in_process import parameter_overrides
 from ev_sim.scenario.node_parameters import RECORDER, node_parameters, write_parameter_file
@@ -56,7 +56,7 @@ class Relay(Node):
 
     def __init__(self, place: int, raw: bool, context: rclpy.Context | None = None) -> None:
         super().__init__(f"relay{place}", context=context)
-        incoming, outgoing = wire_format(CHAIN[place - 1]), wire_format(CHAIN[place])
+        incoming, outgoing = format_of(CHAIN[place - 1]), format_of(CHAIN[place])
         self.incoming = incoming.message_class
         self.message = outgoing.template if raw else deserialize_message(outgoing.template, outgoing.message_class)
         self.sender = self.create_publisher(outgoing.message_class, f"ring{place}", QUALITY)

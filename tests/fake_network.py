@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from ev_msgs_py.configuration import Configuration
-from ev_msgs_py.inbox import Arrival
+from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
+from ev_msgs_py.lockstep.inbox import Arrival
+from ev_msgs_py.lockstep.parts import part_of
+from ev_msgs_py.lockstep.stepper import Answer, Stepper
 from ev_msgs_py.roles import MASTER
-from ev_msgs_py.stepper import Answer, Stepper
 from ev_msgs_py.topics import TOPICS
 
 
@@ -23,11 +25,21 @@ class WatchedStepper(Stepper):
 
     def __init__(self, configuration: Configuration, may_skip: bool = False) -> None:
         self.stepped: list[int] = []
-        super().__init__(configuration.method, configuration.create, configuration.period, may_skip)
+        self.writes = configuration.method.writes
+        super().__init__(
+            configuration.method, lambda: part_of(configuration, compiled=False), configuration.period, may_skip
+        )
 
-    def step_with(self, stamp: int, inputs: Mapping[type, Any]) -> Answer:
+    def step_with(self, stamp: int, here: Frame) -> Answer:
         self.stepped.append(stamp)
-        return super().step_with(stamp, inputs)
+        return super().step_with(stamp, here)
+
+    def take(self, kind: type, stamp: int, numbers: list[float]) -> Arrival:
+        """Take a message in."""
+        arrival = self.offer(kind, stamp)
+        if arrival in (Arrival.NEW, Arrival.RESTART):
+            self.inbox.frame_at(stamp).numbers[PLACES[kind]] = numbers_of(numbers)
+        return arrival
 
 
 @dataclass(frozen=True)
@@ -125,9 +137,9 @@ class FakeNetwork:
                 raise Stuck("messages lead to messages without an end")
         return self.messages - before
 
-    def _receive(self, role: str, kind: type, stamp: int, signal: Any) -> None:
+    def _receive(self, role: str, kind: type, stamp: int, numbers: list[float]) -> None:
         stepper = self.steppers[role]
-        arrival = stepper.offer(kind, stamp, signal)
+        arrival = stepper.take(kind, stamp, numbers)
         self.arrivals.append(arrival)
         if role != MASTER:
             for answer in stepper.answers_to(kind, stamp, arrival):
@@ -137,21 +149,20 @@ class FakeNetwork:
                 self._publish(role, stepper.step())
 
     def _publish(self, role: str, answer: Answer) -> None:
-        for signal in answer.signals:
-            kind = type(signal)
-            carried = TOPICS[kind].codec.carried(signal)
-            said = self.sent[kind].get(answer.stamp, carried)
-            assert repr(said) == repr(carried) or self.forgives, f"{role} changed its mind about {answer.stamp}"
-            self.sent[kind][answer.stamp] = carried
+        for kind in self.steppers[role].writes:
+            numbers = answer.frame.numbers[PLACES[kind]].tolist()
+            said = self.sent[kind].get(answer.stamp, numbers)
+            assert repr(said) == repr(numbers) or self.forgives, f"{role} changed its mind about {answer.stamp}"
+            self.sent[kind][answer.stamp] = numbers
             self.messages += 1
             for reader, stepper in self.steppers.items():
                 if kind in stepper.reads and (reader, kind) not in self.deaf:
-                    self._send(reader, kind, answer.stamp, carried)
+                    self._send(reader, kind, answer.stamp, numbers)
 
-    def _send(self, reader: str, kind: type, stamp: int, signal: Any) -> None:
+    def _send(self, reader: str, kind: type, stamp: int, numbers: list[float]) -> None:
         if self._random.random() >= self.faults.loss:
             copies = 2 if self._random.random() < self.faults.repetition else 1
-            self._queues[reader, kind].extend([(stamp, signal)] * copies)
+            self._queues[reader, kind].extend([(stamp, numbers)] * copies)
 
     def instants(self) -> list[int]:
         """The stamps of the run."""
@@ -161,7 +172,7 @@ class FakeNetwork:
         """Every number that was sent up to the end, by channel, as hexadecimal text: equal text is equal bits."""
         channels = {}
         for kind, by_stamp in self.sent.items():
-            rows = [TOPICS[kind].codec.shape.flat(by_stamp[stamp]) for stamp in self.instants()]
+            rows = [by_stamp[stamp] for stamp in self.instants()]
             for channel, column in zip(TOPICS[kind].channels, zip(*rows, strict=True), strict=True):
                 channels[channel] = [float.hex(number) for number in column]
         return channels

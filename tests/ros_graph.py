@@ -18,12 +18,12 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from ev_msgs_py.message_classes import message_class
-from ev_msgs_py.run_role import make_node
-from ev_msgs_py.spinning import spin
+from ev_msgs_py.nodes.run_role import make_node
+from ev_msgs_py.nodes.signal_io import QUALITY
+from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.stamps import from_seconds, to_seconds
-from ev_msgs_py.stepped_node import QUALITY
 from ev_msgs_py.topics import TOPICS
+from ev_msgs_py.wire.message_classes import message_class
 from ev_msgs_py.wire_format import wire_format
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.scenario.domain import free_domain
@@ -84,7 +84,7 @@ class Probe(Node):
         """The list to which stamps and signals of a topic are added from now on."""
         heard = self.heard.setdefault(signal, [])
         topic = TOPICS[signal]
-        kind = message_class(topic.codec.message_type)
+        kind = message_class(topic.message_type)
         unpack = wire_format(signal).unpack
         self.create_subscription(kind, topic.name, lambda message: heard.append(unpack(message)), QUALITY, raw=True)
         return heard
@@ -92,7 +92,7 @@ class Probe(Node):
     def message(self, seconds: float, signal: Any) -> Any:
         """A message object, for tests that spoil it."""
         topic = TOPICS[type(signal)]
-        message = topic.codec.prepare(message_class(topic.codec.message_type)())
+        message = topic.codec.prepare(message_class(topic.message_type)())
         topic.codec.encode(signal, message)
         message.header.frame_id = topic.frame
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(from_seconds(seconds), 1_000_000_000)
@@ -102,7 +102,7 @@ class Probe(Node):
         """The probe's publisher of a signal."""
         if signal not in self._publishers_of:
             topic = TOPICS[signal]
-            kind = message_class(topic.codec.message_type)
+            kind = message_class(topic.message_type)
             self._publishers_of[signal] = self.create_publisher(kind, topic.name, QUALITY)
         return self._publishers_of[signal]
 

@@ -39,7 +39,7 @@ def test_it_shows_nodes_topics_ends_and_rates(domain):
     assert written <= {topic.name for topic in TOPICS.values()}
     for name in ("wheel_states", "driver/command", "torque_request", "torque_command", "steering_column/state"):
         kind, rate = re.search(rf"^  {NAMESPACE}/{name}  (\S+)  ([\d.]+) Hz$", topics, re.MULTILINE).groups()
-        assert kind == next(topic.codec.message_type for topic in TOPICS.values() if topic.name == name)
+        assert kind == next(topic.message_type for topic in TOPICS.values() if topic.name == name)
         assert float(rate) > 0.0
     assert re.search(r"/ev/torque_request .*\n    electronic_differential -> asr, recorder\n", topics)
     assert "inspect_graph" not in shown

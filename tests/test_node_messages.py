@@ -10,6 +10,7 @@ import pytest
 from ros_graph import PATIENCE, Probe, node_of, ros_domain
 
 from ev_control.electronic_differential.steer_by_wire import SteerByWire, SteerByWireParameters
+from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.signals import (
     DriverCommand,
     SteeringColumnState,
@@ -17,7 +18,6 @@ from ev_msgs_py.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
-from ev_msgs_py.spinning import spin
 from ev_msgs_py.stamps import from_seconds, to_seconds
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import Wheels

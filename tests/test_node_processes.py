@@ -18,7 +18,7 @@ from ev_sim.scenario.processes import EXECUTABLES, command
 BROKEN_LAW = '''
 from dataclasses import dataclass
 from ev_msgs_py.methods import method
-from ev_msgs_py.run_role import run_role
+from ev_msgs_py.nodes.run_role import run_role
 from ev_msgs_py.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.wheels import Wheels
 

@@ -143,8 +143,8 @@ def test_a_law_that_gives_no_number_stops_the_run_in_one_line(bad):
     assert str(error.value) == f"WheelTorqueRequest.drive.front_right is {bad}, only finite numbers are allowed"
 
 
-class InARow:
-    """A plant whose outputs lie in a row; the n-th number of it counts, from `start` on."""
+class Counting:
+    """A plant of whose numbers the n-th counts, from `start` on."""
 
     def __init__(self, place: int, start: float) -> None:
         self._shapes = [shape_of(kind) for kind in ROLES[MASTER].writes]
@@ -161,43 +161,20 @@ class InARow:
         self.row[self._place] += 1.0
 
 
-def with_a_row(place: int, start: float) -> dict[str, Configuration]:
-    made = played_by(MASTER, lambda *given: InARow(place, start), (WheelTorqueCommand,))
+def counting(place: int, start: float) -> dict[str, Configuration]:
+    made = played_by(MASTER, lambda *given: Counting(place, start), (WheelTorqueCommand,))
     return {**toy_graph(), MASTER: made}
 
 
-def test_outputs_in_a_row_are_recorded_and_heard_as_any_others():
-    """The same plant with and without its row: whoever reads it does the same."""
-    channels = run_offline(with_a_row(1, 0.0), 0.03).channels
-    assert channels["wheel_states.position.front_right"].tolist() == [0.0, 1.0, 2.0, 3.0]
-
-    class Plain(InARow):
-        row = None
-
-        def __init__(self) -> None:
-            self.hidden = InARow(1, 0.0)
-
-        def outputs(self):
-            return self.hidden.outputs()
-
-        def advance(self, command: WheelTorqueCommand) -> None:
-            self.hidden.advance(command)
-
-    plain = played_by(MASTER, lambda *given: Plain(), (WheelTorqueCommand,))
-    assert signal_hash(run_offline({**toy_graph(), MASTER: plain}, 0.03)) == signal_hash(
-        run_offline(with_a_row(1, 0.0), 0.03)
-    )
-
-
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
-def test_a_number_in_a_row_that_is_none_stops_the_run_by_its_name(bad):
+def test_a_number_of_a_plant_that_is_none_stops_the_run_by_its_name(bad):
     with pytest.raises(SignalError, match=f"WheelStates.position.front_right is {bad}"):
-        run_offline(with_a_row(1, bad), 0.03)
+        run_offline(counting(1, bad), 0.03)
 
 
 @pytest.mark.filterwarnings("ignore:overflow")
 def test_a_number_whose_square_is_infinite_is_a_number():
-    channels = run_offline(with_a_row(1, 1e200), 0.01).channels
+    channels = run_offline(counting(1, 1e200), 0.01).channels
     assert channels["wheel_states.position.front_right"].tolist() == [1e200, 1e200]
 
 

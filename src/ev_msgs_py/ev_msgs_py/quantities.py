@@ -20,7 +20,6 @@ from ev_msgs_py.signals import (
     TireForces,
     WheelStates,
 )
-from ev_msgs_py.topics import TOPICS
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
 
 
@@ -36,7 +35,7 @@ class Quantity:
     @property
     def unit(self) -> str:
         """Unit of the numbers and of the sensor's errors."""
-        return TOPICS[self.signal].units[self.fields[0]]
+        return shape_of(self.signal).fields[self.fields[0]].unit
 
     @property
     def parameters(self) -> type:

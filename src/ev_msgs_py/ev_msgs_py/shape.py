@@ -1,14 +1,15 @@
-"""A signal as a flat row of numbers and back: the one order that messages, channels and hashes share."""
+"""A signal as a flat row of numbers and back: the one order that frames, messages, channels and hashes share."""
 
 from __future__ import annotations
 
 import math
 import struct
 import typing
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
+from ev_msgs_py.contract.field import Field, field_of
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
 
 _FLOAT = struct.calcsize("d")
@@ -28,48 +29,24 @@ class Shape:
     """
 
     def __init__(self, signal: type) -> None:
-        hints = typing.get_type_hints(signal)
+        hints = typing.get_type_hints(signal, include_extras=True)
         self.signal = signal
-        self.fields = signal._fields
-        per_wheel = {hints[name] is Wheels for name in self.fields}
+        self.fields: dict[str, Field] = {name: field_of(hints[name]) for name in signal._fields}
+        per_wheel = {hints[name].__origin__ is Wheels for name in signal._fields}
         if len(per_wheel) > 1:
             raise TypeError(f"{signal.__name__} mixes numbers and values per wheel")
         self.per_wheel = per_wheel == {True}
-        if self.per_wheel:
-            self.channels = tuple(f"{name}.{wheel}" for name in self.fields for wheel in WHEEL_NAMES)
-        else:
-            self.channels = self.fields
+        ends = [f".{wheel}" for wheel in WHEEL_NAMES] if self.per_wheel else [""]
+        self.channels = tuple(f"{name}{end}" for name in self.fields for end in ends)
         self.size = len(self.channels)
-        self.packing = struct.Struct(f"{self.size}d")
+        self.has_single = any(field.single_precision for field in self.fields.values())
+        self.single = tuple(field.single_precision for field in self.fields.values() for _ in ends)
 
     def flat(self, signal: Any) -> tuple[float, ...]:
-        """The numbers of a signal, in the order of `channels`; SignalError if one is not finite."""
-        values = sum(signal, ()) if self.per_wheel else signal
-        if not math.isfinite(sum(values)):
-            self._refuse(values)
-        return values
+        """The numbers of a signal, in the order of `channels`."""
+        return sum(signal, ()) if self.per_wheel else signal
 
-    def writer(self, numbers: Any) -> Callable[[Any], None]:
-        """A function that puts the numbers of a signal behind those of the last one, in a buffer of float64.
-
-        It raises SignalError as `flat`.
-        """
-        flat, pack, size = self.flat, self.packing.pack_into, self.packing.size
-        memory, place = memoryview(numbers).cast("B"), 0
-
-        def write(signal: Any) -> None:
-            nonlocal place
-            pack(memory, place, *flat(signal))
-            place += size
-
-        return write
-
-    def _refuse(self, values: tuple[float, ...]) -> None:
-        for channel, value in zip(self.channels, values, strict=True):
-            if not math.isfinite(value):
-                raise SignalError(f"{self.signal.__name__}.{channel} is {value}, only finite numbers are allowed")
-
-    def signal_of(self, values: tuple[float, ...]) -> Any:
+    def signal_of(self, values: Sequence[float]) -> Any:
         """The signal with these numbers; the inverse of `flat`."""
         if len(values) != self.size:
             raise TypeError(f"{self.signal.__name__} has {self.size} numbers, not {len(values)}")
@@ -77,14 +54,41 @@ class Shape:
             values = [_new(Wheels, values[i : i + 4]) for i in range(0, len(values), 4)]
         return _new(self.signal, values)
 
-    def reader(self, numbers: Any, place: int) -> Callable[[], Any]:
-        """A function that gives the signal whose numbers a buffer of float64 holds just then, from a place on."""
+    def carried(self, values: Sequence[float]) -> tuple[float, ...]:
+        """The numbers as a message carries them: rounded where it has single precision; infinite beyond its range."""
+        if not self.has_single:
+            return tuple(values)
+        return tuple(rounded(value) if single else value for value, single in zip(values, self.single, strict=True))
+
+    def refuse_not_finite(self, values: Sequence[float]) -> None:
+        """SignalError that names the first number that is not finite, or that single precision does not hold."""
+        for channel, value, single in zip(self.channels, values, self.single, strict=True):
+            if not math.isfinite(value):
+                raise SignalError(f"{self.signal.__name__}.{channel} is {value}, only finite numbers are allowed")
+            if single and not math.isfinite(rounded(value)):
+                raise SignalError(
+                    f"{self.signal.__name__}.{channel} is {value}, allowed is what single precision holds, up to 3.4e38"
+                )
+
+    def reader(self, place: int) -> Callable[[Any], Any]:
+        """A function that gives the signal whose numbers stand in bytes of float64, from a place on."""
         signal, begin = self.signal, place * _FLOAT
         if self.per_wheel:
             begins = [begin + i * _OF_WHEELS.size for i in range(len(self.fields))]
-            return lambda: _new(signal, [_new(Wheels, _of_wheels(numbers, each)) for each in begins])
-        unpack = self.packing.unpack_from
-        return lambda: _new(signal, unpack(numbers, begin))
+            return lambda raw: _new(signal, [_new(Wheels, _of_wheels(raw, each)) for each in begins])
+        unpack = struct.Struct(f"{self.size}d").unpack_from
+        return lambda raw: _new(signal, unpack(raw, begin))
+
+
+_SINGLE = struct.Struct("f")
+
+
+def rounded(value: float) -> float:
+    """The number in single precision, infinite beyond its range."""
+    try:
+        return _SINGLE.unpack(_SINGLE.pack(value))[0]
+    except OverflowError:
+        return math.copysign(math.inf, value)
 
 
 @cache

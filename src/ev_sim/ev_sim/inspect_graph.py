@@ -13,7 +13,7 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
-from ev_msgs_py.message_classes import message_class
+from ev_msgs_py.wire.message_classes import message_class
 from ev_sim.scenario.domain import reserved_domains
 
 _OWN_NAME = "inspect_graph"

@@ -14,7 +14,6 @@ from ev_msgs_py.configuration import Configuration
 from ev_msgs_py.contract import frame
 from ev_msgs_py.roles import ROLES, RoleKind
 from ev_msgs_py.shape import shape_of
-from ev_msgs_py.topics import TOPICS
 
 
 def differing_bits(configuration: Configuration, steps: int, seed: int) -> str:
@@ -38,7 +37,7 @@ def differing_bits(configuration: Configuration, steps: int, seed: int) -> str:
             call_part(function, here.ctypes.data, here.ctypes.data, state, constants)
             said = (plain.step(*signals),)
         for signal, kind in zip(said, method.writes, strict=True):
-            expected = TOPICS[kind].codec.numbers(signal)
+            expected = shape_of(kind).carried(shape_of(kind).flat(signal))
             for channel, one, other in zip(shape_of(kind).channels, there[frame.PLACES[kind]], expected, strict=True):
                 if _bits(one) != _bits(other):
                     return f"step {step}: {kind.__name__}.{channel} is {one!r} compiled, {other!r} interpreted"

@@ -8,7 +8,6 @@ from typing import Any
 
 from ev_msgs_py.shape import shape_of
 from ev_msgs_py.signals import Instant
-from ev_msgs_py.topics import TOPICS
 
 # Largest magnitude by unit; a field that is never negative takes the magnitude.
 _LARGEST = {"N m": 800.0, "rad": 0.6, "rad/s": 60.0, "m/s": 18.0, "m/s^2": 6.0, "N": 6000.0, "m": 50.0, "V": 400.0}
@@ -34,12 +33,12 @@ class RandomInputs:
         return tuple(now if kind is Instant else self._signal(kind) for kind in self._reads)
 
     def _signal(self, kind: type) -> Any:
-        shape, units = shape_of(kind), TOPICS[kind].units
+        shape = shape_of(kind)
         last = self._last.get(kind, (0.0,) * shape.size)
         values = []
         for channel, before in zip(shape.channels, last, strict=True):
             field = channel.partition(".")[0]
-            values.append(self._number(units[field], before, field in _NEVER_NEGATIVE))
+            values.append(self._number(shape.fields[field].unit, before, field in _NEVER_NEGATIVE))
         self._last[kind] = tuple(values)
         return shape.signal_of(tuple(values))
 

@@ -1,4 +1,4 @@
-"""The mark of what may run compiled; it changes nothing, so that Python runs, prints and debugs the function as ever."""
+"""The mark of what may run compiled; it changes nothing for Python, its debugger and `print`."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from typing import Any
 
 
 def fingerprint(*roots: Any) -> str:
-    """Hexadecimal digits that change with the source text of any function reached, and with every constant of theirs."""
+    """Hexadecimal digits that change with the source text of any function reached, and with all their constants."""
     digest = hashlib.sha256()
     seen: set[int] = set()
     waiting = list(reversed(roots))

@@ -37,7 +37,7 @@ def call_part(address: int, now: int, next: int, state: int, constants: int) -> 
 
 @njit(cache=True, **OPTIONS)
 def _is_finite(frame: np.ndarray, begin: int, end: int) -> bool:
-    for i in range(begin, end):
+    for i in range(begin, end):  # noqa: SIM110 (the compiler makes a generator of `all`)
         if not np.isfinite(frame[i]):
             return False
     return True

@@ -21,7 +21,6 @@ from ev_msgs_py.methods import Method
 from ev_msgs_py.roles import ROLES, RoleKind
 from ev_msgs_py.shape import shape_of
 from ev_msgs_py.signals import Instant
-from ev_msgs_py.topics import TOPICS
 from ev_msgs_py.wheels import Wheels
 
 _TEXT = '''"""{title}: generated, do not edit."""
@@ -107,9 +106,9 @@ def _writing(writes: tuple[type, ...], call: str) -> list[str]:
     for n, signal in enumerate(writes):
         begin, shape = frame.PLACES[signal].start, shape_of(signal)
         source = "said" if len(writes) == 1 else f"said[{n}]"
-        for i, channel in enumerate(shape.channels):
+        for i, (channel, single) in enumerate(zip(shape.channels, shape.single, strict=True)):
             value = f"{source}.{channel}"
-            if TOPICS[signal].codec.rounds:
+            if single:
                 value = f"types.float32({value})"
             lines.append(f"there[{begin + i}] = {value}")
     return lines

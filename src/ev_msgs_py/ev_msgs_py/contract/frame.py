@@ -6,11 +6,18 @@ field, wheel by wheel: the order that messages and recordings have as well.
 
 from __future__ import annotations
 
+import struct
+from array import array
+from collections.abc import Sequence
 from itertools import accumulate
 
+import numpy as np
+
+from ev_msgs_py import stamps
 from ev_msgs_py.roles import RECORDED
 from ev_msgs_py.shape import shape_of
-from ev_msgs_py.topics import TOPICS
+
+_DOUBLE = 8  # bytes of a number
 
 TIME = 0  # place of the time [s]
 
@@ -21,10 +28,40 @@ PLACES = {signal: slice(begin, end) for signal, begin, end in zip(RECORDED, _END
 SIZE = _ENDS[-1]
 
 
-def channels() -> dict[str, int]:
-    """The place of every recorded channel, such as wheel_states.velocity.front_left, in the frame."""
-    return {
-        name: place
-        for signal, where in PLACES.items()
-        for name, place in zip(TOPICS[signal].channels, range(where.start, where.stop), strict=True)
-    }
+def places(signal: type) -> range:
+    """The places of the numbers of a signal, one by one."""
+    return range(PLACES[signal].start, PLACES[signal].stop)
+
+
+def stack(instants: int, period: int) -> np.ndarray:
+    """Empty frames of so many instants from time zero, `period` nanoseconds apart: (instants, frame size)."""
+    frames = np.zeros((instants, SIZE))
+    frames[:, TIME] = [stamps.to_seconds(step * period) for step in range(instants)]
+    return frames
+
+
+class Frame:
+    """One frame in memory: `numbers` (float64) and `raw` (its bytes) are views of it."""
+
+    __slots__ = ("numbers", "raw")
+
+    def __init__(self) -> None:
+        self.raw = memoryview(bytearray(SIZE * _DOUBLE))
+        self.numbers = self.raw.cast("d")
+
+    def copy(self, other: Frame, where: slice) -> None:
+        """Take numbers over from another frame."""
+        self.numbers[where] = other.numbers[where]
+
+
+def numbers_of(values: Sequence[float]) -> array:
+    """Numbers in the form that a part of a frame can be set to."""
+    return array("d", values)
+
+
+_TIME = struct.Struct("d")
+
+
+def time_in(raw: memoryview) -> float:
+    """The time [s] in the bytes of a frame."""
+    return _TIME.unpack_from(raw, TIME * _DOUBLE)[0]

@@ -1,7 +1,7 @@
 """Declared records: every number that an object keeps has a name, a unit and a start value, once.
 
-A record is a dataclass with slots whose fields are made by `entry`, `per_wheel`, `series`, `part` or `each_wheel`. Python
-works on its instances; compiled code works on the same numbers in one row of float64, with the same names.
+A record is a dataclass with slots whose fields are made by `entry`, `per_wheel`, `series`, `part` or `each_wheel`.
+Python works on its instances; compiled code works on the same numbers in one row of float64, with the same names.
 """
 
 from __future__ import annotations

@@ -6,26 +6,15 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from ev_msgs_py import stamps
 from ev_msgs_py.compiling.loop import FINISHED, NOT_FINITE, call_part, run_instants
-from ev_msgs_py.compiling.part import CompiledPart, PythonPart
 from ev_msgs_py.configuration import Configuration, check_graph
 from ev_msgs_py.contract import frame
 from ev_msgs_py.graph import step_order
+from ev_msgs_py.lockstep.parts import part_of
 from ev_msgs_py.roles import ROLES, RoleKind
-from ev_msgs_py.shape import SignalError, shape_of
+from ev_msgs_py.shape import shape_of
 
-_CHUNK = 1000  # instants between two looks at progress and notes
-
-
-def part_of(configuration: Configuration) -> CompiledPart | PythonPart:
-    """The part that plays a configured role: compiled where its method can be, else in plain Python."""
-    method = configuration.method
-    if method.law is not None and method.law.is_compilable and configuration.is_ideal:
-        return CompiledPart(
-            method, configuration.parameters, configuration.common.vehicle, configuration.common.control_period
-        )
-    return PythonPart(method, configuration.create())
+_CHUNK = 100  # instants between two looks at progress and notes
 
 
 class GraphRun:
@@ -41,9 +30,8 @@ class GraphRun:
         answering = step_order(ROLES)
         self.roles = (*answering, *integrating)
         self.writes = {role: configurations[role].method.writes for role in self.roles}
-        self.parts = {role: part_of(configurations[role]) for role in self.roles}
-        self.frames = np.zeros((instants, frame.SIZE))
-        self.frames[:, frame.TIME] = [stamps.to_seconds(step * period) for step in range(instants)]
+        self.parts = {role: part_of(configurations[role], compiled=True) for role in self.roles}
+        self.frames = frame.stack(instants, period)
         self._answering = len(answering)
         self._rows = np.array([self._row(role) for role in self.roles], np.int64)
         for role in integrating:
@@ -65,6 +53,7 @@ class GraphRun:
         """Drive all instants; SignalError, and nothing behind it is done, if a number is not finite."""
         last, said = len(self.frames) - 1, set()
         stopped = np.zeros(2, np.int64)
+        progress(0.0)
         for begin in range(0, max(last, 1), _CHUNK):
             end = min(begin + _CHUNK, last)
             status = run_instants(self.frames, begin, end, end == last, self._rows, self._answering, stopped)
@@ -85,13 +74,4 @@ class GraphRun:
 
     def _refuse_not_finite(self, role: str, instant: int) -> None:
         for signal in self.writes[role]:
-            values = self.frames[instant, frame.PLACES[signal]]
-            for channel, value in zip(shape_of(signal).channels, values, strict=True):
-                if not np.isfinite(value):
-                    raise SignalError(f"{signal.__name__}.{channel} is {value}, only finite numbers are allowed")
-
-    def channels(self) -> dict[str, np.ndarray]:
-        """All that was said, by channel."""
-        written = {signal for writes in self.writes.values() for signal in writes}
-        places = {i for signal in written for i in range(frame.PLACES[signal].start, frame.PLACES[signal].stop)}
-        return {name: self.frames[:, place] for name, place in frame.channels().items() if place in places}
+            shape_of(signal).refuse_not_finite(self.frames[instant, frame.PLACES[signal]].tolist())

@@ -14,19 +14,21 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 
-from ev_msgs_py import ros_parameters, stamps
-from ev_msgs_py.message_classes import message_class
+from ev_msgs_py import stamps
+from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.nodes import ros_parameters
+from ev_msgs_py.nodes.run_role import run_node
+from ev_msgs_py.nodes.signal_io import QUALITY, SignalWriter
 from ev_msgs_py.parameters import ParameterError, build, entries
 from ev_msgs_py.roles import MASTER, RECORDER_WRITES, ROLES
-from ev_msgs_py.run_role import run_node
-from ev_msgs_py.signals import RecorderProgress
-from ev_msgs_py.stepped_node import QUALITY, SignalWriter
 from ev_msgs_py.topics import TOPICS, Topic
-from ev_msgs_py.wire_format import stamp_of
+from ev_msgs_py.wire.message_classes import message_class
+from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.recording.recorder_parameters import RecorderParameters
 from ev_sim.recording.recording import save
 from ev_sim.recording.run_recorder import RunRecorder
 
+_NOTHING = Frame()  # the progress is nothing but its stamp
 _POLL_PERIOD = 0.01  # s; several steps are taken in one go, which costs less than waking up for each message
 
 
@@ -67,7 +69,7 @@ class RecorderNode(Node):
         def receive(message: bytes) -> None:
             self._recorder.add(index, message)
 
-        kind = message_class(topic.codec.message_type)
+        kind = message_class(topic.message_type)
         return self.create_subscription(kind, topic.name, receive, QUALITY, raw=True)
 
     def _subscribe_beside(self) -> tuple[Subscription, Subscription]:
@@ -114,7 +116,7 @@ class RecorderNode(Node):
         held = self._recorder.held
         if held != self._told or self._recorder.asked:
             if held >= 0:
-                self._progress.write(held, RecorderProgress())
+                self._progress.write(held, _NOTHING)
             self._told, self._recorder.asked = held, False
         if self._recorder.loss:
             raise RuntimeError(f"the recording has a gap: {self._recorder.loss}")

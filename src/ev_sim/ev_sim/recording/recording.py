@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from ev_msgs_py.contract import frame
+from ev_msgs_py.topics import Topic
 from ev_sim.recording.atomic import atomic_file
 
 TIME = "time"
@@ -39,6 +41,16 @@ class Recording:
     def duration(self) -> float:
         """Time from the first to the last sample [s]."""
         return float(self.time[-1] - self.time[0]) if len(self.time) else 0.0
+
+
+def recording_of(frames: np.ndarray, topics: Iterable[Topic]) -> Recording:
+    """The channels of some topics in a stack of frames (instants, frame size)."""
+    channels = {
+        name: frames[:, place]
+        for topic in topics
+        for name, place in zip(topic.channels, frame.places(topic.signal), strict=True)
+    }
+    return Recording(frames[:, frame.TIME], channels)
 
 
 def save(recording: Recording, path: Path | str) -> None:

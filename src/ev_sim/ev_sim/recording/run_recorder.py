@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from ev_msgs_py import stamps
+from ev_msgs_py.contract import frame
 from ev_msgs_py.roles import MASTER, ROLES
 from ev_msgs_py.topics import QUEUE_DEPTH, Topic
-from ev_msgs_py.wire_format import stamp_of
-from ev_sim.recording.cdr_template import CdrTemplate
+from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.recording.durable_bag import DurableBag
-from ev_sim.recording.recording import Recording
+from ev_sim.recording.message_table import MessageTable
+from ev_sim.recording.recording import Recording, recording_of
 
 
 class RunRecorder:
@@ -55,7 +56,7 @@ class RunRecorder:
     def _begin_bag(self) -> None:
         self._bag = DurableBag(self._directory) if self._directory is not None else None
         self._handles = [
-            self._bag.add_topic(name, topic.codec.message_type, depth=QUEUE_DEPTH) if self._bag is not None else None
+            self._bag.add_topic(name, topic.message_type, depth=QUEUE_DEPTH) if self._bag is not None else None
             for topic, name in zip(self._topics, self._names, strict=True)
         ]
         self._beside: dict[str, object] = {}
@@ -122,13 +123,12 @@ class RunRecorder:
     def recording(self) -> Recording:
         """All complete steps as arrays; a topic that said nothing at all is left out."""
         steps = self.held // self._period + 1
-        channels = {}
+        frames = frame.stack(steps, self._period)
+        spoke = [topic for topic, messages in zip(self._topics, self._messages, strict=True) if messages]
         for topic, messages in zip(self._topics, self._messages, strict=True):
             if messages:
-                kept = messages[:steps] + messages[-1:] * (steps - len(messages))
-                channels.update(zip(topic.channels, CdrTemplate(topic).numbers(kept).T, strict=True))
-        time = np.array([stamps.to_seconds(step * self._period) for step in range(steps)])
-        return Recording(time, channels)
+                MessageTable(topic).read(messages[:steps] + messages[-1:] * (steps - len(messages)), frames)
+        return recording_of(frames, spoke)
 
     def close(self) -> None:
         """Finish the bag."""
@@ -138,14 +138,15 @@ class RunRecorder:
 
 def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path) -> None:
     """The bag of a run that had no messages: the same bytes that the nodes would have sent."""
-    count = len(recording.time)
-    stamp = np.arange(count) * period
+    frames = frame.stack(len(recording.time), period)
+    for topic in topics:
+        frames[:, frame.PLACES[topic.signal]] = np.stack([recording.channels[name] for name in topic.channels], axis=1)
+    stamp = np.arange(len(frames)) * period
     with DurableBag(bag, checkpoint_period=float("inf")) as written:
         handles, messages = [], []
         for topic, name in zip(topics, names, strict=True):
-            handles.append(written.add_topic(name, topic.codec.message_type, depth=QUEUE_DEPTH))
-            rows = np.stack([recording.channels[channel] for channel in topic.channels], axis=1)
-            messages.append(CdrTemplate(topic).serialize(stamp, rows))
-        for step in range(count):
+            handles.append(written.add_topic(name, topic.message_type, depth=QUEUE_DEPTH))
+            messages.append(MessageTable(topic).serialize(stamp, frames))
+        for step in range(len(frames)):
             for handle, column in zip(handles, messages, strict=True):
                 written.write(handle, step * period, column[step])

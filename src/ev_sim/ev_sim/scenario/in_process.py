@@ -10,10 +10,10 @@ from typing import Any
 import rclpy
 from rclpy.parameter import Parameter
 
-from ev_msgs_py.run_role import make_node
-from ev_msgs_py.spinning import spin
-from ev_msgs_py.stepped_node import SteppedNode
-from ev_msgs_py.stop_request import StopRequest
+from ev_msgs_py.nodes.run_role import make_node
+from ev_msgs_py.nodes.spinning import spin
+from ev_msgs_py.nodes.stepped_node import SteppedNode
+from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.recording.recording import load
 from ev_sim.scenario.domain import free_domain

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 
 from ev_msgs_py import stamps
 from ev_msgs_py.configuration import Configuration
-from ev_msgs_py.contract import frame
 from ev_msgs_py.lockstep.run import GraphRun
-from ev_sim.recording.recording import Recording
+from ev_msgs_py.topics import TOPICS
+from ev_sim.recording.recording import Recording, recording_of
 
 Progress = Callable[[float], None]
 
@@ -27,4 +27,5 @@ def run_offline(
     period = next(iter(configurations.values())).period
     run = GraphRun(configurations, stamps.from_seconds(duration) // period + 1)
     run.drive(progress, note)
-    return Recording(run.frames[:, frame.TIME].copy(), run.channels())
+    written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
+    return recording_of(run.frames, [topic for signal, topic in TOPICS.items() if signal in written])

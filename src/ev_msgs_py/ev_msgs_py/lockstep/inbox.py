@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import Any
+
+from ev_msgs_py.contract.frame import Frame
 
 _KEPT_AHEAD = 8  # incomplete steps that a node keeps at most
 
@@ -18,8 +19,18 @@ class Arrival(Enum):
     RESTART = "time went back to zero: a new run begins"
 
 
+class Step:
+    """The inputs of one step: their numbers in a frame, and which signals have come."""
+
+    __slots__ = ("came", "frame")
+
+    def __init__(self) -> None:
+        self.frame = Frame()
+        self.came: set[type] = set()
+
+
 class Inbox:
-    """Collects one message of each kind per stamp.
+    """Collects the numbers of one message of each kind per stamp, in a frame.
 
     `reads` are the signal types of one step, `period` is the step in nanoseconds. A node that has not stepped yet
     takes any stamp as its first; from then on steps follow each other without a gap, unless `may_skip` (realtime,
@@ -42,28 +53,35 @@ class Inbox:
         self.period = period
         self.last: int | None = None
         self._may_skip = may_skip
-        self._pending: dict[int, dict[type, Any]] = {}
+        self._pending: dict[int, Step] = {}
         self._missing: tuple[type, ...] | None = None  # None where it has to be found anew
 
-    def offer(self, kind: type, stamp: int, signal: Any) -> Arrival:
-        """Judge a message and keep it if it is new."""
+    def offer(self, kind: type, stamp: int) -> Arrival:
+        """Judge a message; of a new one, and of one that begins a new run, the numbers belong into `frame_at`."""
         if self.last is not None:
             ahead = stamp - self.last
             if stamp == 0 and ahead < 0 and kind in self._heralds:
                 self.expect(0)
-                self._keep(kind, stamp, signal)
+                self._keep(kind, stamp)
                 return Arrival.RESTART
             if ahead <= 0:
                 return Arrival.OLD if ahead else Arrival.REPEATED
             if ahead % self.period or (ahead > 2 * self.period and not self._may_skip):
                 return Arrival.GAP
-        return self._keep(kind, stamp, signal)
+        return self._keep(kind, stamp)
 
-    def _keep(self, kind: type, stamp: int, signal: Any) -> Arrival:
-        step = self._pending.setdefault(stamp, {})
-        if kind in step:
+    def frame_at(self, stamp: int) -> Frame:
+        """The frame of a step that waits for inputs; one that nobody waits for any more where it was given up."""
+        step = self._pending.get(stamp)
+        return Frame() if step is None else step.frame
+
+    def _keep(self, kind: type, stamp: int) -> Arrival:
+        step = self._pending.get(stamp)
+        if step is None:
+            step = self._pending[stamp] = Step()
+        if kind in step.came:
             return Arrival.REPEATED
-        step[kind] = signal
+        step.came.add(kind)
         if self.last is None or kind in self._followed:
             self._missing = None
         elif self._missing is not None and stamp == self.last + self.period:
@@ -84,13 +102,13 @@ class Inbox:
         if not self._may_skip and self.last is not None:
             return None if self.missing() else self.last + self.period
         for stamp in sorted(self._pending, reverse=True):
-            if len(self._pending[stamp]) == len(self.reads):
+            if len(self._pending[stamp].came) == len(self.reads):
                 return stamp
         return None
 
-    def take(self, stamp: int) -> dict[type, Any]:
+    def take(self, stamp: int) -> Frame:
         """The inputs of a complete step; older ones are forgotten."""
-        inputs = self._pending.pop(stamp)
+        inputs = self._pending.pop(stamp).frame
         for old in [s for s in self._pending if s < stamp]:
             del self._pending[old]
         self.last = stamp
@@ -105,6 +123,10 @@ class Inbox:
 
     def _find_missing(self) -> tuple[type, ...]:
         due = self.last + self.period
-        held = self._pending.get(due, {})
-        after = self._pending.get(due + self.period, {})
+        held = self._came(due)
+        after = self._came(due + self.period)
         return tuple(kind for kind in self.reads if kind not in held or (kind in self._followed and kind not in after))
+
+    def _came(self, stamp: int) -> set[type]:
+        step = self._pending.get(stamp)
+        return step.came if step is not None else set()

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 from ev_msgs_py import stamps
+from ev_msgs_py.contract.frame import TIME, Frame
 from ev_msgs_py.graph import sequence, writers
-from ev_msgs_py.inbox import Arrival, Inbox
+from ev_msgs_py.lockstep.inbox import Arrival, Inbox
+from ev_msgs_py.lockstep.part import Part
 from ev_msgs_py.methods import Method
 from ev_msgs_py.roles import INTEGRATED, MASTER, ROLES, RoleKind
-from ev_msgs_py.signals import Instant
 
 
 class Answer(NamedTuple):
-    """What a node says for one instant."""
+    """What a node says for one instant: the numbers of what it writes, in a frame."""
 
     stamp: int
-    signals: tuple[Any, ...]
+    frame: Frame
 
 
 WRITERS = writers(ROLES)
@@ -40,14 +41,14 @@ def upstream_signals(role: str) -> frozenset[type]:
 
 
 class Stepper:
-    """Steps the object of a method exactly once per stamp, as soon as all its inputs for that stamp are there.
+    """Steps the part of a method exactly once per stamp, as soon as all its inputs for that stamp are there.
 
-    `make` gives a new object of the method, at rest; `period` is the step in nanoseconds. An object that answers at
-    once answers with the stamp of its inputs. An object that integrates answers with the stamp of the next step, and
-    with its initial state for as long as it has not stepped.
+    `make` gives a new part, at rest; `period` is the step in nanoseconds. A part that answers at once answers with the
+    stamp of its inputs. One that integrates answers with the stamp of the next step, and with its initial state for as
+    long as it has not stepped.
     """
 
-    def __init__(self, method: Method, make: Callable[[], Any], period: int, may_skip: bool = False) -> None:
+    def __init__(self, method: Method, make: Callable[[], Part], period: int, may_skip: bool = False) -> None:
         self.reads = method.inputs
         self.integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
         self.upstream = upstream_signals(method.role)
@@ -61,19 +62,18 @@ class Stepper:
         self.answer: Answer | None = None
         self.period = period
         self._before: Answer | None = None
-        self._signature = method.reads
         self._make = make
         self._at_rest = True
-        self.object = make()
+        self.part = make()
 
     @property
     def is_fresh(self) -> bool:
         """Whether it has not heard of any run yet."""
         return self.answer is None and self.inbox.last is None
 
-    def offer(self, kind: type, stamp: int, signal: Any) -> Arrival:
-        """Take a message in; a message of a new run begins the object anew."""
-        arrival = self.inbox.offer(kind, stamp, signal)
+    def offer(self, kind: type, stamp: int) -> Arrival:
+        """Judge a message; one of a new run begins the part anew."""
+        arrival = self.inbox.offer(kind, stamp)
         if arrival is Arrival.RESTART:
             self._begin_anew()
         return arrival
@@ -89,7 +89,7 @@ class Stepper:
             yield from self._recent_answers()
         joining = self.inbox.last is None and self._at_rest  # it has missed what it needs to step from this stamp on
         if self.integrates and (self.answer is None or (joining and stamp > self.answer.stamp)):
-            self.answer = Answer(stamp, self.object.outputs())
+            self.answer = self._start(stamp)
             yield self.answer
         answer = self.step()
         if answer is not None:
@@ -102,8 +102,13 @@ class Stepper:
         """
         return tuple(answer for answer in (self._before, self.answer) if answer is not None)
 
+    def _start(self, stamp: int) -> Answer:
+        there = Frame()
+        self.part.start(there)
+        return Answer(stamp, there)
+
     def _begin_anew(self) -> None:
-        self.object = self._make()
+        self.part = self._make()
         self.answer = self._before = None
         self._at_rest = True
 
@@ -111,7 +116,7 @@ class Stepper:
         """Begin anew at time zero; the answer is the initial state of an integrating object."""
         self._begin_anew()
         self.inbox.expect(0)
-        self.answer = Answer(0, self.object.outputs())
+        self.answer = self._start(0)
         return self.answer
 
     def step(self) -> Answer | None:
@@ -127,15 +132,16 @@ class Stepper:
             answer = self.step_with(stamp, inputs)
         return answer
 
-    def step_with(self, stamp: int, inputs: Mapping[type, Any]) -> Answer:
-        """One step with these inputs."""
-        now = Instant(stamps.to_seconds(stamp))
-        arguments = [now if kind is Instant else inputs[kind] for kind in self._signature]
+    def step_with(self, stamp: int, here: Frame) -> Answer:
+        """One step with the inputs in a frame."""
+        here.numbers[TIME] = stamps.to_seconds(stamp)
         self._at_rest = False
         if self.integrates:
             self._before = self.answer
-            self.object.advance(*arguments)
-            self.answer = Answer(stamp + self.period, self.object.outputs())
+            there = Frame()
+            self.part.step(here, there)
+            self.answer = Answer(stamp + self.period, there)
         else:
-            self.answer = Answer(stamp, (self.object.step(*arguments),))
+            self.part.step(here, here)
+            self.answer = Answer(stamp, here)
         return self.answer

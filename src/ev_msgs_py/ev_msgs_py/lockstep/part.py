@@ -1,0 +1,124 @@
+"""The object that plays a role: it reads signals in one frame and writes its own into the same or the next one.
+
+There is one kind of step for all ways of running: offline, in one process, as processes, in lockstep, in real time.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.methods import Method
+from ev_msgs_py.roles import ROLES, RoleKind
+from ev_msgs_py.shape import shape_of
+from ev_msgs_py.signals import Instant
+
+
+class Part(Protocol):
+    """What a run asks of a part."""
+
+    state: Any
+    """All that lasts between steps; may be set to that of another part of the same method."""
+
+    def start(self, there: Frame) -> None:
+        """Write the initial outputs of a role that integrates; SignalError if a number is not finite."""
+
+    def step(self, here: Frame, there: Frame) -> None:
+        """Answer in the frame `there` to the signals in `here`, or integrate to it; SignalError as above."""
+
+    def notes(self) -> tuple[str, ...]:
+        """All that is worth knowing about the run so far, besides the signals."""
+
+
+FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 4)
+_BYTES = frame.SIZE * ctypes.sizeof(ctypes.c_double)
+
+
+class PythonPart:
+    """An object whose steps run in plain Python; compiled code calls it back, and finds what it raised in `error`."""
+
+    def __init__(self, method: Method, made: Any) -> None:
+        self.made = made
+        self.error: BaseException | None = None
+        self._integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
+        self._reads = tuple(_reader(signal) for signal in method.reads)
+        self._writes = tuple(_writer(signal) for signal in method.writes)
+        self._reports = getattr(made, "reports", None)
+        self._function = FUNCTION(self._called_back)
+
+    @property
+    def state(self) -> Any:
+        """The state of the object."""
+        return self.made.state
+
+    @state.setter
+    def state(self, state: Any) -> None:
+        self.made.state = state
+
+    def start(self, there: Frame) -> None:
+        """Write the initial outputs."""
+        self._write(self.made.outputs(), there.numbers)
+
+    def step(self, here: Frame, there: Frame) -> None:
+        """One step of the object."""
+        self._step(here.raw, there.numbers)
+
+    def _step(self, here: Any, there: Any) -> None:
+        signals = [read(here) for read in self._reads]
+        if self._integrates:
+            self.made.advance(*signals)
+            self._write(self.made.outputs(), there)
+        else:
+            self._write((self.made.step(*signals),), there)
+
+    def _write(self, said: tuple[Any, ...], there: Any) -> None:
+        for write, signal in zip(self._writes, said, strict=True):
+            write(there, signal)
+
+    def notes(self) -> tuple[str, ...]:
+        """What the object reports."""
+        return self._reports() if self._reports else ()
+
+    def addresses(self) -> tuple[int, int, int]:
+        """Of the function that compiled code calls; it needs no memory for state and constants."""
+        return ctypes.cast(self._function, ctypes.c_void_p).value or 0, 0, 0
+
+    def _called_back(self, here: int | None, there: int, _state: int | None, _constants: int | None) -> int:
+        try:
+            place = _numbers_at(there)
+            if here is None:
+                self._write(self.made.outputs(), place)
+            else:
+                self._step(memoryview(_numbers_at(here)).cast("B"), place)
+        except BaseException as error:  # nothing may be raised through compiled code
+            self.error = error
+            return 1
+        return 0
+
+
+def _numbers_at(address: int) -> memoryview:
+    return memoryview((ctypes.c_char * _BYTES).from_address(address)).cast("B").cast("d")
+
+
+def _reader(signal: type) -> Callable[[Any], Any]:
+    """A function that makes a signal of the bytes of a frame."""
+    if signal is Instant:
+        return lambda here: Instant(frame.time_in(here))
+    return shape_of(signal).reader(frame.PLACES[signal].start)
+
+
+def _writer(signal: type) -> Callable[[Any, Any], None]:
+    """A function that puts a signal into the numbers of a frame, as its message carries it."""
+    place, shape = frame.PLACES[signal], shape_of(signal)
+
+    def write(there: Any, said: Any) -> None:
+        values = shape.carried(shape.flat(said))
+        if not math.isfinite(sum(values)):
+            shape.refuse_not_finite(shape.flat(said))
+        there[place] = frame.numbers_of(values)
+
+    return write

@@ -1,0 +1,1 @@
+"""Nodes: what is ROS about stepping, in pieces of one idea each."""

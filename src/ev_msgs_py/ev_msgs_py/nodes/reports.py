@@ -1,0 +1,41 @@
+"""What a node says besides its signals: in its log and in /diagnostics."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+
+
+class Reports:
+    """Says each thing once, and passes on what a part notes of the run."""
+
+    def __init__(self, node: Node, role: str) -> None:
+        self._node = node
+        self._role = role
+        self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._part: Any = None
+        self._said: set[str] = set()
+
+    def warn(self, text: str) -> None:
+        """Say something in the log and in /diagnostics: the run may not be reproducible."""
+        self._node.get_logger().warning(text)
+        self._diagnose(DiagnosticStatus.WARN, text)
+
+    def pass_on(self, part: Any) -> None:
+        """Say what a part notes for the first time, as OK; a new part begins anew."""
+        if part is not self._part:
+            self._part, self._said = part, set()
+        for text in part.notes():
+            if text not in self._said:
+                self._said.add(text)
+                self._node.get_logger().info(text)
+                self._diagnose(DiagnosticStatus.OK, text)
+
+    def _diagnose(self, level: bytes, text: str) -> None:
+        status = DiagnosticStatus(level=level, name=self._node.get_fully_qualified_name(), message=text)
+        status.values = [KeyValue(key="role", value=self._role)]
+        report = DiagnosticArray(status=[status])
+        report.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(report)

@@ -1,0 +1,50 @@
+"""Frames to topics and back: what publishes one signal, and what receives one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+
+from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.topics import QUEUE_DEPTH, Topic
+from ev_msgs_py.wire.message_format import format_of
+
+QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last
+
+
+class SignalWriter:
+    """Publishes one signal while somebody hears it."""
+
+    def __init__(self, node: Node, topic: Topic) -> None:
+        format_ = format_of(topic.signal)
+        self.publisher: Publisher = node.create_publisher(format_.message_class, topic.name, QUALITY)
+        self._pack = format_.pack
+        self._publish = self.publisher.handle.publish_raw
+        self._readers = self.publisher.handle.get_subscription_count
+
+    def write(self, stamp: int, here: Frame) -> None:
+        """Publish the signal in a frame, whose numbers are finite; without readers it costs nearly nothing."""
+        if self._readers():
+            self._publish(self._pack(stamp, here))
+
+
+class SignalReader:
+    """Receives one signal: gives each serialized message to `receive`, from an executor or where `take` finds one."""
+
+    def __init__(self, node: Node, topic: Topic, receive: Callable[[Topic, bytes], None]) -> None:
+        message_class = format_of(topic.signal).message_class
+        self._receive = partial(receive, topic)
+        self.subscription = node.create_subscription(message_class, topic.name, self._receive, QUALITY, raw=True)
+        self._take = partial(self.subscription.handle.take_message, message_class, True)
+
+    def take(self) -> bool:
+        """Take a message if there is one."""
+        taken = self._take()
+        if taken is None:
+            return False
+        self._receive(taken[0])
+        return True

@@ -1,0 +1,64 @@
+"""The services that stop time, let it run, grant one step, and begin again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from ev_msgs_py import stamps
+
+
+class TimeServices:
+    """pause, resume, step and reset of a node, by std_srvs/Trigger.
+
+    `now()` is the present stamp; `begin()` begins a new run; `moves()` is called when time may go on.
+    """
+
+    def __init__(
+        self, node: Node, now: Callable[[], int], begin: Callable[[], None], moves: Callable[[], None]
+    ) -> None:
+        self._now, self._begin, self._moves = now, begin, moves
+        self._paused = False
+        self._granted = 0
+        for name, handler in (
+            ("pause", self._pause),
+            ("resume", self._resume),
+            ("step", self._step),
+            ("reset", self._reset),
+        ):
+            node.create_service(Trigger, f"~/{name}", handler)
+
+    @property
+    def rests(self) -> bool:
+        """Whether time stands still."""
+        return self._paused and not self._granted
+
+    def took_step(self) -> None:
+        """One of the granted steps is taken."""
+        self._granted = max(self._granted - 1, 0)
+
+    def _pause(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._paused, self._granted = True, 0
+        return self._done(response, "paused")
+
+    def _resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._paused = False
+        self._moves()
+        return self._done(response, "running")
+
+    def _step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._paused = True
+        self._granted += 1
+        self._moves()
+        return self._done(response, "one more step granted")
+
+    def _reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._granted = 0
+        self._begin()
+        return self._done(response, "time is zero again,")
+
+    def _done(self, response: Trigger.Response, text: str) -> Trigger.Response:
+        response.success, response.message = True, f"{text} at {stamps.to_seconds(self._now())} s"
+        return response
