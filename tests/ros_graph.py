@@ -16,15 +16,18 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
+from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.nodes.spinning import spin
+from ev_msgs_py.shape import shape_of
 from ev_msgs_py.stamps import from_seconds, to_seconds
 from ev_msgs_py.topics import TOPICS
 from ev_msgs_py.wire.message_classes import message_class
-from ev_msgs_py.wire_format import wire_format
+from ev_msgs_py.wire.message_format import format_of, stamp_of
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.scenario.domain import free_domain
 from ev_sim.scenario.node_parameters import RECORDER, node_parameters
@@ -85,18 +88,23 @@ class Probe(Node):
         heard = self.heard.setdefault(signal, [])
         topic = TOPICS[signal]
         kind = message_class(topic.message_type)
-        unpack = wire_format(signal).unpack
-        self.create_subscription(kind, topic.name, lambda message: heard.append(unpack(message)), QUALITY, raw=True)
+        read = shape_of(signal).reader(PLACES[signal].start)
+
+        def hear(message: bytes) -> None:
+            here = Frame()
+            format_of(signal).unpack(format_of(signal).canonical(message), here)
+            heard.append((stamp_of(message), read(here.raw)))
+
+        self.create_subscription(kind, topic.name, hear, QUALITY, raw=True)
         return heard
 
     def message(self, seconds: float, signal: Any) -> Any:
         """A message object, for tests that spoil it."""
         topic = TOPICS[type(signal)]
-        message = topic.codec.prepare(message_class(topic.message_type)())
-        topic.codec.encode(signal, message)
-        message.header.frame_id = topic.frame
-        message.header.stamp.sec, message.header.stamp.nanosec = divmod(from_seconds(seconds), 1_000_000_000)
-        return message
+        here = Frame()
+        here.numbers[PLACES[topic.signal]] = numbers_of(topic.shape.flat(signal))
+        packed = format_of(topic.signal).pack(from_seconds(seconds), here)
+        return deserialize_message(packed, message_class(topic.message_type))
 
     def publisher_of(self, signal: type) -> Any:
         """The probe's publisher of a signal."""

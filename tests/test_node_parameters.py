@@ -8,11 +8,9 @@ from rcl_interfaces.msg import ParameterType
 from rclpy.parameter import Parameter
 from ros_graph import node_of, ros_domain
 
-from ev_msgs_py.configuration import Configuration, configure
 from ev_msgs_py.methods import all_methods
 from ev_msgs_py.parameters import entries
 from ev_msgs_py.roles import ROLES
-from ev_msgs_py.wheels import WHEEL_NAMES
 from ev_sim.recording.recorder_parameters import RecorderParameters
 
 LAW = "electronic_differential"
@@ -69,12 +67,12 @@ def test_a_described_parameter_in_full(context, law):
 
 
 def test_a_change_is_taken_over_live_and_the_state_lasts(law):
-    before = law.stepper.object
+    before = law.stepper.part
     before.state.integral = 3.0
     assert tried(law, natural_frequency=9.0, max_torque_difference=80.0) == ""
     assert law.get_parameter("natural_frequency").value == law.configuration.parameters.natural_frequency == 9.0
-    assert law.stepper.object is not before
-    assert law.stepper.object.state.integral == 3.0
+    assert law.stepper.part is not before
+    assert law.stepper.part.state.integral == 3.0
 
 
 REFUSED = {
@@ -91,12 +89,12 @@ REFUSED = {
 
 @pytest.mark.parametrize(("values", "named"), REFUSED.values(), ids=REFUSED)
 def test_a_bad_value_is_refused_with_a_reason_and_nothing_changes(law, values, named):
-    configuration, played = law.configuration, law.stepper.object
+    configuration, played = law.configuration, law.stepper.part
     everything = {name: parameter.value for name, parameter in law.get_parameters_by_prefix("").items()}
     assert named in tried(law, **values)
     assert {name: parameter.value for name, parameter in law.get_parameters_by_prefix("").items()} == everything
     assert law.configuration is configuration
-    assert law.stepper.object is played
+    assert law.stepper.part is played
 
 
 def test_an_unknown_choice_lists_the_known_ones(context):
@@ -116,33 +114,8 @@ def test_values_that_belong_together_change_together(context):
 
 def test_how_time_runs_can_change_without_touching_the_plant(context):
     plant = node_of(context, "plant", {})
-    played = plant.stepper.object
+    played = plant.stepper.part
     assert tried(plant, real_time_factor=2.0) == ""
     assert plant.time_parameters.real_time_factor == 2.0
-    assert plant.stepper.object is played
+    assert plant.stepper.part is played
     plant.destroy_node()
-
-
-def neighbour(configuration: Configuration) -> Configuration | None:
-    """The same with one number changed a little; None if the method has no number."""
-    for entry in entries(configuration.parameters):
-        if entry.type is float and not entry.is_array:
-            for factor in (0.99, 1.01):
-                value = entry.default * factor
-                if (entry.spec.low or 0.0) < value < (entry.spec.high or 1e9):
-                    return configuration.changed({entry.name: value})
-    return None
-
-
-@pytest.mark.parametrize(("role", "name"), EVERY_METHOD, ids=lambda word: word)
-def test_every_method_can_hand_its_state_to_a_successor(role, name):
-    """A node that takes new parameters over live makes a new object and gives it the state of the old one."""
-    # Laws of other sources need rear drives, or all four.
-    driven = {"slip_target": ["rear_left", "rear_right"], "axle_redistribution": list(WHEEL_NAMES)}
-    layout = {"vehicle.driven_wheels": driven[name]} if name in driven else {}
-    configuration = configure(role, {"method": name, **layout})
-    changed = neighbour(configuration) or configuration
-    old, new = configuration.create(), changed.create()
-    assert type(new.state) is type(old.state)
-    new.state = old.state
-    assert new.state is old.state

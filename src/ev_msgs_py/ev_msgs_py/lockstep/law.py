@@ -11,7 +11,7 @@ from typing import Any
 
 from ev_msgs_py.car import car_numbers
 from ev_msgs_py.compiling.compilable import FUNCTIONS
-from ev_msgs_py.contract.record import fill, numbers
+from ev_msgs_py.contract.record import fill, names, numbers
 from ev_msgs_py.parameters import number_tree
 from ev_msgs_py.vehicle import Vehicle
 
@@ -57,6 +57,10 @@ class Law:
         """Whether its functions are marked as `compilable`."""
         return self.function in FUNCTIONS and (self.outputs is None or self.outputs in FUNCTIONS)
 
+    def names(self) -> list[str]:
+        """One name for each number of the state."""
+        return names(self.state())
+
     def __call__(self, parameters: Any, vehicle: Vehicle, period: float) -> LawObject:
         """A new object of the law, at rest."""
         return LawObject(self, parameters, vehicle, period)
@@ -64,11 +68,11 @@ class Law:
 
 def given_names(function: Callable[..., Any]) -> tuple[str, ...]:
     """Which of `GIVEN` a function asks for, in its order; TypeError unless they come first."""
-    names = tuple(inspect.signature(function).parameters)
-    count = sum(name in GIVEN for name in names)
-    if any(name not in GIVEN for name in names[:count]):
+    asked = tuple(inspect.signature(function).parameters)
+    count = sum(name in GIVEN for name in asked)
+    if any(name not in GIVEN for name in asked[:count]):
         raise TypeError(f"{function.__name__}: {', '.join(GIVEN)} come before the signals")
-    return names[:count]
+    return asked[:count]
 
 
 class Given:

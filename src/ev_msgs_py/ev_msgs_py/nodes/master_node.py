@@ -38,7 +38,7 @@ class MasterNode(SteppedNode):
         self._pace = Pace()
         self._silence = Silence(self)
         self._held = HeldInputs(self.stepper.reads)
-        self._services = TimeServices(self, lambda: self.now, self._begin, self.reconfigured)
+        self._time = TimeServices(self, lambda: self.now, self._begin, self.reconfigured)
         self._order = list(self.writers.values())  # in which the signals of an answer are published
         self._overruns = 0  # realtime steps that came more than one period late
         # For rclpy's own executors; `spinning.spin` calls idle() by itself. The clock is the wall's, not /clock.
@@ -99,7 +99,7 @@ class MasterNode(SteppedNode):
         """Advance if time is due, publish the state again if answers are late, and name the nodes that are silent."""
         self._advance_where_due()
         under_way = self.realtime and self._held.complete
-        if self.done or self._services.rests or under_way or time.monotonic() - self._published < _RETRY_PERIOD:
+        if self.done or self._time.rests or under_way or time.monotonic() - self._published < _RETRY_PERIOD:
             return
         if self.stepper.inbox.complete() is None or not self._recorder_keeps_up():
             self._put_awaited_signals_first()
@@ -153,7 +153,7 @@ class MasterNode(SteppedNode):
 
     def _has_inputs(self) -> bool:
         """Whether the next instant may come as soon as it is due."""
-        if self._services.rests:
+        if self._time.rests:
             return False
         if self.realtime:
             return self._held.complete
@@ -167,7 +167,7 @@ class MasterNode(SteppedNode):
             if self._at_end():
                 self._end()
                 return
-            self._services.took_step()
+            self._time.took_step()
             self.publish(self._held_step() if self.realtime else self.stepper.step())
             self._silence.answered()
             if self.now == self.stepper.period:
