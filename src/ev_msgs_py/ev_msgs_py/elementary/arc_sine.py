@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import nan, sqrt
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary.parts import HALF_PI, HALF_PI_TAIL, PI, QUARTER_PI, upper_half
 
 # Follows fdlibm, whose notice this is:
 # Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
@@ -12,8 +13,6 @@ from ev_msgs_py.compiling.compilable import compilable
 # Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
 # preserved.
 
-HALF_PI_HEAD, HALF_PI_TAIL = 1.57079632679489655800e00, 6.12323399573676603587e-17
-QUARTER_PI, PI = 7.85398163397448278999e-01, 3.14159265358979311600e00
 P0 = 1.66666666666666657415e-01
 P1 = -3.25565818622400915405e-01
 P2 = 2.01212532134862925881e-01
@@ -24,8 +23,6 @@ Q1 = -2.40339491173441421878e00
 Q2 = 2.02094576023350569471e00
 Q3 = -6.88283971605453293030e-01
 Q4 = 7.70381505559019352791e-02
-
-SPLIT = 134217729.0  # 2**27 + 1: Veltkamp's, halves the bits of a number
 
 
 @compilable
@@ -47,10 +44,9 @@ def asin(x: float) -> float:
     s = sqrt(z)
     series = arc_sine_series(z)
     if size > 0.975:
-        result = HALF_PI_HEAD - (2.0 * (s + s * series) - HALF_PI_TAIL)
+        result = HALF_PI - (2.0 * (s + s * series) - HALF_PI_TAIL)
     else:
-        c = s * SPLIT
-        head = c - (c - s)
+        head = upper_half(s)
         tail = (z - head * head) / (s + head)
         p = 2.0 * s * series - (HALF_PI_TAIL - 2.0 * tail)
         result = QUARTER_PI - (p - (QUARTER_PI - 2.0 * head))
@@ -61,12 +57,11 @@ def asin(x: float) -> float:
 def acos(x: float) -> float:
     """Arc cosine, NaN beyond ±1; 0.95 ulp; after fdlibm's e_acos.c."""
     if -0.5 < x < 0.5:
-        return HALF_PI_HEAD - (x - (HALF_PI_TAIL - x * arc_sine_series(x * x)))
+        return HALF_PI - (x - (HALF_PI_TAIL - x * arc_sine_series(x * x)))
     if 0.5 <= x < 1.0:
         z = (1.0 - x) * 0.5
         s = sqrt(z)
-        c = s * SPLIT
-        head = c - (c - s)
+        head = upper_half(s)
         tail = (z - head * head) / (s + head)
         return 2.0 * (head + (arc_sine_series(z) * s + tail))
     if -1.0 <= x <= -0.5:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary.parts import HALF_PI, HALF_PI_TAIL, QUARTER_PI, QUARTER_PI_TAIL
 
 # Follows fdlibm, whose notice this is:
 # Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
@@ -10,10 +11,8 @@ from ev_msgs_py.compiling.compilable import compilable
 # Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
 # preserved.
 
-HALF_HEAD, HALF_TAIL = 4.63647609000806093515e-01, 2.26987774529616870924e-17  # atan(0.5)
-ONE_HEAD, ONE_TAIL = 7.85398163397448278999e-01, 3.06161699786838301793e-17  # atan(1)
-MORE_HEAD, MORE_TAIL = 9.82793723247329054082e-01, 1.39033110312309984516e-17  # atan(1.5)
-INFINITE_HEAD, INFINITE_TAIL = 1.57079632679489655800e00, 6.12323399573676603587e-17  # atan(inf)
+ATAN_HALF, ATAN_HALF_TAIL = 4.63647609000806093515e-01, 2.26987774529616870924e-17
+ATAN_3_HALVES, ATAN_3_HALVES_TAIL = 9.82793723247329054082e-01, 1.39033110312309984516e-17
 A0 = 3.33333333333329318027e-01
 A1 = -1.99999999998764832476e-01
 A2 = 1.42857142725034663711e-01
@@ -46,14 +45,14 @@ def atan(x: float) -> float:
     if size < 1.1875:
         if size < 0.6875:
             t = (2.0 * size - 1.0) / (2.0 + size)
-            result = HALF_HEAD - ((arc_excess(t) - HALF_TAIL) - t)
+            result = ATAN_HALF - ((arc_excess(t) - ATAN_HALF_TAIL) - t)
         else:
             t = (size - 1.0) / (size + 1.0)
-            result = ONE_HEAD - ((arc_excess(t) - ONE_TAIL) - t)
+            result = QUARTER_PI - ((arc_excess(t) - QUARTER_PI_TAIL) - t)
     elif size < 2.4375:
         t = (size - 1.5) / (1.0 + 1.5 * size)
-        result = MORE_HEAD - ((arc_excess(t) - MORE_TAIL) - t)
+        result = ATAN_3_HALVES - ((arc_excess(t) - ATAN_3_HALVES_TAIL) - t)
     else:
         t = -1.0 / size
-        result = INFINITE_HEAD - ((arc_excess(t) - INFINITE_TAIL) - t)
+        result = HALF_PI - ((arc_excess(t) - HALF_PI_TAIL) - t)
     return result if x > 0.0 else -result

@@ -2,32 +2,30 @@
 
 from __future__ import annotations
 
-from math import copysign, inf, pi
+from math import copysign, inf
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.elementary.arc_tangent import HALF_HEAD, HALF_TAIL, ONE_HEAD, ONE_TAIL, arc_excess
-
-PI_TAIL = 1.2246467991473532e-16  # what pi misses
+from ev_msgs_py.elementary.arc_tangent import ATAN_HALF, ATAN_HALF_TAIL, arc_excess
+from ev_msgs_py.elementary.parts import HALF_PI, HALF_PI_TAIL, PI, PI_TAIL, QUARTER_PI, QUARTER_PI_TAIL, upper_half
 
 # Between these the products of Dekker's division are exact; a quotient below NEGLIGIBLE is its own arc tangent.
 SMALL, LARGE = 1e-250, 1e290
 FAR, NEGLIGIBLE = 2.0**-60, 2.0**-28
 UP = 2.0**400
-SPLIT = 134217729.0  # 2**27 + 1: Veltkamp's, halves the bits of a number
 
 # The angle from which the rest is counted, in two parts: by octant (the rest is added in the first and third) and by
 # the tangent's interval about 0, 1/2, 1.
 HEADS = (
-    *(0.0, HALF_HEAD, ONE_HEAD),
-    *(pi / 2, 1.1071487177940904, ONE_HEAD),
-    *(pi / 2, 2.0344439357957027, 3 * ONE_HEAD),
-    *(pi, 2.677945044588987, 3 * ONE_HEAD),
+    *(0.0, ATAN_HALF, QUARTER_PI),
+    *(HALF_PI, 1.1071487177940904, QUARTER_PI),
+    *(HALF_PI, 2.0344439357957027, 3 * QUARTER_PI),
+    *(PI, 2.677945044588987, 3 * QUARTER_PI),
 )
 TAILS = (
-    *(0.0, HALF_TAIL, ONE_TAIL),
-    *(PI_TAIL / 2, 9.40447137356638e-17, ONE_TAIL),
-    *(PI_TAIL / 2, 2.841996617907152e-17, 3 * ONE_TAIL),
-    *(PI_TAIL, 1.5527705369303147e-16, 3 * ONE_TAIL),
+    *(0.0, ATAN_HALF_TAIL, QUARTER_PI_TAIL),
+    *(HALF_PI_TAIL, 9.40447137356638e-17, QUARTER_PI_TAIL),
+    *(HALF_PI_TAIL, 2.841996617907152e-17, 3 * QUARTER_PI_TAIL),
+    *(PI_TAIL, 1.5527705369303147e-16, 3 * QUARTER_PI_TAIL),
 )
 
 
@@ -58,10 +56,7 @@ def atan2(y: float, x: float) -> float:
         if not steep and x > 0.0:
             if t < NEGLIGIBLE:
                 return t if y > 0.0 else -t
-            c = t * SPLIT
-            head = c - (c - t)
-            c = large * SPLIT
-            high = c - (c - large)
+            head, high = upper_half(t), upper_half(large)
             tail = (head - t) + ((small - head * high) - head * (large - high)) / large
     elif small < 0.6875 * large:
         i = 1
@@ -89,9 +84,9 @@ def atan2_of_extremes(y: float, x: float) -> float:
         return x + y
     right = copysign(1.0, x) > 0.0
     if y == 0.0:
-        return y if right else copysign(pi, y)
+        return y if right else copysign(PI, y)
     if abs(x) == abs(y):
-        return copysign(pi / 4 if right else 3 * ONE_HEAD, y)
+        return copysign(QUARTER_PI if right else 3 * QUARTER_PI, y)
     if abs(y) > abs(x):
-        return copysign(pi / 2, y)
-    return y / x if right else copysign(pi, y)
+        return copysign(HALF_PI, y)
+    return y / x if right else copysign(PI, y)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary.parts import ROUND
 from ev_msgs_py.elementary.roots_of_two import COARSE, COARSE_ZERO, HEADS, TAILS
 
 # Follows fdlibm, whose notice this is:
@@ -14,7 +15,6 @@ from ev_msgs_py.elementary.roots_of_two import COARSE, COARSE_ZERO, HEADS, TAILS
 # preserved.
 # (The coefficients Q of expm1; the rest is after Tang.)
 
-ROUND = 1.5 * 2.0**52  # adding and subtracting it rounds to an integer, half way to the even one
 STEPS = 46.16624130844683  # 32 / ln 2
 STEP_HEAD = 0.021660849392446835  # ln 2 / 32, to 37 bits, so that up to 2**16 steps are exact,
 STEP_TAIL = 5.145609244655338e-14  # and the rest of it

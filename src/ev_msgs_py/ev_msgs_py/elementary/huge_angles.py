@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import floor, frexp, ldexp
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary.parts import HALF_PI, HALF_PI_TAIL, upper_half
 
 UNIT, PER_UNIT = 2.0**24, 2.0**-24
 
@@ -22,10 +23,8 @@ def _digits() -> tuple[float, ...]:
 
 TWO_OVER_PI = _digits()
 
-HALF_PI_HEAD, HALF_PI_TAIL = 1.5707963267948966, 6.123233995736766e-17
-HALF_PI_HIGH = ldexp(floor(ldexp(HALF_PI_HEAD, 25)), -25)  # the first 26 bits of the head, and
-HALF_PI_LOW = HALF_PI_HEAD - HALF_PI_HIGH  # the rest of them
-SPLIT = 134217729.0  # 2**27 + 1: Veltkamp's, halves the bits of a number
+HALF_PI_HIGH = upper_half(HALF_PI)
+HALF_PI_LOW = HALF_PI - HALF_PI_HIGH
 
 
 @compilable
@@ -90,11 +89,10 @@ def reduced_huge(x: float) -> tuple[int, float, float]:
 @compilable
 def times_half_pi(rest: float, tail: float) -> tuple[float, float]:
     """Both parts of the product of a number in two parts and pi/2 (T. J. Dekker, Numerische Mathematik 18, 1971)."""
-    product = rest * HALF_PI_HEAD
-    c = rest * SPLIT
-    high = c - (c - rest)
+    product = rest * HALF_PI
+    high = upper_half(rest)
     low = rest - high
     error = ((high * HALF_PI_HIGH - product) + high * HALF_PI_LOW + low * HALF_PI_HIGH) + low * HALF_PI_LOW
-    error += rest * HALF_PI_TAIL + tail * HALF_PI_HEAD
+    error += rest * HALF_PI_TAIL + tail * HALF_PI
     result = product + error
     return result, (product - result) + error

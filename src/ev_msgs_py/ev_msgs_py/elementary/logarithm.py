@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import frexp, inf, nan
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary.parts import upper_half
 
 # Follows fdlibm, whose notice this is:
 # Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
@@ -22,8 +23,6 @@ L4 = 2.222219843214978396e-01
 L5 = 1.818357216161805012e-01
 L6 = 1.531383769920937332e-01
 L7 = 1.479819860511658591e-01
-
-SPLIT = 134217729.0  # 2**27 + 1: Veltkamp's, halves the bits of a number
 
 
 @compilable
@@ -94,12 +93,8 @@ def atanh(x: float) -> float:
     if size < 1.0:
         above, below = 1.0 + size, 1.0 - size
         quotient = above / below
-        c = quotient * SPLIT
-        q1 = c - (c - quotient)
-        q2 = quotient - q1
-        c = below * SPLIT
-        b1 = c - (c - below)
-        b2 = below - b1
+        q1, b1 = upper_half(quotient), upper_half(below)
+        q2, b2 = quotient - q1, below - b1
         left = ((above - q1 * b1) - q1 * b2) - q2 * b1 - q2 * b2
         left += (size - (above - 1.0)) - quotient * ((1.0 - below) - size)
         result = 0.5 * log_of(quotient, left / above)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary.huge_angles import reduced_huge
+from ev_msgs_py.elementary.parts import ROUND
 
 # Follows fdlibm, whose notice this is:
 # Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
@@ -11,7 +12,6 @@ from ev_msgs_py.elementary.huge_angles import reduced_huge
 # Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
 # preserved.
 
-ROUND = 1.5 * 2.0**52  # adding and subtracting it rounds to an integer, half way to the even one
 QUARTERS = 0.6366197723675814  # 2 / pi
 
 # pi / 2 in parts of 33 bits, whose multiples are exact up to 2**20, each with all that is missing behind it.

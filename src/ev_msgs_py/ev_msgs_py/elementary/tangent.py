@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import inf, nan
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary.parts import QUARTER_PI, QUARTER_PI_TAIL, upper_half
 from ev_msgs_py.elementary.reduction import reduced
-from ev_msgs_py.elementary.trigonometric import EIGHTH
 
 # Follows fdlibm, whose notice this is:
 # Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
@@ -14,7 +14,6 @@ from ev_msgs_py.elementary.trigonometric import EIGHTH
 # Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
 # preserved.
 
-EIGHTH_TAIL = 3.06161699786838301793e-17  # what EIGHTH misses of pi / 4
 WIDE = 0.67434
 T0 = 3.33333333333334091986e-01
 T1 = 1.33333333333201242699e-01
@@ -30,13 +29,11 @@ T10 = 7.14072491382608190305e-05
 T11 = -1.85586374855275456654e-05
 T12 = 2.59073051863633712884e-05
 
-SPLIT = 134217729.0  # 2**27 + 1: Veltkamp's, halves the bits of a number
-
 
 @compilable
 def tan(x: float) -> float:
     """Tangent of any angle, exactly odd, NaN at ±inf; 0.99 ulp."""
-    if -EIGHTH <= x <= EIGHTH:
+    if -QUARTER_PI <= x <= QUARTER_PI:
         return near_tangent(0, x, 0.0) if x > 1e-8 or x < -1e-8 else x
     if not -inf < x < inf:
         return nan
@@ -50,7 +47,7 @@ def near_tangent(n: int, x: float, tail: float) -> float:
     size = abs(x)
     if size >= WIDE:
         signed_tail = tail if x > 0.0 else -tail
-        t, rest = series((EIGHTH - size) + (EIGHTH_TAIL - signed_tail), 0.0)
+        t, rest = series((QUARTER_PI - size) + (QUARTER_PI_TAIL - signed_tail), 0.0)
         y = t + rest
         one = -1.0 if n else 1.0
         result = one - 2.0 * (t - (y * y / (y + one) - rest))
@@ -60,12 +57,10 @@ def near_tangent(n: int, x: float, tail: float) -> float:
     if not n:
         return y
     # -1/(t + rest), with what the rounding of the quotient misses.
-    c = y * SPLIT
-    head = c - (c - y)
+    head = upper_half(y)
     behind = rest - (head - t)
     quotient = -1.0 / y
-    c = quotient * SPLIT
-    upper = c - (c - quotient)
+    upper = upper_half(quotient)
     return upper + quotient * ((1.0 + upper * head) + upper * behind)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf, nan
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary.parts import QUARTER_PI
 from ev_msgs_py.elementary.reduction import reduced
 
 # Follows fdlibm, whose notice this is:
@@ -13,7 +14,6 @@ from ev_msgs_py.elementary.reduction import reduced
 # Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
 # preserved.
 
-EIGHTH = 0.7853981633974483  # pi / 4
 S1 = 1.66666666666666324348e-01
 S2 = 8.33333333332248946124e-03
 S3 = -1.98412698298579493134e-04
@@ -51,7 +51,7 @@ def near_cosine(x: float, tail: float) -> float:
 @compilable
 def sin(x: float) -> float:
     """Sine of any angle, exactly odd, NaN at ±inf; 0.84 ulp."""
-    if -EIGHTH <= x <= EIGHTH:
+    if -QUARTER_PI <= x <= QUARTER_PI:
         return near_sine(x, 0.0) if x > 1e-8 or x < -1e-8 else x
     if not -inf < x < inf:
         return nan
@@ -63,7 +63,7 @@ def sin(x: float) -> float:
 @compilable
 def cos(x: float) -> float:
     """Cosine of any angle, exactly even, NaN at ±inf; 0.84 ulp."""
-    if -EIGHTH <= x <= EIGHTH:
+    if -QUARTER_PI <= x <= QUARTER_PI:
         return near_cosine(x, 0.0)
     if not -inf < x < inf:
         return nan
@@ -75,7 +75,7 @@ def cos(x: float) -> float:
 @compilable
 def sin_cos(x: float) -> tuple[float, float]:
     """Sine and cosine of any angle, the same bits as one by one, for little more than the price of one."""
-    if -EIGHTH <= x <= EIGHTH:
+    if -QUARTER_PI <= x <= QUARTER_PI:
         return near_sine(x, 0.0) if x > 1e-8 or x < -1e-8 else x, near_cosine(x, 0.0)
     if not -inf < x < inf:
         return nan, nan
