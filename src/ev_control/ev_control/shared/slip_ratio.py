@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from ev_msgs_py.compiling.compilable import compilable
 
+
+@compilable
 def slip_ratio(wheel_speed: float, ground_speed: float, slowest: float) -> float:
     """Slip ratio [1], positive in traction: (w R - V)/(w R) driving, (w R - V)/V braking (Ge & Ni 2005).
 

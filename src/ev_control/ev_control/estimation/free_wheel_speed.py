@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.wheels import Wheels
 
 
-def free_wheel_speed(wheel_velocity: Wheels, road_wheel_angle: float, yaw_rate: float, vehicle: Vehicle) -> float:
+@compilable
+def free_wheel_speed(car: Car, wheel_velocity: Wheels, road_wheel_angle: float, yaw_rate: float) -> float:
     """Longitudinal velocity of the centre of mass [m/s] from front wheels that roll without slip.
 
     The middle of the front axle moves with R (w_1 + w_2)/2 = u cos(delta) + (v + a r) sin(delta) along the wheels, and
@@ -16,6 +18,6 @@ def free_wheel_speed(wheel_velocity: Wheels, road_wheel_angle: float, yaw_rate: 
     velocities [rad/s], angle left positive [rad], yaw rate [rad/s]. A slip angle d of the rear axle leaves the error
     u tan(delta) sin(d), 0.1 % at 2 deg each. An assumption of this project, no source has it.
     """
-    rolling = vehicle.wheel_radius * (wheel_velocity.front_left + wheel_velocity.front_right) / 2
-    turning = vehicle.wheelbase * yaw_rate * math.sin(road_wheel_angle)
+    rolling = car.wheel_radius * (wheel_velocity.front_left + wheel_velocity.front_right) / 2.0
+    turning = car.wheelbase * yaw_rate * math.sin(road_wheel_angle)
     return (rolling - turning) / math.cos(road_wheel_angle)
