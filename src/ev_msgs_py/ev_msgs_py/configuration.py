@@ -9,7 +9,6 @@ from typing import Any, TypeVar
 
 from ev_msgs_py import stamps
 from ev_msgs_py.efficiency_map import with_map_from_file
-from ev_msgs_py.measured import behind_sensors
 from ev_msgs_py.methods import Method, create, find_method, methods_of, refuse_layout
 from ev_msgs_py.parameters import (
     Entry,
@@ -22,8 +21,9 @@ from ev_msgs_py.parameters import (
     parameter,
     unknown_name,
 )
-from ev_msgs_py.quantities import sensors_for
 from ev_msgs_py.roles import ROLES
+from ev_msgs_py.sensors.measured import behind_sensors
+from ev_msgs_py.sensors.quantities import sensors_for
 from ev_msgs_py.vehicle import Vehicle
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
-from ev_msgs_py.quantities import QUANTITIES, Quantity
-from ev_msgs_py.sensor import Sensor
+from ev_msgs_py.contract import frame
+from ev_msgs_py.sensors.row import SensorRow, imperfect
+from ev_msgs_py.shape import shape_of
+from ev_msgs_py.topics import TOPICS
 
 
 def behind_sensors(integrating: Any, sensors: Any, seed: int) -> Any:
@@ -14,9 +15,7 @@ def behind_sensors(integrating: Any, sensors: Any, seed: int) -> Any:
 
     `sensors` are parameters as `quantities.sensors_for` declares them. A signal without a sensor stays true.
     """
-    parameters = {q: getattr(sensors, q.name) for q in QUANTITIES if hasattr(sensors, q.name)}
-    imperfect = [(q, Sensor(p, seed, q.name)) for q, p in parameters.items() if p != type(p)()]
-    return Measured(integrating, imperfect) if imperfect else integrating
+    return Measured(integrating, SensorRow(sensors, seed)) if any(imperfect(sensors)) else integrating
 
 
 class Measured:
@@ -28,7 +27,7 @@ class Measured:
 
     row = None  # that of the object would be the truth
 
-    def __init__(self, integrating: Any, sensors: Sequence[tuple[Quantity, Sensor]]) -> None:
+    def __init__(self, integrating: Any, sensors: SensorRow) -> None:
         self._true = integrating
         self._sensors = sensors
         self._shown: tuple[Any, ...] | None = None
@@ -48,11 +47,13 @@ class Measured:
     def outputs(self) -> tuple[Any, ...]:
         """The signals of this instant as the sensors show them."""
         if self._shown is None:
-            signals = {type(signal): signal for signal in self._true.outputs()}
-            for quantity, sensor in self._sensors:
-                signal = signals[quantity.signal]
-                signals[quantity.signal] = quantity.written(signal, sensor.measure(quantity.read(signal)))
-            self._shown = tuple(signals.values())
+            signals = self._true.outputs()
+            numbers = [0.0] * frame.SIZE
+            for signal in signals:
+                numbers[frame.PLACES[type(signal)]] = TOPICS[type(signal)].codec.numbers(signal)
+            self._sensors.step(numbers)
+            kinds = map(type, signals)
+            self._shown = tuple(shape_of(kind).signal_of(tuple(numbers[frame.PLACES[kind]])) for kind in kinds)
         return self._shown
 
     def advance(self, *inputs: Any) -> None:

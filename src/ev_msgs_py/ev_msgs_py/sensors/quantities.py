@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, make_dataclass
 from functools import cache
-from itertools import chain
-from typing import Any
 
+from ev_msgs_py.contract import frame
 from ev_msgs_py.parameters import group
-from ev_msgs_py.sensor import sensor_parameters
+from ev_msgs_py.sensors.measuring import HEADING, NUMBERS, SHARE
+from ev_msgs_py.sensors.sensor import sensor_parameters
 from ev_msgs_py.shape import shape_of
 from ev_msgs_py.signals import (
     BatteryCondition,
@@ -21,63 +21,45 @@ from ev_msgs_py.signals import (
     WheelStates,
 )
 from ev_msgs_py.topics import TOPICS
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """Fields of a signal that one sensor measures; its parameters accept errors up to `largest`, in `unit`."""
+    """Fields of a signal that one sensor measures; its parameters accept errors up to `largest`, in `unit`.
+
+    `kind` says how the fields carry what is measured: as its numbers; as z and w of a quaternion; or as a share and the
+    amount that this is of a further field, `whole`.
+    """
 
     name: str
     signal: type
     fields: tuple[str, ...]
     largest: float
+    kind: int = NUMBERS
+    whole: str = ""
 
     @property
     def unit(self) -> str:
         """Unit of the numbers and of the sensor's errors."""
-        return TOPICS[self.signal].units[self.fields[0]]
+        return "rad" if self.kind == HEADING else TOPICS[self.signal].units[self.fields[0]]
 
     @property
     def parameters(self) -> type:
         """The parameter dataclass of its sensor."""
         return sensor_parameters(self.unit, self.largest)
 
-    def read(self, signal: Any) -> tuple[float, ...]:
-        """The numbers in a signal."""
-        values = tuple(getattr(signal, name) for name in self.fields)
-        return tuple(chain.from_iterable(values)) if shape_of(self.signal).per_wheel else values
+    @property
+    def places(self) -> tuple[int, ...]:
+        """Where its fields stand in the frame, and then the whole; numbers stand one after the other."""
+        channels = shape_of(self.signal).channels
+        fields = (*self.fields, self.whole)
+        begin = frame.PLACES[self.signal].start
+        return tuple(begin + i for f in fields for i, name in enumerate(channels) if name.partition(".")[0] == f)
 
-    def written(self, signal: Any, numbers: tuple[float, ...]) -> Any:
-        """The signal with other numbers."""
-        values: tuple[Any, ...] = numbers
-        if shape_of(self.signal).per_wheel:
-            wheels = len(WHEEL_NAMES)
-            values = tuple(Wheels._make(numbers[i : i + wheels]) for i in range(0, len(numbers), wheels))
-        return signal._replace(**dict(zip(self.fields, values, strict=True)))
-
-
-class Heading(Quantity):
-    """The heading of a pose, which the signal carries as two numbers of a quaternion."""
-
-    unit = "rad"
-
-    def read(self, signal: BodyPose) -> tuple[float, ...]:
-        return (signal.heading,)
-
-    def written(self, signal: BodyPose, numbers: tuple[float, ...]) -> BodyPose:
-        return BodyPose.at(signal.x, signal.y, *numbers)
-
-
-class StateOfCharge(Quantity):
-    """The state of charge; the charge that is shown is its share of the capacity."""
-
-    def read(self, signal: BatteryCondition) -> tuple[float, ...]:
-        return (signal.state_of_charge,)
-
-    def written(self, signal: BatteryCondition, numbers: tuple[float, ...]) -> BatteryCondition:
-        (share,) = numbers
-        return signal._replace(state_of_charge=share, charge=share * signal.capacity)
+    @property
+    def count(self) -> int:
+        """How many numbers have errors."""
+        return len(self.places) if self.kind == NUMBERS else 1
 
 
 QUANTITIES = (
@@ -91,10 +73,10 @@ QUANTITIES = (
     Quantity("body_velocity", BodyVelocity, ("longitudinal", "lateral"), 100.0),
     Quantity("body_yaw_rate", BodyVelocity, ("yaw_rate",), 10.0),
     Quantity("body_position", BodyPose, ("x", "y"), 1000.0),
-    Heading("body_heading", BodyPose, ("orientation_z", "orientation_w"), 10.0),
+    Quantity("body_heading", BodyPose, ("orientation_z", "orientation_w"), 10.0, HEADING),
     Quantity("battery_voltage", BatteryCondition, ("voltage",), 1000.0),
     Quantity("battery_current", BatteryCondition, ("current",), 1000.0),
-    StateOfCharge("battery_state_of_charge", BatteryCondition, ("state_of_charge", "charge"), 1.0),
+    Quantity("battery_state_of_charge", BatteryCondition, ("state_of_charge", "charge"), 1.0, SHARE, "capacity"),
     Quantity("tire_force", TireForces, ("longitudinal_force", "lateral_force"), 1e5),
     Quantity("tire_load", TireForces, ("load",), 1e5),
     Quantity("tire_slip_ratio", TireForces, ("slip_ratio",), 1.0),
