@@ -13,8 +13,6 @@ from ev_msgs_py.parameters import ParameterError, group, parameter
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES
-from ev_sim.driver.profile_file import with_profile_from_file
-from ev_sim.driver.speed_control import SpeedProfileParameters, refuse_unread_file
 from ev_sim.drives.drive import DRIVES, DriveParameters, drive_record, drives_at_rest
 from ev_sim.plant.commands import CommandGuard
 from ev_sim.plant.planar.body import (
@@ -33,6 +31,8 @@ from ev_sim.plant.planar.showing import SIGNALS, SIZE, loads_of, signals_of
 from ev_sim.plant.planar.state import X, Y, at_rest
 from ev_sim.plant.planar.step_width import longest_brushless_step, longest_step
 from ev_sim.plant.planar.surroundings import road_tables
+from ev_sim.profiles.profile_file import with_profile_from_file
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, refuse_unread_file
 from ev_sim.surfaces.road import RoadParameters
 
 

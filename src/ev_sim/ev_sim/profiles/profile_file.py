@@ -7,15 +7,13 @@ from typing import TypeVar
 
 from ev_msgs_py.csv_file import read_csv
 from ev_msgs_py.parameters import build, flatten
-from ev_sim.driver.speed_control import SpeedProfileParameters
+from ev_sim.profiles.speed_profile import SpeedProfileParameters
 
 P = TypeVar("P")  # a parameter dataclass with a group `speed_profile`
 _COLUMNS = ({"t_s": 1.0}, {"v_mps": 1.0, "v_kmh": 1 / 3.6})
 
 
-def with_profile_from_file(
-    parameters: SpeedProfileParameters, name: str = "speed_profile"
-) -> SpeedProfileParameters:
+def with_profile_from_file(parameters: SpeedProfileParameters, name: str = "speed_profile") -> SpeedProfileParameters:
     """The same parameters with `time` [s] and `speed` [m/s] from `file` in place of the file's name.
 
     `name` is what the parameters are called. Parameters without a file come back as they are. The file is a CSV with a

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
+from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.parameters import ParameterError, parameter
-from ev_sim.driver.profile import Profile
+from ev_sim.profiles.profile import Profile, number_until, value_at
 
-MODES = STOP, TRACTION, REGENERATION = "stop", "traction", "regen"
+MODES = ("stop", "traction", "regen")
+STOP, TRACTION, REGENERATION = range(len(MODES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,19 +39,28 @@ class CycleModesParameters:
                 raise ParameterError(f"begin: {later:g} s after {earlier:g} s is refused, allowed is increasing time")
 
 
-class CycleModes:
-    """The mode at a time, from windows or from the slope of the profile over the next `period` [s]."""
+class CycleModes(NamedTuple):
+    """Times at which the windows of a cycle begin [s], and the place of each window's mode in MODES."""
 
-    def __init__(self, parameters: CycleModesParameters, profile: Profile, period: float) -> None:
-        self._begin, self._mode = parameters.begin, parameters.mode
-        self._profile, self._period = profile, period
+    begin: tuple[float, ...]
+    mode: tuple[float, ...]
 
-    def at(self, t: float) -> str:
-        """One of MODES at the time t [s]; before the first window the car stands."""
-        if self._begin:
-            n = bisect_right(self._begin, t)
-            return self._mode[n - 1] if n else STOP
-        now, next_ = self._profile.at(t), self._profile.at(t + self._period)
-        if next_ < now:
-            return REGENERATION
-        return TRACTION if next_ > 0.0 else STOP
+
+def cycle_modes(parameters: CycleModesParameters) -> CycleModes:
+    """The windows that the parameters name."""
+    return CycleModes(parameters.begin, tuple(float(MODES.index(name)) for name in parameters.mode))
+
+
+@compilable
+def mode_at(modes: CycleModes, cycle: Profile, t: float, period: float) -> int:
+    """The mode at the time t [s]; before the first window the car stands.
+
+    Without windows it follows from the slope of the cycle over the next `period` [s].
+    """
+    if len(modes.begin) > 0:
+        begun = number_until(modes.begin, t)
+        return int(modes.mode[begun - 1]) if begun > 0 else STOP
+    now, soon = value_at(cycle, t), value_at(cycle, t + period)
+    if soon < now:
+        return REGENERATION
+    return TRACTION if soon > 0.0 else STOP
