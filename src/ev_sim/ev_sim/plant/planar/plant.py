@@ -8,12 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ev_msgs_py.compiling.library import register_functions
+from ev_msgs_py.contract.record import numbers
 from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import ParameterError, group, parameter
+from ev_msgs_py.parameters import ParameterError, group, number_tree, parameter
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES
-from ev_sim.drives.drive import DRIVES, DriveParameters, drive_record, drives_at_rest
+from ev_sim.drives.drive import DRIVES, DriveParameters
+from ev_sim.drives.state import DriveState
 from ev_sim.plant.commands import CommandGuard
 from ev_sim.plant.planar.body import (
     DEFLECTION_X,
@@ -26,7 +29,7 @@ from ev_sim.plant.planar.body import (
 )
 from ev_sim.plant.planar.fused_loop import MEMORY, run
 from ev_sim.plant.planar.powertrain import STATE_OF_CHARGE, TORQUE_SHARE
-from ev_sim.plant.planar.records import COMMANDS, PLANT, car_record
+from ev_sim.plant.planar.records import COMMANDS, DRIVE_PARAMETERS, PLANT, car_record
 from ev_sim.plant.planar.showing import SIGNALS, SIZE, loads_of, signals_of
 from ev_sim.plant.planar.state import X, Y, at_rest
 from ev_sim.plant.planar.step_width import longest_brushless_step, longest_step
@@ -101,6 +104,7 @@ class PlanarPlant:
         self.steps = max(math.ceil(period / longest * (1.0 - 1e-12)), 1)
         self.h = period / self.steps
         self.state = at_rest()
+        register_functions()
         motor_torque = p.motor.torque_limit if p.drive in DRIVES else vehicle.motor.peak_torque
         self.guard = CommandGuard(vehicle, motor_torque, vehicle.maximum_road_wheel_angle)
         self._road = road_tables(p.road, vehicle)
@@ -122,8 +126,9 @@ class PlanarPlant:
         record["car"] = car_record(self.vehicle, p.load_transfer_lag, p.drive in DRIVES, p.speed != "free")
         record["step"]["cos_steer"] = 1.0
         record["step"]["segment"] = -1  # nothing is found yet
-        record["drives"] = drives_at_rest(4)
-        record["drive_parameters"] = drive_record(p if p.drive in DRIVES else DriveParameters())
+        record["drives"] = tuple(numbers(DriveState()))
+        own = DriveParameters(p.drive, p.motor, p.averaged, p.switched) if p.drive in DRIVES else DriveParameters()
+        record["drive_parameters"] = np.array(numbers(number_tree(own))).view(DRIVE_PARAMETERS)
         record["h"] = self.h
         record["lags"] = (
             -math.expm1(-self.h / motor.torque_lag),
@@ -198,5 +203,4 @@ def _efficiency_map(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray, np.ndarra
         raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
     if not motor.map_efficiency:
         return None
-    shape = (len(motor.map_speed), len(motor.map_torque))
-    return np.array(motor.map_speed), np.array(motor.map_torque), np.array(motor.map_efficiency).reshape(shape)
+    return np.array(motor.map_speed), np.array(motor.map_torque), np.array(motor.map_efficiency)

@@ -8,8 +8,8 @@ from ev_sim.battery.resistive import current_at_power, open_circuit_voltage, pow
 from ev_sim.compiled import compiled
 from ev_sim.driveline.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, wheel_torques
 from ev_sim.drives.drive import advance_drive
-from ev_sim.motor.losses import loss_power, map_loss_power
-from ev_sim.motor.torque_controlled import limited_torque
+from ev_sim.drives.losses import loss_power, map_loss_power
+from ev_sim.drives.torque_controlled import limited_torque
 from ev_sim.plant.planar.body import WHEEL_SPEED
 from ev_sim.plant.planar.state import index
 

@@ -6,10 +6,13 @@ import struct
 
 import numpy as np
 
+from ev_msgs_py.contract.record import record_type
+from ev_msgs_py.parameters import number_tree
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES
 from ev_sim.driveline.couplings import COUPLINGS
-from ev_sim.drives.drive import DRIVE_STATE, DriveParameters, drive_record
+from ev_sim.drives.drive import DriveParameters
+from ev_sim.drives.state import DriveState
 from ev_sim.tyres.combined import COMBINATIONS
 from ev_sim.tyres.curve import CURVES
 
@@ -113,12 +116,14 @@ STEP = np.dtype(
 )
 
 
+DRIVE_PARAMETERS = record_type(number_tree(DriveParameters()))
+
 PLANT = np.dtype(
     [
         ("step", STEP),
         ("car", CAR),
-        ("drives", DRIVE_STATE, (4,)),  # of brushless DC drives
-        ("drive_parameters", drive_record(DriveParameters()).dtype),
+        ("drives", record_type(DriveState()), (4,)),  # of brushless DC drives
+        ("drive_parameters", DRIVE_PARAMETERS),
         ("h", _ONE),  # width of a step [s]
         ("lags", *_WHEELS),  # what of each lag a step closes, see `apply_drives`
     ],

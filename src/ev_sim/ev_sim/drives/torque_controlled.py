@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ev_sim.compiled import compiled
+from ev_msgs_py.compiling.compilable import compilable
 
 # Overshoot of the thermal state over which the peak torque shrinks to the nominal one, and share of the maximum speed
 # over which the drive torque fades: both only soften a corner.
@@ -10,7 +10,7 @@ HEAT_FADE = 0.1
 SPEED_FADE = 0.02
 
 
-@compiled
+@compilable
 def limited_torque(
     wanted: float,
     speed: float,

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Sequence
 
-from ev_sim.compiled import compiled
+from ev_msgs_py.compiling.compilable import compilable
 from ev_sim.surfaces.lookup import segment_at
 
 
-@compiled
+@compilable
 def loss_power(
     torque: float, speed: float, copper: float, iron: float, eddy: float, inverter: float, inverter_torque: float
 ) -> float:
@@ -22,11 +22,11 @@ def loss_power(
     return copper * torque * torque + iron * turns + eddy * turns * turns + inverter + inverter_torque * abs(torque)
 
 
-@compiled
+@compilable
 def map_loss_power(
-    torque: float, speed: float, speeds: np.ndarray, torques: np.ndarray, efficiency: np.ndarray
+    torque: float, speed: float, speeds: Sequence[float], torques: Sequence[float], efficiency: Sequence[float]
 ) -> float:
-    """Loss [W] from an efficiency map of shape (len(speeds), len(torques)), bilinear, its edge kept outside.
+    """Loss [W] from an efficiency map, for each speed a row over the torques, bilinear, its edge kept outside.
 
     Driving P_loss = |P| (1/eta - 1), generating P_loss = |P| (1 - eta), with P the mechanical power. Towards standstill
     P vanishes but the copper loss does not: below the lowest speed of the map above zero the driving loss stays what it
@@ -36,8 +36,9 @@ def map_loss_power(
     turns, magnitude = max(abs(speed), lowest), abs(torque)
     i, share_i = _place(speeds, turns)
     j, share_j = _place(torques, magnitude)
-    low = efficiency[i, j] + share_j * (efficiency[i, j + 1] - efficiency[i, j])
-    high = efficiency[i + 1, j] + share_j * (efficiency[i + 1, j + 1] - efficiency[i + 1, j])
+    below, above = i * len(torques) + j, (i + 1) * len(torques) + j
+    low = efficiency[below] + share_j * (efficiency[below + 1] - efficiency[below])
+    high = efficiency[above] + share_j * (efficiency[above + 1] - efficiency[above])
     eta = low + share_i * (high - low)
     driving = magnitude * turns * (1.0 / eta - 1.0)
     if torque * speed >= 0.0:
@@ -47,8 +48,8 @@ def map_loss_power(
     return (1.0 - share) * driving + share * generating
 
 
-@compiled
-def _place(axis: np.ndarray, value: float) -> tuple[int, float]:
-    index = min(segment_at(axis, value, 0), axis.shape[0] - 2)
+@compilable
+def _place(axis: Sequence[float], value: float) -> tuple[int, float]:
+    index = min(segment_at(axis, value, 0), len(axis) - 2)
     share = (value - axis[index]) / (axis[index + 1] - axis[index])
     return index, min(max(share, 0.0), 1.0)
