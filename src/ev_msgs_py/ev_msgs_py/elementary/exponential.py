@@ -50,7 +50,7 @@ def parts_of_exp(x: float, lift: int) -> tuple[float, float, float]:
 
 @compilable
 def exp(x: float) -> float:
-    """e**x; 0.52 ulp, 0.77 where the result is subnormal.
+    """e**x; 0.56 ulp, 0.75 where the result is subnormal.
 
     By 2**(j/32) from a table and a polynomial for the rest: P. T. P. Tang, Table-Driven Implementation of the
     Exponential Function in IEEE Floating-Point Arithmetic, ACM TOMS 15, 1989; the polynomial is Taylor's.
@@ -71,7 +71,7 @@ def exp(x: float) -> float:
 
 @compilable
 def expm1(x: float) -> float:
-    """e**x - 1, accurate near zero, too; 0.9 ulp.
+    """e**x - 1, accurate near zero, too; 0.78 ulp.
 
     Near zero by the rational function of fdlibm (s_expm1.c), elsewhere from e**x with 60 bits.
     """

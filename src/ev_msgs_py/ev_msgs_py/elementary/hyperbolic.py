@@ -15,7 +15,7 @@ S11, S13, S15, S17, S19 = 1 / 39916800, 1 / 6227020800, 1 / 1307674368000, 1 / 3
 
 @compilable
 def tanh(x: float) -> float:
-    """Hyperbolic tangent; 0.9 ulp.
+    """Hyperbolic tangent; 0.89 ulp.
 
     Up to 0.55 by eight steps of Lambert's continued fraction x/(1 + x²/(3 + x²/(5 + ...))) (J. H. Lambert, 1768),
     less its first term x; from there 1 - 2/(e**2x + 1), with what the sum e**2x + 1 loses made good.
@@ -43,7 +43,7 @@ def tanh(x: float) -> float:
 
 @compilable
 def sinh(x: float) -> float:
-    """Hyperbolic sine; 0.8 ulp.
+    """Hyperbolic sine; 0.87 ulp.
 
     Up to 1 by Taylor's series, from there (e**x - e**-x)/2, with e**x to 60 bits.
     """
@@ -65,7 +65,7 @@ def sinh(x: float) -> float:
 
 @compilable
 def cosh(x: float) -> float:
-    """Hyperbolic cosine; 0.8 ulp: (e**x + e**-x)/2, with e**x to 60 bits."""
+    """Hyperbolic cosine; 0.88 ulp: (e**x + e**-x)/2, with e**x to 60 bits."""
     size = abs(x)
     if size < LARGE:
         head, tail, scale = parts_of_exp(size, 0)

@@ -50,7 +50,7 @@ def log_of(x: float, more: float) -> float:
 
 @compilable
 def log(x: float) -> float:
-    """Natural logarithm, -inf at zero, NaN below; 0.9 ulp; after fdlibm's e_log.c."""
+    """Natural logarithm, -inf at zero, NaN below; 0.86 ulp; after fdlibm's e_log.c."""
     if 0.0 < x < inf:
         return log_of(x, 0.0)
     if x == 0.0:
@@ -62,7 +62,7 @@ def log(x: float) -> float:
 
 @compilable
 def log1p(x: float) -> float:
-    """log(1 + x), accurate near zero, too; -inf at -1, NaN below; 0.9 ulp; after fdlibm's s_log1p.c."""
+    """log(1 + x), accurate near zero, too; -inf at -1, NaN below; 0.86 ulp; after fdlibm's s_log1p.c."""
     if -0.29 < x < 0.41:
         if -1e-17 < x < 1e-17:
             return x
@@ -82,7 +82,7 @@ def log1p(x: float) -> float:
 
 @compilable
 def atanh(x: float) -> float:
-    """Inverse hyperbolic tangent: log((1 + x)/(1 - x))/2, infinite at ±1, NaN beyond; 0.9 ulp.
+    """Inverse hyperbolic tangent: log((1 + x)/(1 - x))/2, infinite at ±1, NaN beyond; 0.87 ulp.
 
     By fdlibm's series of the logarithm, which is one of atanh; the quotient with what its rounding misses, found by
     Dekker's exact product (T. J. Dekker, Numerische Mathematik 18, 1971).

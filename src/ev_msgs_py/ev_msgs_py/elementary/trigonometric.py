@@ -50,7 +50,7 @@ def near_cosine(x: float, tail: float) -> float:
 
 @compilable
 def sin(x: float) -> float:
-    """Sine of any angle, exactly odd, NaN at ±inf; 0.84 ulp."""
+    """Sine of any angle, exactly odd, NaN at ±inf; 0.8 ulp."""
     if -QUARTER_PI <= x <= QUARTER_PI:
         return near_sine(x, 0.0) if x > 1e-8 or x < -1e-8 else x
     if not -inf < x < inf:
@@ -62,7 +62,7 @@ def sin(x: float) -> float:
 
 @compilable
 def cos(x: float) -> float:
-    """Cosine of any angle, exactly even, NaN at ±inf; 0.84 ulp."""
+    """Cosine of any angle, exactly even, NaN at ±inf; 0.8 ulp."""
     if -QUARTER_PI <= x <= QUARTER_PI:
         return near_cosine(x, 0.0)
     if not -inf < x < inf:
