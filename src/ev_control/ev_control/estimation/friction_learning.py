@@ -45,9 +45,7 @@ class FrictionLearningParameters:
 
 
 @compilable
-def learnt_friction(
-    p: FrictionLearningParameters, friction: float, used: float, slip: float, period: float
-) -> float:
+def learnt_friction(p: FrictionLearningParameters, friction: float, used: float, slip: float, period: float) -> float:
     """The friction to believe in after a period [s], by the one before, the filtered one in use and the slip [1].
 
     A wheel that slips shows the friction of the road; of one that grips only a value that slowly rises is known:
