@@ -105,7 +105,7 @@ def write(frame, c, i: int, number: float) -> None:
     else:
         frame[place + i] = carried(number, c)
         if c[KIND] == SHARE:
-            frame[second] = carried(number * frame[int(c[THIRD])], c)
+            frame[second] = carried(frame[place] * frame[int(c[THIRD])], c)
 
 
 @compilable
