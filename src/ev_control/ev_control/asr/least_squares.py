@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from math import inf, sqrt
 
 from ev_control.estimation.reference_speed import free_wheels_for
-from ev_control.estimation.slip_peak import SlipPeakState, forget_peak, peak_is_passed, watch_slip, window_samples
+from ev_control.estimation.slip_peak import SlipPeakState, forget_peak, peak_is_passed, watch_slip
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.shared.least_squares_parameters import LeastSquaresParameters
+from ev_control.shared.slip_regulator import until_served
 from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
 from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, slip_of
 from ev_msgs_py.car import Car
@@ -34,7 +35,7 @@ class LeastSquaresWheel(LimitedWheel):
     road: Filtered = part(Filtered)  # torque that the road takes [N m]
     target: float = entry(unit="1", about="slip that is regulated to; zero while the request is not limited")
     held: float = entry(unit="s", about="since when the target stays")
-    served: float = entry(unit="s", about="since when the road carries the whole request")
+    served: float = entry(unit="s", about="since when the limit is above the request")
 
 
 @dataclass(slots=True)
@@ -64,10 +65,9 @@ def least_squares(
     makes that work, all of it assumption:
 
     - The road torque takes the place of the motor torque, which is what the law itself commands and says nothing of
-      the road. It is the mean of a period, so it goes with the mean slip of the period: then the noise of the speeds,
-      which is in both, does not tilt the curve.
-    - A fit counts if the slip spreads more than its noise explains, and exceeds both `least_slip` and the window's
-      mean; `hits` of them in a row are a hit. Slip beyond `backstop` is one, too: ice has no peak.
+      the road.
+    - A fit counts if the slip spreads more than its noise explains (`peak_is_passed`); `hits` of them in a row are a
+      hit. Slip beyond `backstop` is one, too: ice has no peak.
     - After a hit the slip x* = (B/(2 A))^2 of the fitted peak is the target. The limit is the road torque, plus what
       the wheel needs to follow the car and to close the gap of its speed to the target with `bandwidth`:
       M = M_road + J (a_x/(r (1 - x*)) + bandwidth (w* - w)); above the target that is less than the road takes.
@@ -95,11 +95,10 @@ def limit(
     acceleration = motion.body_acceleration / (car.wheel_radius * (1.0 - w.target))
     acceleration += p.bandwidth * (wanted_speed - motion.speed)
     torque = (road + car.driven_wheel_inertia * acceleration) / car.motor.gear_efficiency
-    w.served = w.served + period if torque >= wanted else 0.0
-    if w.served > p.release:
-        w.target = w.served = 0.0
-        return inf
-    return torque
+    held = until_served(p, w, period, torque, wanted)
+    if held == inf:
+        w.target = 0.0
+    return held
 
 
 @compilable
@@ -117,7 +116,7 @@ def aim(p: LeastSquaresParameters, w: LeastSquaresWheel, period: float, motion: 
         w.held += period
     elif w.target < p.backstop:
         # A slip that rises evenly by d within the window has the standard deviation d/sqrt(12).
-        rise = p.probe * p.spread * sqrt(12.0) / window_samples(p, period)
+        rise = p.probe * p.spread * sqrt(12.0) / w.curve.fit.size
         w.target = min(w.target + rise * noise, p.backstop)
     else:
         w.target, w.held = p.first_slip, 0.0

@@ -95,19 +95,14 @@ def forget_peak(s: SlipPeakState) -> None:
 
 
 @compilable
-def window_samples(p: SlipPeakParameters, period: float) -> float:
-    """Number of samples in the window."""
-    return float(max(round(p.window / period), FEWEST_SAMPLES))
-
-
-@compilable
 def watch_slip(p: SlipPeakParameters, s: SlipPeakState, period: float, slip: float, torque: float) -> None:
     """Take the slip at the end of a period [1], and the mean torque of the road in it over its nominal value [1].
 
     The torque goes with the mean slip of the period: then the noise of the speeds, which is in both, does not tilt the
     curve.
     """
-    add_sample(s.fit, window_samples(p, period), p.offset, (slip + s.slip) / 2.0, torque)
+    samples = float(max(round(p.window / period), FEWEST_SAMPLES))
+    add_sample(s.fit, samples, p.offset, (slip + s.slip) / 2.0, torque)
     s.slip = slip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
+from typing import Any
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState, forget_slip
@@ -60,8 +61,11 @@ def stays_out(p: SlipRegulatorParameters, w: RegulatedWheel, slip: float) -> boo
 
 
 @compilable
-def until_served(p: SlipRegulatorParameters, w: RegulatedWheel, period: float, limit: float, wanted: float) -> float:
-    """The limit [N m] until it has been above what is wanted [N m] for long enough, then infinity."""
+def until_served(p: Any, w: Any, period: float, limit: float, wanted: float) -> float:
+    """The limit [N m] until it has been above what is wanted [N m] for `release` [s], then infinity.
+
+    The wheel has `served`, the time since when it is.
+    """
     w.served = w.served + period if limit >= wanted else 0.0
     if w.served <= p.release:
         return limit
