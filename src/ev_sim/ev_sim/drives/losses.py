@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.vehicle import Motor
 from ev_sim.surfaces.lookup import segment_at
 
 
 @compilable
-def loss_power(
-    torque: float, speed: float, copper: float, iron: float, eddy: float, inverter: float, inverter_torque: float
-) -> float:
+def loss_power(motor: Motor, torque: float, speed: float) -> float:
     """Loss [W] at a shaft torque [N m] and speed [rad/s]: copper, iron and inverter losses.
 
     P = k_c T^2 + k_i |w| + k_e w^2 + P_0 + k_t |T|. The usual separation of losses, as in
@@ -19,7 +18,9 @@ def loss_power(
     inverter terms are added here.
     """
     turns = abs(speed)
-    return copper * torque * torque + iron * turns + eddy * turns * turns + inverter + inverter_torque * abs(torque)
+    of_torque, of_speed = motor.copper_loss * torque * torque, motor.iron_loss * turns
+    of_inverter = motor.inverter_torque_loss * abs(torque)
+    return of_torque + of_speed + motor.eddy_loss * turns * turns + motor.inverter_loss + of_inverter
 
 
 @compilable
