@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_sim.plant.ackermann import course_offset, front_wheel_angles, path_curvature, wheel_speed_ratios
@@ -21,7 +21,6 @@ def ratios_of(angle):
     return wheel_speed_ratios(angle, WHEELBASE, TRACK, TRACK, BEHIND)
 
 
-@settings(deadline=None)  # the first call compiles
 @given(printed_angles)
 def test_front_wheels_follow_the_printed_equations(angle):
     """Eqs 8 to 11 literally; 1e-12 leaves room for cancellation in L/tan(delta) - d/2 near 73 deg."""
@@ -50,7 +49,6 @@ def test_all_wheels_run_alike_straight_ahead():
     assert course_offset(0.0, WHEELBASE, BEHIND) == 0.0
 
 
-@settings(deadline=None)  # the first call compiles
 @given(angles)
 def test_a_right_turn_mirrors_a_left_turn_to_the_last_bit(angle):
     front_left, front_right, rear_left, rear_right = ratios_of(angle)
@@ -61,7 +59,6 @@ def test_a_right_turn_mirrors_a_left_turn_to_the_last_bit(angle):
     assert course_offset(-angle, WHEELBASE, BEHIND) == -course_offset(angle, WHEELBASE, BEHIND)
 
 
-@settings(deadline=None)  # the first call compiles
 @given(st.floats(-3.0, 3.0))
 def test_every_wheel_moves_with_the_rigid_body_and_does_not_slip_sideways(angle):
     """Velocity of each wheel from that of the centre of mass and the yaw rate; 1e-12 is rounding of values near 1."""
