@@ -15,7 +15,7 @@ from ev_msgs_py.roles import ROLES
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Motor, Vehicle
 from ev_msgs_py.wheels import Wheels
-from ev_sim.motor.losses import loss_power
+from ev_sim.drives.losses import loss_power
 from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
 from ev_sim.plant.planar.state import index
 from ev_sim.scenario.parameter_file import ParameterFile

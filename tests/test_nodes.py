@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from ros_graph import WAYS, Graph, graph, shchur
 
-from ev_msgs_py.quantities import QUANTITIES
 from ev_msgs_py.roles import ROLES
+from ev_msgs_py.sensors.quantities import QUANTITIES
 from ev_sim.recording.recording import load, signal_hash
 from ev_sim.scenario.node_parameters import RECORDER
 from ev_sim.scenario.offline import run_offline

@@ -13,8 +13,8 @@ from ev_msgs_py.vehicle import Battery, Driveline, Motor, Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
 from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
 from ev_sim.driveline.couplings import wheel_torques
-from ev_sim.motor.losses import loss_power, map_loss_power
-from ev_sim.motor.torque_controlled import limited_torque
+from ev_sim.drives.losses import loss_power, map_loss_power
+from ev_sim.drives.torque_controlled import limited_torque
 from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
 from ev_sim.plant.planar.state import index
 
@@ -70,8 +70,9 @@ def test_losses_and_efficiency_map_agree():
     power = speeds[:, None] * torques[None, :]
     loss = np.array([[loss_power(t, w, *of_loss) for t in torques] for w in speeds])
     efficiency = power / (power + loss)
-    assert map_loss_power(torques[2], speeds[1], speeds, torques, efficiency) == pytest.approx(loss[1, 2])
-    generated = map_loss_power(-torques[2], speeds[1], speeds, torques, efficiency)
+    by_speed = efficiency.ravel()
+    assert map_loss_power(torques[2], speeds[1], speeds, torques, by_speed) == pytest.approx(loss[1, 2])
+    generated = map_loss_power(-torques[2], speeds[1], speeds, torques, by_speed)
     assert generated == pytest.approx(power[1, 2] * (1.0 - efficiency[1, 2]))
 
 
@@ -84,7 +85,7 @@ def test_efficiency_map_in_the_plant():
 
 
 SPEEDS, TORQUES = np.array([50.0, 100.0, 400.0]), np.array([10.0, 100.0])
-EFFICIENCY = np.array([[0.5, 0.6], [0.8, 0.7], [0.85, 0.95]])
+EFFICIENCY = np.array([0.5, 0.6, 0.8, 0.7, 0.85, 0.95])  # for each speed a row over the torques
 
 
 def test_torque_at_standstill_costs_what_the_lowest_speed_of_the_map_does():
@@ -99,7 +100,7 @@ def test_a_row_at_standstill_is_not_looked_at():
     """At speed zero every efficiency means the same power, none."""
     speeds = np.array([0.0, *SPEEDS])
     for row in (0.01, 1.0):
-        efficiency = np.vstack((np.full(2, row), EFFICIENCY))
+        efficiency = np.concatenate((np.full(2, row), EFFICIENCY))
         for torque, speed in ((100.0, 0.0), (100.0, 20.0), (-60.0, 20.0)):
             assert map_loss_power(torque, speed, speeds, TORQUES, efficiency) == map_loss_power(
                 torque, speed, SPEEDS, TORQUES, EFFICIENCY
@@ -117,7 +118,7 @@ def test_losses_of_a_map_have_no_jumps(torque):
 
 def test_holding_a_car_by_its_motors_empties_the_battery():
     """A second at rest under brakes with 100 N m at each motor: twice 5000 W (1/0.6 - 1), and the auxiliaries."""
-    motor = Motor(map_speed=(50.0, 100.0, 400.0), map_torque=(10.0, 100.0), map_efficiency=tuple(EFFICIENCY.ravel()))
+    motor = Motor(map_speed=(50.0, 100.0, 400.0), map_torque=(10.0, 100.0), map_efficiency=tuple(EFFICIENCY))
     car = PlanarPlant(PlanarParameters(), Vehicle(motor=motor, battery=Battery(auxiliary_power=300.0)), 0.01)
     drive(car, 3.0, Wheels.front(265.0, 265.0), brake=1000.0)
     before = car.state.copy()

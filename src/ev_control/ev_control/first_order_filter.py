@@ -4,13 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.compiling.compilable import compilable
-
-
-@compilable
-def filter_share(period: float, time_constant: float) -> float:
-    """Share of the gap that a first-order filter closes in one period, by implicit Euler [1]."""
-    return period / (period + time_constant)
+from ev_control.shared.first_order_filter import filter_share  # noqa: F401
 
 
 @dataclass(slots=True)

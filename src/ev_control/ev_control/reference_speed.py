@@ -3,48 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
-from ev_msgs_py.parameters import parameter
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState
 from ev_msgs_py.signals import InertialMeasurement
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
-
-
-@dataclass(frozen=True, slots=True)
-class ReferenceSpeedParameters:
-    """Where the speed of the car comes from, and how far wheels and accelerometer are believed."""
-
-    source: str = parameter(
-        "automatic",
-        choices=("automatic", "free_wheels", "observer"),
-        about="free_wheels: wheels without a motor; observer: acceleration, corrected by the wheels; automatic: free "
-        "wheels where the car has any",
-        source="dissertation, eq 2.34, has free wheels; the observer is an assumption",
-    )
-    gripping_rate: float = parameter(
-        20.0,
-        unit="1/s",
-        low=0.0,
-        high=1000.0,
-        about="correction of the observer by a wheel that cannot be slipping",
-        source="assumption",
-    )
-    slipping_rate: float = parameter(
-        0.5,
-        unit="1/s",
-        low=0.0,
-        high=1000.0,
-        about="correction of the observer by wheels that may be slipping; bounds what a sensor's offset adds up to",
-        source="assumption",
-    )
-
-
-@dataclass(slots=True)
-class ReferenceSpeedState:
-    """Estimated speed of the car along its axis, negative in reverse [m/s]."""
-
-    speed: float = 0.0
 
 
 class ReferenceSpeed:

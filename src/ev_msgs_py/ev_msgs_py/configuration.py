@@ -9,7 +9,6 @@ from typing import Any, TypeVar
 
 from ev_msgs_py import stamps
 from ev_msgs_py.efficiency_map import with_map_from_file
-from ev_msgs_py.measured import behind_sensors
 from ev_msgs_py.methods import Method, create, find_method, methods_of, refuse_layout
 from ev_msgs_py.parameters import (
     Entry,
@@ -22,8 +21,8 @@ from ev_msgs_py.parameters import (
     parameter,
     unknown_name,
 )
-from ev_msgs_py.quantities import sensors_for
 from ev_msgs_py.roles import ROLES
+from ev_msgs_py.sensors.quantities import sensors_for
 from ev_msgs_py.vehicle import Vehicle
 
 
@@ -76,9 +75,8 @@ class Configuration:
         return self.sensors == type(self.sensors)()
 
     def create(self) -> Any:
-        """A new object of the method, at rest, behind its sensors."""
-        made = create(self.method, self.parameters, self.common.vehicle, self.common.control_period)
-        return behind_sensors(made, self.sensors, self.common.seed)
+        """A new object of the method, at rest, in plain Python and in front of its sensors."""
+        return create(self.method, self.parameters, self.common.vehicle, self.common.control_period)
 
     def entries(self) -> tuple[Entry, ...]:
         """Every parameter of the node with its present value as default."""

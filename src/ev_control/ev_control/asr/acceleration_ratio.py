@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import inf
 
-from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
-from ev_control.first_order_filter import Filtered, filter_share
-from ev_control.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free_wheels_for
+from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
+from ev_control.shared.wheel_dynamics import WheelMotion
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import each_wheel, part
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,14 +58,38 @@ class AccelerationRatioParameters:
 
 @dataclass(slots=True)
 class AccelerationRatioWheel(LimitedWheel):
-    """Filtered accelerations of the wheel [rad/s^2] and of the car [m/s^2]."""
+    """What the law knows of a wheel."""
 
-    wheel_acceleration: Filtered = field(default_factory=Filtered)
-    body_acceleration: Filtered = field(default_factory=Filtered)
+    wheel_acceleration: Filtered = part(Filtered)  # [rad/s^2]
+    body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
 
 
-@method("asr", "acceleration_ratio")
-class AccelerationRatio(TractionControl):
+@dataclass(slots=True)
+class AccelerationRatioState:
+    """What lasts between steps."""
+
+    control: TractionControlState = part(TractionControlState)
+    wheels: list[AccelerationRatioWheel] = each_wheel(AccelerationRatioWheel)
+
+
+@method(
+    "asr",
+    "acceleration_ratio",
+    AccelerationRatioParameters,
+    state=AccelerationRatioState,
+    needs=(free_wheels_for("reference"),),
+)
+@compilable
+def acceleration_ratio(
+    p: AccelerationRatioParameters,
+    car: Car,
+    s: AccelerationRatioState,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> WheelTorqueCommand:
     """Lower a wheel's torque limit while the wheel accelerates out of proportion to the car, a_x/w' < threshold.
 
     A rolling wheel has a_x/w' = r, a slipping one less (dissertation, eq 1.4). The source wants to intervene where
@@ -64,21 +98,31 @@ class AccelerationRatio(TractionControl):
     wheel accelerates more than noise does. It sees slip that grows, not slip: a wheel that spins at a steady speed is
     left to spin, and the slip that built up before the limit fell stays.
     """
+    return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
 
-    parameters = AccelerationRatioParameters
 
-    def __init__(self, parameters: AccelerationRatioParameters, vehicle: Vehicle, period: float) -> None:
-        p = self._p = parameters
-        self._fall, self._rise = p.fall * period, p.rise * period
-        self._share = filter_share(period, p.filter_time)
-        super().__init__("acceleration_ratio", AccelerationRatioWheel, p.reference, vehicle, period)
+@compilable
+def limit(
+    p: AccelerationRatioParameters,
+    car: Car,
+    w: AccelerationRatioWheel,
+    period: float,
+    motion: WheelMotion,
+    wanted: float,
+) -> float:
+    """The last limit [N m], lower while the wheel slips, higher while it grips."""
+    share = filter_share(period, p.filter_time)
+    turning = follow(w.wheel_acceleration, motion.acceleration, share)
+    moving = follow(w.body_acceleration, motion.body_acceleration, share)
+    if turning > p.least_acceleration and moving < p.threshold * turning:
+        return min(w.limit, wanted) - p.fall * period
+    raised = w.limit + p.rise * period
+    return raised if raised < wanted else inf
 
-    def _limit(self, wheel: AccelerationRatioWheel, motion: WheelMotion, wanted: float) -> float:
-        """The last limit [N m], lower while the wheel slips, higher while it grips."""
-        p = self._p
-        turning = wheel.wheel_acceleration.follow(motion.acceleration, self._share)
-        moving = wheel.body_acceleration.follow(motion.body_acceleration, self._share)
-        if turning > p.least_acceleration and moving < p.threshold * turning:
-            return min(wheel.limit, wanted) - self._fall
-        limit = wheel.limit + self._rise
-        return limit if limit < wanted else math.inf
+
+@compilable
+def forget(p: AccelerationRatioParameters, w: AccelerationRatioWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    forget_filtered(w.wheel_acceleration)
+    forget_filtered(w.body_acceleration)

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import inf
 
-from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
-from ev_control.asr.wheel_dynamics import road_torque
-from ev_control.first_order_filter import Filtered, filter_share
-from ev_control.friction_learning import FrictionLearningParameters
-from ev_control.reference_speed import ReferenceSpeedParameters
-from ev_control.wheel_loads import WheelLoads
+from ev_control.estimation.friction_learning import FrictionLearningParameters, learnt_friction
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free_wheels_for
+from ev_control.estimation.wheel_loads import wheel_load
+from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
+from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, slip_of
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import each_wheel, entry, part
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,38 +42,72 @@ class AdhesionLimitParameters(FrictionLearningParameters):
 
 @dataclass(slots=True)
 class AdhesionLimitWheel(LimitedWheel):
-    """Filtered friction in use [1], and the estimated friction of the road [1]."""
+    """What the law knows of a wheel."""
 
-    used: Filtered = field(default_factory=Filtered)
-    friction: float = 0.0
+    used: Filtered = part(Filtered)  # friction in use [1]
+    friction: float = entry(unit="1", about="estimated friction of the road; at the start the largest one")
 
 
-@method("asr", "adhesion_limit")
-class AdhesionLimit(TractionControl):
+@dataclass(slots=True)
+class AdhesionLimitState:
+    """What lasts between steps."""
+
+    control: TractionControlState = part(TractionControlState)
+    wheels: list[AdhesionLimitWheel] = each_wheel(AdhesionLimitWheel)
+
+
+@compilable
+def forget(p: AdhesionLimitParameters, w: AdhesionLimitWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    forget_filtered(w.used)
+    w.friction = p.largest_friction
+
+
+def at_rest(p: AdhesionLimitParameters) -> AdhesionLimitState:
+    """The state at the start."""
+    s = AdhesionLimitState()
+    for wheel in s.wheels:
+        forget(p, wheel)
+    return s
+
+
+@method(
+    "asr",
+    "adhesion_limit",
+    AdhesionLimitParameters,
+    state=AdhesionLimitState,
+    start=at_rest,
+    needs=(free_wheels_for("reference"),),
+)
+@compilable
+def adhesion_limit(
+    p: AdhesionLimitParameters,
+    car: Car,
+    s: AdhesionLimitState,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> WheelTorqueCommand:
     """Limit each wheel to mu F_z r, with the load by the accelerations and the friction at which it last slipped.
 
-    Dissertation, eq 1.2, at the wheel instead of the shaft; loads by `WheelLoads`. The friction in use is
+    Dissertation, eq 1.2, at the wheel instead of the shaft; loads by `wheel_load`. The friction in use is
     (M - J w')/(F_z r); where the slip exceeds `learning_slip` it is that of the road, else the estimate slowly rises to
-    `largest_friction` (assumption, see `FrictionLearningParameters.learnt`).
+    `largest_friction` (assumption, see `learnt_friction`).
     """
+    return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
 
-    parameters = AdhesionLimitParameters
 
-    def __init__(self, parameters: AdhesionLimitParameters, vehicle: Vehicle, period: float) -> None:
-        p = self._p = parameters
-        self._inertia, self._radius = vehicle.driven_wheel_inertia, vehicle.wheel_radius
-        self._efficiency = vehicle.motor.gear_efficiency
-        self._share = filter_share(period, p.filter_time)
-        self._loads = WheelLoads(vehicle)
-        super().__init__("adhesion_limit", self._new, p.reference, vehicle, period)
-
-    def _new(self) -> AdhesionLimitWheel:
-        return AdhesionLimitWheel(friction=self._p.largest_friction)
-
-    def _limit(self, wheel: AdhesionLimitWheel, motion: WheelMotion, wanted: float) -> float:
-        """The torque that the estimated friction carries [N m]."""
-        p = self._p
-        lever = self._loads.of(motion.place, motion.forward_acceleration, motion.lateral_acceleration) * self._radius
-        used = wheel.used.follow(road_torque(motion, self._inertia) / lever, self._share)
-        wheel.friction = p.learnt(wheel.friction, used, motion.slip(p.slowest), self._period)
-        return p.use * wheel.friction * lever / self._efficiency
+@compilable
+def limit(
+    p: AdhesionLimitParameters, car: Car, w: AdhesionLimitWheel, period: float, motion: WheelMotion, wanted: float
+) -> float:
+    """The torque that the estimated friction carries [N m]."""
+    load = wheel_load(car, motion.place, motion.forward_acceleration, motion.lateral_acceleration)
+    lever = load * car.wheel_radius
+    used = road_torque(car, motion) / lever if lever > 0.0 else 0.0  # without any load there is nothing to use
+    used = follow(w.used, used, filter_share(period, p.filter_time))
+    w.friction = learnt_friction(p, w.friction, used, slip_of(motion, p.slowest), period)
+    return p.use * w.friction * lever / car.motor.gear_efficiency

@@ -2,15 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import inf
 
-from ev_control.asr.slip_regulator import RegulatedWheel, SlipRegulator, SlipRegulatorParameters
-from ev_control.asr.traction_control import WheelMotion
-from ev_control.asr.wheel_dynamics import road_torque
-from ev_control.first_order_filter import Filtered, filter_share
+from ev_control.estimation.reference_speed import free_wheels_for
+from ev_control.estimation.slip_observers import observed_slip
+from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.slip_regulator import (
+    RegulatedWheel,
+    SlipRegulatorParameters,
+    forget_regulation,
+    stays_out,
+    until_served,
+)
+from ev_control.shared.traction_control import TractionControlState, controlled
+from ev_control.shared.wheel_dynamics import WheelMotion, road_torque
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import each_wheel, part
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,14 +46,38 @@ class FeedbackLinearisationParameters:
 
 @dataclass(slots=True)
 class FeedbackLinearisationWheel(RegulatedWheel):
-    """Filtered road torque [N m] and acceleration of the car [m/s^2]."""
+    """What the law knows of a wheel."""
 
-    road: Filtered = field(default_factory=Filtered)
-    body_acceleration: Filtered = field(default_factory=Filtered)
+    road: Filtered = part(Filtered)  # torque that the road takes [N m]
+    body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
 
 
-@method("asr", "feedback_linearisation")
-class FeedbackLinearisation(SlipRegulator):
+@dataclass(slots=True)
+class FeedbackLinearisationState:
+    """What lasts between steps."""
+
+    control: TractionControlState = part(TractionControlState)
+    wheels: list[FeedbackLinearisationWheel] = each_wheel(FeedbackLinearisationWheel)
+
+
+@method(
+    "asr",
+    "feedback_linearisation",
+    FeedbackLinearisationParameters,
+    state=FeedbackLinearisationState,
+    needs=(free_wheels_for("regulator.reference"),),
+)
+@compilable
+def feedback_linearisation(
+    p: FeedbackLinearisationParameters,
+    car: Car,
+    s: FeedbackLinearisationState,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> WheelTorqueCommand:
     """Choose the torque that makes the slip error decay exponentially, whatever the tyre's curve is.
 
     With S = 1 - V/(r w), S' = ((1 - S) w' - V'/r)/w and J w' = M - M_road,
@@ -46,24 +88,34 @@ class FeedbackLinearisation(SlipRegulator):
     M_road = M - J w' is measured and filtered, V' is the acceleration of the car. Near full slip 1/(1 - S) is taken
     at S = 0.9.
     """
+    return controlled(limit, forget, p.regulator.reference, p, car, s, period, request, column, wheels, imu)
 
-    parameters = FeedbackLinearisationParameters
 
-    def __init__(self, parameters: FeedbackLinearisationParameters, vehicle: Vehicle, period: float) -> None:
-        p = parameters
-        self._rate, self._share = p.rate, filter_share(period, p.road_filter)
-        self._inertia, self._radius = vehicle.driven_wheel_inertia, vehicle.wheel_radius
-        self._efficiency = vehicle.motor.gear_efficiency
-        super().__init__("feedback_linearisation", FeedbackLinearisationWheel, p.regulator, vehicle, period)
+@compilable
+def limit(
+    p: FeedbackLinearisationParameters,
+    car: Car,
+    w: FeedbackLinearisationWheel,
+    period: float,
+    motion: WheelMotion,
+    wanted: float,
+) -> float:
+    """M [N m] while it is limited; road torque and acceleration have to be known before."""
+    slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
+    share = filter_share(period, p.road_filter)
+    road = follow(w.road, road_torque(car, motion), share)
+    acceleration = follow(w.body_acceleration, motion.body_acceleration, share)
+    if stays_out(p.regulator, w, slip):
+        return inf
+    speed = max(motion.speed, p.regulator.slip.slowest)
+    needed = acceleration / car.wheel_radius - p.rate * speed * (slip - p.regulator.target)
+    torque = road + car.driven_wheel_inertia / (1.0 - min(slip, 0.9)) * needed
+    return until_served(p.regulator, w, period, torque / car.motor.gear_efficiency, wanted)
 
-    def _watch(self, wheel: FeedbackLinearisationWheel, motion: WheelMotion) -> None:
-        wheel.road.follow(road_torque(motion, self._inertia), self._share)
-        wheel.body_acceleration.follow(motion.body_acceleration, self._share)
 
-    def _regulated(
-        self, wheel: FeedbackLinearisationWheel, motion: WheelMotion, slip: float, wanted: float, begins: bool
-    ) -> float:
-        speed = max(motion.speed, self._regulator.slip.slowest)
-        needed = wheel.body_acceleration.value / self._radius - self._rate * speed * (slip - self._regulator.target)
-        torque = wheel.road.value + self._inertia / (1 - min(slip, 0.9)) * needed
-        return torque / self._efficiency
+@compilable
+def forget(p: FeedbackLinearisationParameters, w: FeedbackLinearisationWheel) -> None:
+    """Put a wheel back to the start."""
+    forget_regulation(w)
+    forget_filtered(w.road)
+    forget_filtered(w.body_acceleration)

@@ -2,14 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import inf
 
-from ev_control.asr.slip_regulator import RegulatedWheel, SlipRegulator, SlipRegulatorParameters
-from ev_control.asr.traction_control import WheelMotion
-from ev_control.first_order_filter import Filtered, filter_share
+from ev_control.estimation.reference_speed import free_wheels_for
+from ev_control.estimation.slip_observers import observed_slip
+from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.slip_regulator import (
+    RegulatedWheel,
+    SlipRegulatorParameters,
+    forget_regulation,
+    stays_out,
+    until_served,
+)
+from ev_control.shared.traction_control import TractionControlState, controlled
+from ev_control.shared.wheel_dynamics import WheelMotion
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import each_wheel, part
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
 
 # Change of the limit over its largest one; rows: slip below, at, above the target; columns: slip falls, stays, rises.
 RULES = (
@@ -48,13 +67,31 @@ class FuzzyParameters:
 
 @dataclass(slots=True)
 class FuzzyWheel(RegulatedWheel):
-    """Filtered slip [1], whose lag is its rate."""
+    """What the law knows of a wheel."""
 
-    slip: Filtered = field(default_factory=Filtered)
+    slip: Filtered = part(Filtered)  # [1]; its lag is the rate
 
 
-@method("asr", "fuzzy")
-class Fuzzy(SlipRegulator):
+@dataclass(slots=True)
+class FuzzyState:
+    """What lasts between steps."""
+
+    control: TractionControlState = part(TractionControlState)
+    wheels: list[FuzzyWheel] = each_wheel(FuzzyWheel)
+
+
+@method("asr", "fuzzy", FuzzyParameters, state=FuzzyState, needs=(free_wheels_for("regulator.reference"),))
+@compilable
+def fuzzy(
+    p: FuzzyParameters,
+    car: Car,
+    s: FuzzyState,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> WheelTorqueCommand:
     """Move the limit by nine rules about the slip error and the rate of the slip.
 
     Error and rate, over their widths, each belong to three triangular sets (below, at, above; falls, stays, rises)
@@ -63,30 +100,46 @@ class Fuzzy(SlipRegulator):
     take torque away faster than they give it back. The dissertation (section 1.3) reports fuzzy slip control without a
     rule, so these are an assumption.
     """
-
-    parameters = FuzzyParameters
-
-    def __init__(self, parameters: FuzzyParameters, vehicle: Vehicle, period: float) -> None:
-        p = self._p = parameters
-        self._share = filter_share(period, p.filter_time)
-        self._lag = max(p.filter_time, period)
-        super().__init__("fuzzy", FuzzyWheel, p.regulator, vehicle, period)
-
-    def _regulated(self, wheel: FuzzyWheel, motion: WheelMotion, slip: float, wanted: float, begins: bool) -> float:
-        p = self._p
-        last = wheel.slip.value if wheel.slip.value is not None and not begins else slip
-        rate = (slip - last) / (self._lag + self._period)
-        wheel.slip.value = last + self._share * (slip - last)
-        errors = degrees((slip - self._regulator.target) / p.error_width)
-        rates = degrees(rate / p.rate_width)
-        change = sum(
-            e * r * rule for e, row in zip(errors, RULES, strict=True) for r, rule in zip(rates, row, strict=True)
-        )
-        limit = min(max(motion.torque, 0.0), wanted) if begins else min(wheel.limit, wanted)
-        return limit + p.largest_rate * self._period * change * max(limit, p.least_torque)
+    return controlled(limit, forget, p.regulator.reference, p, car, s, period, request, column, wheels, imu)
 
 
+@compilable
+def limit(p: FuzzyParameters, car: Car, w: FuzzyWheel, period: float, motion: WheelMotion, wanted: float) -> float:
+    """The limit [N m], moved by the rules."""
+    slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
+    if stays_out(p.regulator, w, slip):
+        return inf
+    if w.limit == inf:
+        last, torque = slip, min(max(motion.torque, 0.0), wanted)
+        forget_filtered(w.slip)
+    else:
+        last, torque = w.slip.value, min(w.limit, wanted)
+    rate = (slip - last) / (max(p.filter_time, period) + period)
+    follow(w.slip, slip, filter_share(period, p.filter_time))
+    change = change_by_rules((slip - p.regulator.target) / p.error_width, rate / p.rate_width)
+    torque += p.largest_rate * period * change * max(torque, p.least_torque)
+    return until_served(p.regulator, w, period, torque, wanted)
+
+
+@compilable
+def change_by_rules(error: float, rate: float) -> float:
+    """Sum of the rules [1], each by the degrees to which its two conditions hold."""
+    change, errors, rates = 0.0, degrees(error), degrees(rate)
+    for i in range(3):
+        for j in range(3):
+            change += errors[i] * rates[j] * RULES[i][j]
+    return change
+
+
+@compilable
 def degrees(value: float) -> tuple[float, float, float]:
     """How far a number belongs to the sets about -1, 0 and 1 [1]; the degrees add up to one."""
     value = min(max(value, -1.0), 1.0)
-    return max(-value, 0.0), 1 - abs(value), max(value, 0.0)
+    return max(-value, 0.0), 1.0 - abs(value), max(value, 0.0)
+
+
+@compilable
+def forget(p: FuzzyParameters, w: FuzzyWheel) -> None:
+    """Put a wheel back to the start."""
+    forget_regulation(w)
+    forget_filtered(w.slip)

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import inf, sqrt
 
-from ev_control.asr.slip_curve_fit import SlipCurveFit
-from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
-from ev_control.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free_wheels_for
+from ev_control.estimation.slip_curve_fit import SlipCurveFit, add_sample, fitted_curve, forget_samples, is_full
+from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
+from ev_control.shared.wheel_dynamics import WheelMotion
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import each_wheel, entry, part
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,14 +35,38 @@ class LeastSquaresLiteralParameters:
 
 @dataclass(slots=True)
 class LeastSquaresLiteralWheel(LimitedWheel):
-    """Samples, and the torque of the previous step [N m]."""
+    """What the law knows of a wheel."""
 
-    fit: SlipCurveFit = field(default_factory=SlipCurveFit)
-    previous: float = 0.0
+    fit: SlipCurveFit = part(SlipCurveFit)
+    previous: float = entry(unit="N m", about="torque of the previous step")
 
 
-@method("asr", "least_squares_literal")
-class LeastSquaresLiteral(TractionControl):
+@dataclass(slots=True)
+class LeastSquaresLiteralState:
+    """What lasts between steps."""
+
+    control: TractionControlState = part(TractionControlState)
+    wheels: list[LeastSquaresLiteralWheel] = each_wheel(LeastSquaresLiteralWheel)
+
+
+@method(
+    "asr",
+    "least_squares_literal",
+    LeastSquaresLiteralParameters,
+    state=LeastSquaresLiteralState,
+    needs=(free_wheels_for("reference"),),
+)
+@compilable
+def least_squares_literal(
+    p: LeastSquaresLiteralParameters,
+    car: Car,
+    s: LeastSquaresLiteralState,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> WheelTorqueCommand:
     """Hold the torque of the previous step while the fitted curve falls; this keeps a spinning wheel spinning.
 
     X = 1 - w_free/w, Y = M/M_nom, y = A x + B sqrt(x) over the window, dy/dx < 0 at the present X: the previous torque
@@ -42,25 +76,33 @@ class LeastSquaresLiteral(TractionControl):
     the road. What the source does not define is left out: a sample at rest (0/0), with X < 0 (its root), or a
     window whose equations have no single solution.
     """
+    return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
 
-    parameters = LeastSquaresLiteralParameters
 
-    def __init__(self, parameters: LeastSquaresLiteralParameters, vehicle: Vehicle, period: float) -> None:
-        self._samples = parameters.samples
-        self._nominal = vehicle.motor.nominal_torque * vehicle.gear_ratio
-        super().__init__("least_squares_literal", self._new, parameters.reference, vehicle, period)
+@compilable
+def limit(
+    p: LeastSquaresLiteralParameters,
+    car: Car,
+    w: LeastSquaresLiteralWheel,
+    period: float,
+    motion: WheelMotion,
+    wanted: float,
+) -> float:
+    """The previous torque [N m] while the curve falls, else none."""
+    slip = 1.0 - motion.rolling / motion.speed if motion.speed != 0.0 else -1.0
+    held = inf
+    if 0.0 < slip <= 1.0:
+        add_sample(w.fit, p.samples, 0.0, slip, motion.torque / (car.motor.nominal_torque * car.gear_ratio))
+        curve = fitted_curve(w.fit)
+        if is_full(w.fit) and curve.a + curve.b / (2.0 * sqrt(slip)) < 0.0:
+            held = w.previous
+    w.previous = min(wanted, held)
+    return held
 
-    def _new(self) -> LeastSquaresLiteralWheel:
-        return LeastSquaresLiteralWheel(fit=SlipCurveFit(self._samples, 0.0))
 
-    def _limit(self, wheel: LeastSquaresLiteralWheel, motion: WheelMotion, wanted: float) -> float:
-        """The previous torque [N m] while the curve falls, else none."""
-        slip = 1 - motion.rolling / motion.speed if motion.speed != 0.0 else -1.0
-        limit = math.inf
-        if 0.0 < slip <= 1.0:
-            wheel.fit.add(slip, motion.torque / self._nominal)
-            found = wheel.fit.coefficients() if wheel.fit.is_full else None
-            if found is not None and found[0] + found[1] / (2 * math.sqrt(slip)) < 0.0:
-                limit = wheel.previous
-        wheel.previous = min(wanted, limit)
-        return limit
+@compilable
+def forget(p: LeastSquaresLiteralParameters, w: LeastSquaresLiteralWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    forget_samples(w.fit)
+    w.previous = 0.0

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import inf
 
-from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
-from ev_control.asr.wheel_dynamics import mass_share, road_torque
-from ev_control.first_order_filter import Filtered, filter_share
-from ev_control.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free_wheels_for
+from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
+from ev_control.shared.wheel_dynamics import WheelMotion, mass_share, road_torque
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import each_wheel, part
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,15 +59,39 @@ class MaximumTransmissibleTorqueParameters:
 
 @dataclass(slots=True)
 class MaximumTransmissibleTorqueWheel(LimitedWheel):
-    """Filtered road torque [N m], tread and car acceleration [m/s^2]."""
+    """What the law knows of a wheel."""
 
-    road: Filtered = field(default_factory=Filtered)
-    tread_acceleration: Filtered = field(default_factory=Filtered)
-    body_acceleration: Filtered = field(default_factory=Filtered)
+    road: Filtered = part(Filtered)  # torque that the road takes [N m]
+    tread_acceleration: Filtered = part(Filtered)  # [m/s^2]
+    body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
 
 
-@method("asr", "maximum_transmissible_torque")
-class MaximumTransmissibleTorque(TractionControl):
+@dataclass(slots=True)
+class MaximumTransmissibleTorqueState:
+    """What lasts between steps."""
+
+    control: TractionControlState = part(TractionControlState)
+    wheels: list[MaximumTransmissibleTorqueWheel] = each_wheel(MaximumTransmissibleTorqueWheel)
+
+
+@method(
+    "asr",
+    "maximum_transmissible_torque",
+    MaximumTransmissibleTorqueParameters,
+    state=MaximumTransmissibleTorqueState,
+    needs=(free_wheels_for("reference"),),
+)
+@compilable
+def maximum_transmissible_torque(
+    p: MaximumTransmissibleTorqueParameters,
+    car: Car,
+    s: MaximumTransmissibleTorqueState,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> WheelTorqueCommand:
     """Limit a wheel that gains on the car to the torque that lets both accelerate in a fixed proportion.
 
     T = (J/(alpha M r^2) + 1) r F_d, with the force F_d = (M_w - J w')/r: with it the tread accelerates 1/alpha times as
@@ -67,24 +100,34 @@ class MaximumTransmissibleTorque(TractionControl):
     whole car. No speed of the car is needed but for the direction, and like every law that only knows accelerations
     this one keeps slip from growing but does not undo it.
     """
+    return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
 
-    parameters = MaximumTransmissibleTorqueParameters
 
-    def __init__(self, parameters: MaximumTransmissibleTorqueParameters, vehicle: Vehicle, period: float) -> None:
-        p = self._p = parameters
-        self._inertia, self._radius = vehicle.driven_wheel_inertia, vehicle.wheel_radius
-        ratio = self._inertia / (p.relaxation * mass_share(vehicle) * vehicle.wheel_radius**2)
-        self._torque_factor = (ratio + 1) / vehicle.motor.gear_efficiency
-        self._share, self._rise = filter_share(period, p.filter_time), p.rise * period
-        super().__init__("maximum_transmissible_torque", MaximumTransmissibleTorqueWheel, p.reference, vehicle, period)
+@compilable
+def limit(
+    p: MaximumTransmissibleTorqueParameters,
+    car: Car,
+    w: MaximumTransmissibleTorqueWheel,
+    period: float,
+    motion: WheelMotion,
+    wanted: float,
+) -> float:
+    """T of eq 1.7 [N m] while the wheel gains on the car, else a limit that rises."""
+    share, radius = filter_share(period, p.filter_time), car.wheel_radius
+    road = follow(w.road, road_torque(car, motion), share)
+    tread = follow(w.tread_acceleration, radius * motion.acceleration, share)
+    body = follow(w.body_acceleration, motion.body_acceleration, share)
+    if p.relaxation * tread > body + p.margin:
+        ratio = car.driven_wheel_inertia / (p.relaxation * mass_share(car) * (radius * radius))
+        return (ratio + 1.0) / car.motor.gear_efficiency * max(road, 0.0)
+    raised = w.limit + p.rise * period
+    return raised if raised < wanted else inf
 
-    def _limit(self, wheel: MaximumTransmissibleTorqueWheel, motion: WheelMotion, wanted: float) -> float:
-        """T of eq 1.7 [N m] while the wheel gains on the car, else a limit that rises."""
-        p, share = self._p, self._share
-        road = wheel.road.follow(road_torque(motion, self._inertia), share)
-        tread = wheel.tread_acceleration.follow(self._radius * motion.acceleration, share)
-        body = wheel.body_acceleration.follow(motion.body_acceleration, share)
-        if p.relaxation * tread > body + p.margin:
-            return self._torque_factor * max(road, 0.0)
-        limit = wheel.limit + self._rise
-        return limit if limit < wanted else math.inf
+
+@compilable
+def forget(p: MaximumTransmissibleTorqueParameters, w: MaximumTransmissibleTorqueWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    forget_filtered(w.road)
+    forget_filtered(w.tread_acceleration)
+    forget_filtered(w.body_acceleration)

@@ -3,12 +3,31 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
-from ev_control.asr.slip_regulator import RegulatedWheel, SlipRegulator, SlipRegulatorParameters
-from ev_control.asr.traction_control import WheelMotion
+from ev_control.estimation.reference_speed import free_wheels_for
+from ev_control.estimation.slip_observers import observed_slip
+from ev_control.shared.slip_regulator import (
+    RegulatedWheel,
+    SlipRegulatorParameters,
+    forget_regulation,
+    stays_out,
+    until_served,
+)
+from ev_control.shared.traction_control import TractionControlState, controlled
+from ev_control.shared.wheel_dynamics import WheelMotion
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import each_wheel, entry, part
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,13 +45,31 @@ class PiSlipParameters:
 
 @dataclass(slots=True)
 class PiSlipWheel(RegulatedWheel):
-    """Integral part of the limit [N m]."""
+    """What the law knows of a wheel."""
 
-    integral: float = 0.0
+    integral: float = entry(unit="N m", about="integral part of the limit")
 
 
-@method("asr", "pi_slip")
-class PiSlip(SlipRegulator):
+@dataclass(slots=True)
+class PiSlipState:
+    """What lasts between steps."""
+
+    control: TractionControlState = part(TractionControlState)
+    wheels: list[PiSlipWheel] = each_wheel(PiSlipWheel)
+
+
+@method("asr", "pi_slip", PiSlipParameters, state=PiSlipState, needs=(free_wheels_for("regulator.reference"),))
+@compilable
+def pi_slip(
+    p: PiSlipParameters,
+    car: Car,
+    s: PiSlipState,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> WheelTorqueCommand:
     """Bring the slip of each wheel to its target by proportional and integral action.
 
     Limit = J w (2 D w_0 e + w_0^2 integral(e)), e = S* - S, from the torque at which the slip exceeded S*. About a
@@ -42,20 +79,27 @@ class PiSlip(SlipRegulator):
     Dissertation, section 1.3: a PI controller for small changes about a point of work. The integral stops at the
     request.
     """
+    return controlled(limit, forget, p.regulator.reference, p, car, s, period, request, column, wheels, imu)
 
-    parameters = PiSlipParameters
 
-    def __init__(self, parameters: PiSlipParameters, vehicle: Vehicle, period: float) -> None:
-        p = parameters
-        self._inertia = vehicle.driven_wheel_inertia
-        self._proportional = 2 * p.damping_ratio * p.natural_frequency
-        self._integral_step = p.natural_frequency**2 * period
-        super().__init__("pi_slip", PiSlipWheel, p.regulator, vehicle, period)
+@compilable
+def limit(p: PiSlipParameters, car: Car, w: PiSlipWheel, period: float, motion: WheelMotion, wanted: float) -> float:
+    """The torque [N m] that brings the slip to its target, while it is limited."""
+    slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
+    if stays_out(p.regulator, w, slip):
+        return inf
+    if w.limit == inf:
+        w.integral = min(max(motion.torque, 0.0), wanted)
+    error = p.regulator.target - slip
+    gain = car.driven_wheel_inertia * max(motion.speed, p.regulator.slip.slowest)
+    integral_gain = gain * (p.natural_frequency * p.natural_frequency * period)
+    w.integral = min(max(w.integral + integral_gain * error, 0.0), wanted)
+    torque = w.integral + gain * (2.0 * p.damping_ratio * p.natural_frequency) * error
+    return until_served(p.regulator, w, period, torque, wanted)
 
-    def _regulated(self, wheel: PiSlipWheel, motion: WheelMotion, slip: float, wanted: float, begins: bool) -> float:
-        if begins:
-            wheel.integral = min(max(motion.torque, 0.0), wanted)
-        error = self._regulator.target - slip
-        gain = self._inertia * max(motion.speed, self._regulator.slip.slowest)
-        wheel.integral = min(max(wheel.integral + gain * self._integral_step * error, 0.0), wanted)
-        return wheel.integral + gain * self._proportional * error
+
+@compilable
+def forget(p: PiSlipParameters, w: PiSlipWheel) -> None:
+    """Put a wheel back to the start."""
+    forget_regulation(w)
+    w.integral = 0.0

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import inf
 
-from ev_control.asr.traction_control import LimitedWheel, TractionControl, WheelMotion
-from ev_control.first_order_filter import Filtered, filter_share
-from ev_control.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free_wheels_for
+from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
+from ev_control.shared.wheel_dynamics import WheelMotion, slip_of
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import each_wheel, part
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import ParameterError, group, parameter
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,13 +64,31 @@ class SlipWindowParameters:
 
 @dataclass(slots=True)
 class SlipWindowWheel(LimitedWheel):
-    """Slip behind a filter [1], whose lag shows its trend."""
+    """What the law knows of a wheel."""
 
-    slip: Filtered = field(default_factory=Filtered)
+    slip: Filtered = part(Filtered)  # [1]; its lag shows the trend
 
 
-@method("asr", "slip_window")
-class SlipWindow(TractionControl):
+@dataclass(slots=True)
+class SlipWindowState:
+    """What lasts between steps."""
+
+    control: TractionControlState = part(TractionControlState)
+    wheels: list[SlipWindowWheel] = each_wheel(SlipWindowWheel)
+
+
+@method("asr", "slip_window", SlipWindowParameters, state=SlipWindowState, needs=(free_wheels_for("reference"),))
+@compilable
+def slip_window(
+    p: SlipWindowParameters,
+    car: Car,
+    s: SlipWindowState,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> WheelTorqueCommand:
     """Lower a wheel's torque limit while its slip is above 0.15..0.19, hold it inside, raise it below.
 
     Slip S = 1 - w_free/w (dissertation, eqs 1.5, 1.6 and 2.34). The source prints the window as "0.15 > S > 0.19",
@@ -69,24 +97,28 @@ class SlipWindow(TractionControl):
     the wheel takes (assumption). The window lies beyond the peak on snow (0.09) and wet asphalt (0.13), where a wheel
     does not stay by itself: the slip swings through the window.
     """
+    return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
 
-    parameters = SlipWindowParameters
 
-    def __init__(self, parameters: SlipWindowParameters, vehicle: Vehicle, period: float) -> None:
-        p = self._p = parameters
-        self._fall, self._rise = p.fall * period, p.rise * period
-        self._share = filter_share(period, p.trend)
-        super().__init__("slip_window", SlipWindowWheel, p.reference, vehicle, period)
+@compilable
+def limit(
+    p: SlipWindowParameters, car: Car, w: SlipWindowWheel, period: float, motion: WheelMotion, wanted: float
+) -> float:
+    """The last limit [N m], moved towards the window."""
+    slip = slip_of(motion, p.slowest)
+    rises = slip > follow(w.slip, slip, filter_share(period, p.trend))
+    if slip > p.high and w.limit == inf:
+        return min(wanted, max(motion.torque, 0.0))
+    if slip > p.high and rises:
+        return w.limit - p.fall * period
+    if slip < p.low and not rises:
+        raised = w.limit + p.rise * period
+        return raised if raised < wanted else inf
+    return w.limit
 
-    def _limit(self, wheel: SlipWindowWheel, motion: WheelMotion, wanted: float) -> float:
-        """The last limit [N m], moved towards the window."""
-        p, slip, limit = self._p, motion.slip(self._p.slowest), wheel.limit
-        rises = slip > wheel.slip.follow(slip, self._share)
-        if slip > p.high and limit == math.inf:
-            return min(wanted, max(motion.torque, 0.0))
-        if slip > p.high and rises:
-            return limit - self._fall
-        if slip < p.low and not rises:
-            limit += self._rise
-            return limit if limit < wanted else math.inf
-        return limit
+
+@compilable
+def forget(p: SlipWindowParameters, w: SlipWindowWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    forget_filtered(w.slip)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, split
-from ev_control.first_order_filter import filter_share
+from ev_control.shared.first_order_filter import filter_share
+from ev_control.shared.torque_split import BrakeSplitParameters, split
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import per_wheel
@@ -17,6 +17,7 @@ from ev_msgs_py.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_LEFT, REA
 
 TERRAINS = ("road", "off_road")
 ROAD, OFF_ROAD = range(len(TERRAINS))
+
 
 @dataclass(frozen=True, slots=True)
 class AdaptiveParameters:

@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit
-from ev_control.friction_estimate import FrictionEstimate, FrictionEstimateParameters, FrictionEstimateState
+from ev_control.estimation.friction_estimate import (
+    FrictionEstimateParameters,
+    FrictionEstimateState,
+    estimated_friction,
+    unknown_road,
+)
+from ev_control.estimation.reference_speed import free_wheels_for
+from ev_control.estimation.wheel_loads import wheel_loads
+from ev_control.shared.torque_split import BrakeSplitParameters, split_brake
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import part
+from ev_msgs_py.layout import any_driven
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import (
@@ -16,8 +27,10 @@ from ev_msgs_py.signals import (
     WheelStates,
     WheelTorqueRequest,
 )
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.wheels import Wheels
+
+SOURCES = ("truth", "estimated")
+TRUTH, ESTIMATED = range(len(SOURCES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +39,7 @@ class AdhesionShareParameters:
 
     friction: str = parameter(
         "truth",
-        choices=("truth", "estimated"),
+        choices=SOURCES,
         about="friction of the road: as the plant has it, or from slip and torque of the wheels",
         source="the dissertation takes it as known",
     )
@@ -39,48 +52,55 @@ class AdhesionShareParameters:
 
 @dataclass(slots=True)
 class AdhesionShareState:
-    """The state of the friction estimate."""
+    """What lasts between steps."""
 
-    estimate: FrictionEstimateState = field(default_factory=FrictionEstimateState)
+    estimate: FrictionEstimateState = part(FrictionEstimateState)
 
 
-@method("electronic_differential", "adhesion_share")
-class AdhesionShare:
+def begin(p: AdhesionShareParameters) -> AdhesionShareState:
+    """The state that knows nothing of the road."""
+    return AdhesionShareState(unknown_road(p.estimate))
+
+
+@method(
+    "electronic_differential",
+    "adhesion_share",
+    AdhesionShareParameters,
+    state=AdhesionShareState,
+    start=begin,
+    needs=(any_driven, free_wheels_for("estimate.reference")),
+)
+@compilable
+def adhesion_share(
+    p: AdhesionShareParameters,
+    car: Car,
+    s: AdhesionShareState,
+    period: float,
+    driver: DriverCommand,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+    tires: TireForces,
+) -> WheelTorqueRequest:
     """Share the drive torque in proportion to the grip of the driven wheels, and give none of them more than that.
 
-    tau_i = phi_i F_i r (dissertation, eq 1.2, at the wheel), M_i = min(M tau_i/sum(tau), tau_i). With `truth` friction
-    and load are the plant's; else they come from `FrictionEstimate` and the accelerations. Braking by the drives is
-    shared in the same way. ValueError if the vehicle has no driven wheel.
+    tau_i = phi_i F_i r [N m] (dissertation, eq 1.2, at the wheel), M_i = min(M tau_i/sum(tau), tau_i). With `truth`
+    friction and load are the plant's; else they come from `estimated_friction` and the accelerations. Braking by the
+    drives is shared in the same way.
     """
-
-    parameters = AdhesionShareParameters
-
-    def __init__(self, parameters: AdhesionShareParameters, vehicle: Vehicle, period: float) -> None:
-        self._split = TorqueSplit(parameters.brake, vehicle)
-        self._knows = parameters.friction == "truth"
-        self._lever = parameters.error_factor * vehicle.wheel_radius
-        self._driven = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
-        law = "electronic_differential adhesion_share"
-        self._estimate = FrictionEstimate(parameters.estimate, vehicle, period, law)
-        self.state = AdhesionShareState(self._estimate.state)
-
-    def step(
-        self,
-        driver: DriverCommand,
-        column: SteeringColumnState,
-        wheels: WheelStates,
-        imu: InertialMeasurement,
-        tires: TireForces,
-    ) -> WheelTorqueRequest:
-        """Wheel torques [N m] by grip."""
-        total = driver.drive_torque
-        if self._knows:
-            friction, load = tires.friction_coefficient, tires.load
-        else:
-            self._estimate.state = self.state.estimate
-            friction, load = self._estimate.step(total, column, wheels, imu)
-        grip = [self._lever * friction[i] * load[i] if driven else 0.0 for i, driven in enumerate(self._driven)]
-        # Left and right first, so that a mirrored car gets exactly mirrored torques.
-        sum_of_grip = (grip[0] + grip[1]) + (grip[2] + grip[3])
-        share = min(max(total / sum_of_grip, -1.0), 1.0) if sum_of_grip > 0.0 else 0.0
-        return WheelTorqueRequest(Wheels(*[share * g for g in grip]), self._split.request(driver).brake)
+    total = driver.drive_torque
+    if p.friction == TRUTH:
+        friction, load = tires.friction_coefficient, tires.load
+    else:
+        load = wheel_loads(car, imu)
+        friction = estimated_friction(p.estimate, car, s.estimate, period, total, load, column, wheels, imu)
+    lever = p.error_factor * car.wheel_radius
+    front_left = lever * friction[0] * load[0] if car.driven[0] == 1.0 else 0.0
+    front_right = lever * friction[1] * load[1] if car.driven[1] == 1.0 else 0.0
+    rear_left = lever * friction[2] * load[2] if car.driven[2] == 1.0 else 0.0
+    rear_right = lever * friction[3] * load[3] if car.driven[3] == 1.0 else 0.0
+    # Left and right first, so that a mirrored car gets exactly mirrored torques.
+    grip = (front_left + front_right) + (rear_left + rear_right)
+    share = min(max(total / grip, -1.0), 1.0) if grip > 0.0 else 0.0
+    drive = Wheels(share * front_left, share * front_right, share * rear_left, share * rear_right)
+    return WheelTorqueRequest(drive, split_brake(p.brake, driver))

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from ev_control.electronic_differential.slip_angle_observer import (
-    SlipAngleObserver,
+from ev_control.estimation.slip_angle_observer import (
     SlipAngleObserverParameters,
     SlipAngleObserverState,
     axle_slip_angles,
+    observed_slip_angles,
 )
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit, require_driven_wheels
+from ev_control.shared.torque_split import BrakeSplitParameters, split_brake
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry, part
+from ev_msgs_py.elementary import hypot
+from ev_msgs_py.layout import ALL_WHEELS_DRIVEN
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import (
@@ -22,8 +26,12 @@ from ev_msgs_py.signals import (
     WheelStates,
     WheelTorqueRequest,
 )
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.wheels import Wheels
+
+SOURCES = ("truth", "estimated")
+TRUTH, ESTIMATED = range(len(SOURCES))
+AXLES = ("front", "rear")
+FRONT, REAR = range(len(AXLES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +40,7 @@ class AxleRedistributionParameters:
 
     source: str = parameter(
         "truth",
-        choices=("truth", "estimated"),
+        choices=SOURCES,
         about="slip angles: from the true velocity of the twist topic, or from the observer",
         source="Zhileykin 2018 uses the true ones",
     )
@@ -49,7 +57,7 @@ class AxleRedistributionParameters:
     )
     first_branch: str = parameter(
         "front",
-        choices=("front", "rear"),
+        choices=AXLES,
         about="axle that counts as sliding until the slip angles differ by more than the deadband",
         source="Zhileykin 2018 counts equal slip angles as a sliding front",
     )
@@ -75,15 +83,38 @@ class AxleRedistributionParameters:
 
 @dataclass(slots=True)
 class AxleRedistributionState:
-    """The branch of the law, the held cos(phi) [1] and the observer's state."""
+    """What lasts between steps."""
 
-    front_slides: bool
-    cos_phi: float = 1.0
-    observer: SlipAngleObserverState = field(default_factory=SlipAngleObserverState)
+    front_slides: float = entry(1.0, unit="1", about="whether the front axle counts as the sliding one")
+    cos_phi: float = entry(1.0, unit="1", about="cosine of the angle of the acceleration to the car's axis, held")
+    observer: SlipAngleObserverState = part(SlipAngleObserverState)
 
 
-@method("electronic_differential", "axle_redistribution")
-class AxleRedistribution:
+def first_branch(p: AxleRedistributionParameters) -> AxleRedistributionState:
+    """The state that begins on the branch of the parameters."""
+    return AxleRedistributionState(front_slides=1.0 if p.first_branch == FRONT else 0.0)
+
+
+@method(
+    "electronic_differential",
+    "axle_redistribution",
+    AxleRedistributionParameters,
+    state=AxleRedistributionState,
+    start=first_branch,
+    needs=(ALL_WHEELS_DRIVEN,),
+)
+@compilable
+def axle_redistribution(
+    p: AxleRedistributionParameters,
+    car: Car,
+    s: AxleRedistributionState,
+    period: float,
+    driver: DriverCommand,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+    body: BodyVelocity,
+) -> WheelTorqueRequest:
     """Share the drive torque between front axle, inner and outer rear wheel so that the car steers neutrally.
 
     Front share h_n = k cos(phi) if the front axle slides (|d1| >= |d2|), else k (1 - cos(phi)), within
@@ -91,57 +122,38 @@ class AxleRedistribution:
     The front wheels get equal halves. Of the rear torque the slow (inner) wheel gets (1 + q)/2 and the fast (outer)
     one (1 - q)/2 with q = L |Theta| h_n/(2 B (1 - h_n)), at most 1 (eq 7 at constant speed), by the mean road-wheel
     angle Theta [rad]. A driver who brakes, with a negative drive torque or the brake, has all drive torque on the rear
-    axle. The lag of the clutches is the plant's. ValueError unless all four wheels are driven.
+    axle. The torques [N m] add up to the driver's. The lag of the clutches is the plant's.
     """
+    delta = column.road_wheel_angle
+    if p.source == TRUTH:
+        angles = axle_slip_angles(car, body.longitudinal, body.lateral, body.yaw_rate, delta, p.observer.slowest)
+    else:
+        angles = observed_slip_angles(p.observer, car, s.observer, period, driver, column, wheels, imu)
+    follow(p, s, abs(angles.front) - abs(angles.rear), imu)
+    braking = driver.drive_torque < 0.0 or driver.brake_torque > 0.0
+    h = 0.0 if braking else front_share(p, s)
+    half, rear_torque = driver.drive_torque * h / 2.0, driver.drive_torque * (1.0 - h)
+    q = min(car.wheelbase * abs(delta) * h / (2.0 * car.rear_track * (1.0 - h)), 1.0)
+    left, right = rear_torque * (1.0 + q) / 2.0, rear_torque * (1.0 - q) / 2.0
+    if delta < 0.0:
+        left, right = right, left
+    return WheelTorqueRequest(Wheels(half, half, left, right), split_brake(p.brake, driver))
 
-    parameters = AxleRedistributionParameters
 
-    def __init__(self, parameters: AxleRedistributionParameters, vehicle: Vehicle, period: float) -> None:
-        require_driven_wheels(vehicle, "axle_redistribution", WHEEL_NAMES)
-        self._p = parameters
-        self._vehicle = vehicle
-        self._split = TorqueSplit(parameters.brake, vehicle)
-        self._observer = SlipAngleObserver(parameters.observer, vehicle, period)
-        front_first = parameters.first_branch == "front"
-        self.state = AxleRedistributionState(front_first, observer=self._observer.state)
+@compilable
+def follow(
+    p: AxleRedistributionParameters, s: AxleRedistributionState, front_excess: float, imu: InertialMeasurement
+) -> None:
+    """Choose the branch by |d1| - |d2| [rad] and take cos(phi) where they are defined."""
+    if abs(front_excess) > p.slip_angle_deadband:
+        s.front_slides = 1.0 if front_excess > 0.0 else 0.0
+    magnitude = hypot(imu.longitudinal_acceleration, imu.lateral_acceleration)
+    if magnitude > p.acceleration_deadband:
+        s.cos_phi = imu.longitudinal_acceleration / magnitude
 
-    def step(
-        self,
-        driver: DriverCommand,
-        column: SteeringColumnState,
-        wheels: WheelStates,
-        imu: InertialMeasurement,
-        body: BodyVelocity,
-    ) -> WheelTorqueRequest:
-        """Wheel torques [N m] that add up to the driver's."""
-        p, s, car, delta = self._p, self.state, self._vehicle, column.road_wheel_angle
-        if p.source == "truth":
-            front, rear = axle_slip_angles(
-                body.longitudinal, body.lateral, body.yaw_rate, delta, car, p.observer.slowest
-            )
-        else:
-            self._observer.state = s.observer
-            front, rear = self._observer.step(driver, column, wheels, imu)
-        self._follow(abs(front) - abs(rear), imu)
-        braking = driver.drive_torque < 0.0 or driver.brake_torque > 0.0
-        h = 0.0 if braking else self._front_share()
-        half, rear_torque = driver.drive_torque * h / 2, driver.drive_torque * (1 - h)
-        q = min(car.wheelbase * abs(delta) * h / (2 * car.rear_track * (1 - h)), 1.0)
-        inner, outer = rear_torque * (1 + q) / 2, rear_torque * (1 - q) / 2
-        left, right = (inner, outer) if delta >= 0.0 else (outer, inner)
-        return WheelTorqueRequest(Wheels(half, half, left, right), self._split.request(driver).brake)
 
-    def _follow(self, front_excess: float, imu: InertialMeasurement) -> None:
-        """Choose the branch by |d1| - |d2| [rad] and take cos(phi) where they are defined."""
-        p, s = self._p, self.state
-        if abs(front_excess) > p.slip_angle_deadband:
-            s.front_slides = front_excess > 0.0
-        magnitude = math.hypot(imu.longitudinal_acceleration, imu.lateral_acceleration)
-        if magnitude > p.acceleration_deadband:
-            s.cos_phi = imu.longitudinal_acceleration / magnitude
-
-    def _front_share(self) -> float:
-        """h_n [1] of the present branch (Zhileykin 2018, eqs 4 and 5)."""
-        p, s = self._p, self.state
-        share = p.k * s.cos_phi if s.front_slides else p.k * (1 - s.cos_phi)
-        return min(max(share, 0.0), p.largest_front_share)
+@compilable
+def front_share(p: AxleRedistributionParameters, s: AxleRedistributionState) -> float:
+    """h_n [1] of the present branch (Zhileykin 2018, eqs 4 and 5)."""
+    share = p.k * s.cos_phi if s.front_slides == 1.0 else p.k * (1.0 - s.cos_phi)
+    return min(max(share, 0.0), p.largest_front_share)

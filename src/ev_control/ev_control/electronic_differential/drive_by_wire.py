@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import MappingProxyType
 
-from ev_control.electronic_differential.torque_split import (
-    BrakeSplitParameters,
-    TorqueSplit,
-    require_driven_front_wheels,
-)
+from ev_control.shared.torque_split import BrakeSplitParameters, split
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.layout import FRONT_WHEELS_DRIVEN
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
-from ev_msgs_py.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,23 +28,20 @@ class DriveByWireParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "drive_by_wire")
-class DriveByWire:
+@method(
+    "electronic_differential",
+    "drive_by_wire",
+    DriveByWireParameters,
+    needs=(FRONT_WHEELS_DRIVEN,),
+    requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well
+)
+@compilable
+def drive_by_wire(
+    p: DriveByWireParameters, car: Car, driver: DriverCommand, column: SteeringColumnState
+) -> WheelTorqueRequest:
     """Set the torque difference of the front wheels in proportion to the steering-wheel angle, without feedback.
 
-    Delta M = M_R - M_L = k alpha, left positive: the drive-by-wire concept in the introduction of Shchur (2019), for a
-    by_wire steering column. ValueError unless both front wheels are driven.
+    Delta M = M_R - M_L = k alpha [N m], left positive: the drive-by-wire concept in the introduction of Shchur (2019),
+    for a by_wire steering column.
     """
-
-    parameters = DriveByWireParameters
-    requires = MappingProxyType({"steering_column": "by_wire"})  # the hands must not turn the road wheels as well
-    state = None  # nothing lasts between steps
-
-    def __init__(self, parameters: DriveByWireParameters, vehicle: Vehicle, period: float) -> None:
-        require_driven_front_wheels(vehicle, "drive_by_wire")
-        self._gain = parameters.gain
-        self._split = TorqueSplit(parameters.brake, vehicle)
-
-    def step(self, driver: DriverCommand, column: SteeringColumnState) -> WheelTorqueRequest:
-        """Equal wheel torques [N m] with a difference in proportion to the steering-wheel angle."""
-        return self._split.request(driver, self._gain * column.angle)
+    return split(p.brake, car, driver, p.gain * column.angle)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, split
+from ev_control.shared.torque_split import BrakeSplitParameters, split
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.layout import any_driven

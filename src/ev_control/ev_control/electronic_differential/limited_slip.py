@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import tanh
 
-from ev_control.electronic_differential.locking import Locking, locking_share
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit
+from ev_control.shared.locking import locked, locking_share
+from ev_control.shared.torque_split import BrakeSplitParameters, split
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.layout import any_driven
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import DriverCommand, WheelStates, WheelTorqueRequest
-from ev_msgs_py.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,23 +38,15 @@ class LimitedSlipParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "limited_slip")
-class LimitedSlip:
+@method("electronic_differential", "limited_slip", LimitedSlipParameters, needs=(any_driven,))
+@compilable
+def limited_slip(p: LimitedSlipParameters, car: Car, driver: DriverCommand, wheels: WheelStates) -> WheelTorqueRequest:
     """Give the slower wheel of each driven axle K times the torque of the faster one.
 
-    M_slow/M_fast = K = 1.5 (dissertation, section 3.3), smoothed by tanh of the speed difference; the sum is the
-    driver's. ValueError if the vehicle has no driven wheel.
+    M_slow/M_fast = K = 1.5 (dissertation, section 3.3), smoothed by tanh of the difference of the wheel speeds
+    [rad/s]; the sum of the torques [N m] is the driver's.
     """
-
-    parameters = LimitedSlipParameters
-    state = None  # nothing lasts between steps
-
-    def __init__(self, parameters: LimitedSlipParameters, vehicle: Vehicle, period: float) -> None:
-        self._split = TorqueSplit(parameters.brake, vehicle)
-        most, speed = locking_share(parameters.locking_ratio), parameters.locking_speed
-        self._locking = Locking(vehicle, lambda difference: most * tanh(difference / speed))
-
-    def step(self, driver: DriverCommand, wheels: WheelStates) -> WheelTorqueRequest:
-        """Wheel torques [N m] by the wheel speeds."""
-        request = self._split.request(driver)
-        return WheelTorqueRequest(self._locking.locked(request.drive, wheels.velocity), request.brake)
+    equal, most, speed = split(p.brake, car, driver, 0.0), locking_share(p.locking_ratio), wheels.velocity
+    front = most * tanh((speed.front_left - speed.front_right) / p.locking_speed)
+    rear = most * tanh((speed.rear_left - speed.rear_right) / p.locking_speed)
+    return WheelTorqueRequest(locked(car, equal.drive, front, rear), equal.brake)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.electronic_differential.locking import Locking, locking_share
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit
+from ev_control.shared.locking import locked, locking_share
+from ev_control.shared.torque_split import BrakeSplitParameters, split
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.layout import any_driven
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import DriverCommand, WheelStates, WheelTorqueRequest
-from ev_msgs_py.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,27 +37,25 @@ class LimitedSlipVariableParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "limited_slip_variable")
-class LimitedSlipVariable:
+@method("electronic_differential", "limited_slip_variable", LimitedSlipVariableParameters, needs=(any_driven,))
+@compilable
+def limited_slip_variable(
+    p: LimitedSlipVariableParameters, car: Car, driver: DriverCommand, wheels: WheelStates
+) -> WheelTorqueRequest:
     """Give the slower wheel of each driven axle up to K times the torque of the faster one, as their speeds differ.
 
-    M_slow/M_fast = 1 + (K - 1) min(|d|/d_full, 1) with the speed difference d of the wheels and K = 1.5 (dissertation,
-    section 3.4); the sum is the driver's. ValueError if the vehicle has no driven wheel.
+    M_slow/M_fast = 1 + (K - 1) min(|d|/d_full, 1) with the difference d of the wheel speeds [rad/s] and K = 1.5
+    (dissertation, section 3.4); the sum of the torques [N m] is the driver's.
     """
+    equal, speed = split(p.brake, car, driver, 0.0), wheels.velocity
+    front = signed_share(p, speed.front_left - speed.front_right)
+    rear = signed_share(p, speed.rear_left - speed.rear_right)
+    return WheelTorqueRequest(locked(car, equal.drive, front, rear), equal.brake)
 
-    parameters = LimitedSlipVariableParameters
-    state = None  # nothing lasts between steps
 
-    def __init__(self, parameters: LimitedSlipVariableParameters, vehicle: Vehicle, period: float) -> None:
-        self._split = TorqueSplit(parameters.brake, vehicle)
-        self._rise, self._full = parameters.largest_locking_ratio - 1.0, parameters.full_locking_speed
-        self._locking = Locking(vehicle, self._share)
-
-    def _share(self, difference: float) -> float:
-        share = locking_share(1.0 + self._rise * min(abs(difference) / self._full, 1.0))
-        return share if difference >= 0.0 else -share
-
-    def step(self, driver: DriverCommand, wheels: WheelStates) -> WheelTorqueRequest:
-        """Wheel torques [N m] by the wheel speeds."""
-        request = self._split.request(driver)
-        return WheelTorqueRequest(self._locking.locked(request.drive, wheels.velocity), request.brake)
+@compilable
+def signed_share(p: LimitedSlipVariableParameters, difference: float) -> float:
+    """(K - 1)/(K + 1) at a difference of the wheel speeds [rad/s], with its sign [1]."""
+    rise = p.largest_locking_ratio - 1.0
+    share = locking_share(1.0 + rise * min(abs(difference) / p.full_locking_speed, 1.0))
+    return share if difference >= 0.0 else -share

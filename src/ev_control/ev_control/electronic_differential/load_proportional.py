@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit
-from ev_control.wheel_loads import WheelLoads
+from ev_control.estimation.wheel_loads import wheel_loads
+from ev_control.shared.torque_split import BrakeSplitParameters, split, split_brake
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.layout import any_driven
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import ParameterError, group, parameter
 from ev_msgs_py.signals import DriverCommand, InertialMeasurement, WheelTorqueRequest
@@ -34,30 +38,42 @@ class LoadProportionalParameters:
             )
 
 
-@method("electronic_differential", "load_proportional")
-class LoadProportional:
+class Prepared(NamedTuple):
+    """What the law is told once."""
+
+    resistance: tuple[float, ...]  # rolling resistance under each wheel [1], zero where none is driven
+
+
+def prepare(parameters: LoadProportionalParameters, vehicle: Vehicle, _period: float) -> Prepared:
+    """The rolling resistance of the wheels that count."""
+    by_name = zip(WHEEL_NAMES, parameters.rolling_resistance, strict=True)
+    return Prepared(tuple(f if name in vehicle.driven_wheels else 0.0 for name, f in by_name))
+
+
+@method(
+    "electronic_differential", "load_proportional", LoadProportionalParameters, prepare=prepare, needs=(any_driven,)
+)
+@compilable
+def load_proportional(
+    p: LoadProportionalParameters, car: Car, c: Prepared, driver: DriverCommand, imu: InertialMeasurement
+) -> WheelTorqueRequest:
     """Share the drive torque in proportion to load times rolling resistance of the driven wheels.
 
-    M_i/M_a = f_i G_i/(sum f G), the sum over driven wheels (dissertation, eq 1.3); loads from the accelerations by
-    `WheelLoads`. ValueError if the vehicle has no driven wheel.
+    M_i/M_a = f_i G_i/(sum f G), the sum over driven wheels (dissertation, eq 1.3); loads [N] from the accelerations
+    by `wheel_loads`. Driven wheels that carry nothing, as those of an axle far from the centre of mass, get equal
+    torques [N m].
     """
-
-    parameters = LoadProportionalParameters
-    state = None  # nothing lasts between steps
-
-    def __init__(self, parameters: LoadProportionalParameters, vehicle: Vehicle, period: float) -> None:
-        self._split = TorqueSplit(parameters.brake, vehicle)
-        self._loads = WheelLoads(vehicle)
-        self._resistance = [
-            f if name in vehicle.driven_wheels else 0.0
-            for f, name in zip(parameters.rolling_resistance, WHEEL_NAMES, strict=True)
-        ]
-
-    def step(self, driver: DriverCommand, imu: InertialMeasurement) -> WheelTorqueRequest:
-        """Wheel torques [N m] by the present loads."""
-        along, across = imu.longitudinal_acceleration, imu.lateral_acceleration
-        weights = [f * self._loads.of(i, along, across) for i, f in enumerate(self._resistance)]
-        # Left and right first, so that a mirrored car gets exactly mirrored torques.
-        total = (weights[0] + weights[1]) + (weights[2] + weights[3])
-        drive = Wheels(*[driver.drive_torque * weight / total for weight in weights])
-        return WheelTorqueRequest(drive, self._split.request(driver).brake)
+    load, total = wheel_loads(car, imu), driver.drive_torque
+    front_left, front_right = c.resistance[0] * load[0], c.resistance[1] * load[1]
+    rear_left, rear_right = c.resistance[2] * load[2], c.resistance[3] * load[3]
+    # Left and right first, so that a mirrored car gets exactly mirrored torques.
+    weight = (front_left + front_right) + (rear_left + rear_right)
+    if weight == 0.0:
+        return split(p.brake, car, driver, 0.0)
+    drive = Wheels(
+        total * front_left / weight,
+        total * front_right / weight,
+        total * rear_left / weight,
+        total * rear_right / weight,
+    )
+    return WheelTorqueRequest(drive, split_brake(p.brake, driver))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit
+from ev_control.shared.torque_split import BrakeSplitParameters, split
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.layout import any_driven
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group
 from ev_msgs_py.signals import DriverCommand, WheelTorqueRequest
-from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import Wheels
 
 
@@ -19,24 +21,21 @@ class OpenDifferentialParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "open_differential")
-class OpenDifferential:
+@method("electronic_differential", "open_differential", OpenDifferentialParameters, needs=(any_driven,))
+@compilable
+def open_differential(p: OpenDifferentialParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
     """Equal torques left and right as behind a mechanical differential, whose wheels cannot get more than both grip.
 
-    M_left = M_right = M_axle/2 (dissertation, section 3.2), the torques of the axles alike. Other than `equal_torque`
-    the drive is one whole: what one wheel of an axle does not deliver, because of its motor, the other one does not
-    get either, as no gear could give it. ValueError if the vehicle has no driven wheel.
+    M_left = M_right = M_axle/2 [N m] (dissertation, section 3.2), the torques of the axles alike, none above what one
+    motor has. Other than `equal_torque` the drive is one whole: what one wheel of an axle does not deliver, because of
+    its motor, the other one does not get either, as no gear could give it.
     """
-
-    parameters = OpenDifferentialParameters
-    state = None  # nothing lasts between steps
-
-    def __init__(self, parameters: OpenDifferentialParameters, vehicle: Vehicle, period: float) -> None:
-        self._split = TorqueSplit(parameters.brake, vehicle)
-        self._most = vehicle.motor.peak_torque * vehicle.gear_ratio
-
-    def step(self, driver: DriverCommand) -> WheelTorqueRequest:
-        """Equal wheel torques [N m], none above what one motor has."""
-        request = self._split.request(driver)
-        most = self._most
-        return WheelTorqueRequest(Wheels(*[min(max(m, -most), most) for m in request.drive]), request.brake)
+    equal, most = split(p.brake, car, driver, 0.0), car.motor.peak_torque * car.gear_ratio
+    m = equal.drive
+    drive = Wheels(
+        min(max(m.front_left, -most), most),
+        min(max(m.front_right, -most), most),
+        min(max(m.rear_left, -most), most),
+        min(max(m.rear_right, -most), most),
+    )
+    return WheelTorqueRequest(drive, equal.brake)

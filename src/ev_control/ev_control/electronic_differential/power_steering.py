@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.electronic_differential.torque_split import (
-    BrakeSplitParameters,
-    split,
-    torque_difference_per_steering_moment,
-)
+from ev_control.shared.torque_split import BrakeSplitParameters, split, torque_difference_per_steering_moment
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.layout import FRONT_WHEELS_DRIVEN

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-from ev_control.electronic_differential.free_wheel_speed import free_wheel_speed
-from ev_control.electronic_differential.slip_ratio import slip_ratio
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit, require_driven_wheels
+from ev_control.estimation.free_wheel_speed import free_wheel_speed
+from ev_control.shared.slip_ratio import slip_ratio
+from ev_control.shared.torque_split import BrakeSplitParameters, split
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.motion import speed_along_path
+from ev_msgs_py.contract.record import entry
+from ev_msgs_py.elementary import copysign
+from ev_msgs_py.layout import REAR_WHEELS_DRIVEN, only_driven
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import (
@@ -18,8 +23,12 @@ from ev_msgs_py.signals import (
     WheelStates,
     WheelTorqueRequest,
 )
-from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import Wheels
+
+READINGS = ("rate", "offset", "increment")
+RATE, OFFSET, INCREMENT = range(len(READINGS))
+SOURCES = ("truth", "estimated")
+TRUTH, ESTIMATED = range(len(SOURCES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,14 +37,14 @@ class SlipTargetParameters:
 
     reading: str = parameter(
         "rate",
-        choices=("rate", "offset", "increment"),
+        choices=READINGS,
         about="what the switching control changes: the torque per second (rate), the torque itself (offset), or the "
         "torque per control period (increment)",
         source="Ge & Ni 2005; the scan leaves it open",
     )
     source: str = parameter(
         "truth",
-        choices=("truth", "estimated"),
+        choices=SOURCES,
         about="body velocity: as the twist topic gives it, or from the free front wheels and the yaw rate sensor",
         source="Ge & Ni 2005 use the true one",
     )
@@ -87,14 +96,31 @@ class SlipTargetParameters:
 
 @dataclass(slots=True)
 class SlipTargetState:
-    """What the control has added to the equal torque of each rear wheel [N m]."""
+    """What lasts between steps."""
 
-    left: float = 0.0
-    right: float = 0.0
+    left: float = entry(unit="N m", about="what the control has added to the equal torque of the left rear wheel")
+    right: float = entry(unit="N m", about="the same of the right one")
 
 
-@method("electronic_differential", "slip_target")
-class SlipTarget:
+@method(
+    "electronic_differential",
+    "slip_target",
+    SlipTargetParameters,
+    state=SlipTargetState,
+    needs=(REAR_WHEELS_DRIVEN, only_driven("rear_left", "rear_right")),
+)
+@compilable
+def slip_target(
+    p: SlipTargetParameters,
+    car: Car,
+    s: SlipTargetState,
+    period: float,
+    driver: DriverCommand,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+    body: BodyVelocity,
+) -> WheelTorqueRequest:
     """Drive each rear wheel towards a target slip ratio, with a slip difference that follows the yaw rate error.
 
     In a left turn l_R* = l_L* - K1 (r - delta V/L), D_i = l_i* - l_i, and T = T* + c with the switching control
@@ -103,65 +129,40 @@ class SlipTarget:
     torque [N m]; slip ratios [1], yaw rate r [rad/s], road-wheel angle delta [rad], left positive. A right turn is the
     mirror image (the source drives left only), and straight ahead both wheels count as inner ones. Each |c| stays below
     largest_correction T*, and the correction is dropped while the driver asks for no drive torque or brakes.
-    ValueError unless the rear wheels, and only they, are driven.
     """
+    equal, delta = split(p.brake, car, driver, 0.0), column.road_wheel_angle
+    if driver.drive_torque <= 0.0 or driver.brake_torque > 0.0:
+        s.left, s.right = 0.0, 0.0
+        return equal
+    if p.source == TRUTH:
+        u, speed, yaw_rate = body.longitudinal, speed_along_path(body), body.yaw_rate
+    else:
+        u, yaw_rate = free_wheel_speed(car, wheels.velocity, delta, imu.yaw_rate), imu.yaw_rate
+        speed = u
+    side = yaw_rate * car.rear_track / 2.0
+    slip_left = slip_ratio(wheels.velocity.rear_left * car.wheel_radius, u - side, p.slowest)
+    slip_right = slip_ratio(wheels.velocity.rear_right * car.wheel_radius, u + side, p.slowest)
+    difference = p.yaw_gain * (yaw_rate - delta * speed / car.wheelbase)
+    share = equal.drive.rear_left
+    limit = p.largest_correction * share
+    turn = delta if delta != 0.0 else yaw_rate
+    outer_left, outer_right = turn < 0.0, turn > 0.0
+    target_left = p.target_slip + difference if outer_left else p.target_slip
+    target_right = p.target_slip - difference if outer_right else p.target_slip
+    s.left = corrected(p, period, s.left, outer_left, target_left - slip_left, limit)
+    s.right = corrected(p, period, s.right, outer_right, target_right - slip_right, limit)
+    return WheelTorqueRequest(Wheels(0.0, 0.0, share + s.left, share + s.right), equal.brake)
 
-    parameters = SlipTargetParameters
 
-    def __init__(self, parameters: SlipTargetParameters, vehicle: Vehicle, period: float) -> None:
-        require_driven_wheels(vehicle, "slip_target", ("rear_left", "rear_right"))
-        if len(set(vehicle.driven_wheels)) > 2:
-            raise ValueError(
-                f"electronic_differential slip_target needs rear_left and rear_right as the only driven wheels,"
-                f" vehicle {vehicle.name} drives {', '.join(vehicle.driven_wheels)}"
-            )
-        self._p = parameters
-        self._vehicle = vehicle
-        self._split = TorqueSplit(parameters.brake, vehicle)
-        self._step_of_gain = {"rate": period, "offset": 1.0, "increment": 1.0}[parameters.reading]
-        self._accumulates = parameters.reading != "offset"
-        self.state = SlipTargetState()
-
-    def step(
-        self,
-        driver: DriverCommand,
-        column: SteeringColumnState,
-        wheels: WheelStates,
-        imu: InertialMeasurement,
-        body: BodyVelocity,
-    ) -> WheelTorqueRequest:
-        """Equal torques [N m] of the rear wheels, each with its correction."""
-        s, equal = self.state, self._split.request(driver)
-        if driver.drive_torque <= 0.0 or driver.brake_torque > 0.0:
-            s.left = s.right = 0.0
-            return equal
-        p, car, delta = self._p, self._vehicle, column.road_wheel_angle
-        if p.source == "truth":
-            u, speed, yaw_rate = body.longitudinal, body.along_path, body.yaw_rate
-        else:
-            yaw_rate = imu.yaw_rate
-            u = speed = free_wheel_speed(wheels.velocity, delta, yaw_rate, car)
-        side = yaw_rate * car.rear_track / 2
-        slip_left = slip_ratio(wheels.velocity.rear_left * car.wheel_radius, u - side, p.slowest)
-        slip_right = slip_ratio(wheels.velocity.rear_right * car.wheel_radius, u + side, p.slowest)
-        difference = p.yaw_gain * (yaw_rate - delta * speed / car.wheelbase)
-        share = equal.drive.rear_left
-        limit = p.largest_correction * share
-        turn = delta or yaw_rate
-        outer_left, outer_right = turn < 0.0, turn > 0.0
-        target_left = p.target_slip + difference if outer_left else p.target_slip
-        target_right = p.target_slip - difference if outer_right else p.target_slip
-        s.left = self._corrected(s.left, outer_left, target_left - slip_left, limit)
-        s.right = self._corrected(s.right, outer_right, target_right - slip_right, limit)
-        return WheelTorqueRequest(Wheels.rear(share + s.left, share + s.right), equal.brake)
-
-    def _corrected(self, correction: float, outer: bool, error: float, limit: float) -> float:
-        """The next correction of a wheel [N m] by its slip error [1], within the limit [N m]."""
-        p = self._p
-        gain = p.k_outer if outer else p.k_inner
-        if p.boundary_layer:
-            switched = min(max(error / p.layer_width, -1.0), 1.0)
-        else:
-            switched = math.copysign(1.0, error) if error else 0.0
-        change = gain * self._step_of_gain * switched
-        return min(max(correction + change if self._accumulates else change, -limit), limit)
+@compilable
+def corrected(
+    p: SlipTargetParameters, period: float, correction: float, outer: bool, error: float, limit: float
+) -> float:
+    """The next correction of a wheel [N m] by its slip error [1], within the limit [N m]."""
+    gain = p.k_outer if outer else p.k_inner
+    if p.boundary_layer == 1.0:
+        switched = min(max(error / p.layer_width, -1.0), 1.0)
+    else:
+        switched = copysign(1.0, error) if error != 0.0 else 0.0
+    change = gain * (period if p.reading == RATE else 1.0) * switched
+    return min(max(change if p.reading == OFFSET else correction + change, -limit), limit)

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import MappingProxyType
 
-from ev_control.electronic_differential.torque_split import (
-    BrakeSplitParameters,
-    TorqueSplit,
-    require_driven_front_wheels,
-    torque_difference_per_steering_moment,
-)
+from ev_control.shared.torque_split import BrakeSplitParameters, split, torque_difference_per_steering_moment
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry
+from ev_msgs_py.layout import FRONT_WHEELS_DRIVEN
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
-from ev_msgs_py.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,13 +49,28 @@ class SteerByWireParameters:
 
 @dataclass(slots=True)
 class SteerByWireState:
-    """Integral part of the steering moment [N m]."""
+    """What lasts between steps."""
 
-    integral: float = 0.0
+    integral: float = entry(unit="N m", about="integral part of the steering moment")
 
 
-@method("electronic_differential", "steer_by_wire")
-class SteerByWire:
+@method(
+    "electronic_differential",
+    "steer_by_wire",
+    SteerByWireParameters,
+    state=SteerByWireState,
+    needs=(FRONT_WHEELS_DRIVEN,),
+    requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well
+)
+@compilable
+def steer_by_wire(
+    p: SteerByWireParameters,
+    car: Car,
+    s: SteerByWireState,
+    period: float,
+    driver: DriverCommand,
+    column: SteeringColumnState,
+) -> WheelTorqueRequest:
     """Turn the road wheels to the steering-wheel angle over i by the torque difference of the front wheels alone.
 
     The steer-by-wire concept in the introduction of Shchur (2019): M_b = 0 in eq 3, which leaves
@@ -69,35 +81,19 @@ class SteerByWire:
 
     puts the poles at s = -p and at those of s^2 + 2 D w_0 s + w_0^2. The zero of the reference path cancels the pole
     at -p, so d follows d* with the latter two alone, while the integral removes what eq 3 does not know. The
-    integral holds while the torque is limited. For a by_wire steering column; left positive. ValueError unless both
-    front wheels are driven.
+    integral holds while the torque is limited. For a by_wire steering column; left positive.
     """
-
-    parameters = SteerByWireParameters
-    requires = MappingProxyType({"steering_column": "by_wire"})  # the hands must not turn the road wheels as well
-
-    def __init__(self, parameters: SteerByWireParameters, vehicle: Vehicle, period: float) -> None:
-        require_driven_front_wheels(vehicle, "steer_by_wire")
-        p = parameters
-        w_0, double_damping = p.natural_frequency, 2 * p.damping_ratio * p.natural_frequency
-        self._split = TorqueSplit(p.brake, vehicle)
-        self._ratio = vehicle.steering_ratio
-        self._difference_per_moment = torque_difference_per_steering_moment(vehicle)
-        self._max_moment = p.max_torque_difference / self._difference_per_moment
-        self._reference_gain = p.inertia * w_0**2
-        self._angle_gain = p.inertia * (w_0**2 + double_damping * p.disturbance_rate) - p.stiffness
-        self._rate_gain = p.inertia * (double_damping + p.disturbance_rate) - p.damping
-        self._integral_step = self._reference_gain * p.disturbance_rate * period
-        self.state = SteerByWireState()
-
-    def step(self, driver: DriverCommand, column: SteeringColumnState) -> WheelTorqueRequest:
-        """Equal wheel torques [N m] with the difference that turns the road wheels."""
-        s, limit = self.state, self._max_moment
-        wanted, angle = column.angle / self._ratio, column.road_wheel_angle
-        change = self._integral_step * (wanted - angle)
-        free = self._reference_gain * wanted - self._angle_gain * angle - self._rate_gain * column.road_wheel_rate
-        moment = free + s.integral + change
-        if abs(moment) <= limit or moment * change < 0.0:
-            s.integral += change
-        moment = min(max(moment, -limit), limit)
-        return self._split.request(driver, self._difference_per_moment * moment)
+    w_0, double_damping = p.natural_frequency, 2.0 * p.damping_ratio * p.natural_frequency
+    reference_gain = p.inertia * (w_0 * w_0)
+    angle_gain = p.inertia * (w_0 * w_0 + double_damping * p.disturbance_rate) - p.stiffness
+    rate_gain = p.inertia * (double_damping + p.disturbance_rate) - p.damping
+    difference_per_moment = torque_difference_per_steering_moment(car)
+    limit = p.max_torque_difference / difference_per_moment
+    wanted, angle = column.angle / car.steering_ratio, column.road_wheel_angle
+    change = reference_gain * p.disturbance_rate * period * (wanted - angle)
+    free = reference_gain * wanted - angle_gain * angle - rate_gain * column.road_wheel_rate
+    moment = free + s.integral + change
+    if abs(moment) <= limit or moment * change < 0.0:
+        s.integral += change
+    moment = min(max(moment, -limit), limit)
+    return split(p.brake, car, driver, difference_per_moment * moment)

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.electronic_differential.torque_split import BrakeSplitParameters, TorqueSplit, require_driven_wheels
+from ev_control.shared.torque_split import BrakeSplitParameters, split
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.layout import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
 from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import Wheels
+
+AXLES = ("automatic", "front", "rear")
+AUTOMATIC, FRONT, REAR = range(len(AXLES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +24,7 @@ class SteeringCorrectionParameters:
 
     axle: str = parameter(
         "automatic",
-        choices=("automatic", "front", "rear"),
+        choices=AXLES,
         about="axle whose torques differ; automatic: the front axle if both its wheels are driven, else the rear axle",
         source="Tatar & Chudzik: front of front and all-wheel drive, rear of rear drive",
     )
@@ -40,36 +47,32 @@ class SteeringCorrectionParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "steering_correction")
-class SteeringCorrection:
+def corrected_axle_driven(parameters: SteeringCorrectionParameters, vehicle: Vehicle) -> str:
+    """Both wheels of the axle that is corrected must be driven."""
+    front_lacks = FRONT_WHEELS_DRIVEN(parameters, vehicle)
+    is_front = parameters.axle == "front" or (parameters.axle == "automatic" and not front_lacks)
+    return front_lacks if is_front else REAR_WHEELS_DRIVEN(parameters, vehicle)
+
+
+@method(
+    "electronic_differential", "steering_correction", SteeringCorrectionParameters, needs=(corrected_axle_driven,)
+)
+@compilable
+def steering_correction(
+    p: SteeringCorrectionParameters, car: Car, driver: DriverCommand, column: SteeringColumnState
+) -> WheelTorqueRequest:
     """Move drive torque from the inner to the outer wheel of one axle in proportion to the road-wheel angle.
 
     T_left = T (1 - c), T_right = T (1 + c), c = gain delta within +-largest_correction, with the equal share T [N m]
     and the mean road-wheel angle delta [rad], left positive. The sum is the driver's; a negative torque is shared in
     the same proportion, and then turns the car out of the bend (assumption). Tatar & Chudzik, who describe the
-    correction in words only. ValueError unless both wheels of the axle are driven.
+    correction in words only.
     """
-
-    parameters = SteeringCorrectionParameters
-    state = None  # nothing lasts between steps
-
-    def __init__(self, parameters: SteeringCorrectionParameters, vehicle: Vehicle, period: float) -> None:
-        front_driven = {"front_left", "front_right"} <= set(vehicle.driven_wheels)
-        self._front = parameters.axle == "front" or (parameters.axle == "automatic" and front_driven)
-        needed = ("front_left", "front_right") if self._front else ("rear_left", "rear_right")
-        require_driven_wheels(vehicle, "steering_correction", needed)
-        self._p = parameters
-        self._split = TorqueSplit(parameters.brake, vehicle)
-
-    def step(self, driver: DriverCommand, column: SteeringColumnState) -> WheelTorqueRequest:
-        """Equal wheel torques [N m] but for the corrected axle."""
-        p = self._p
-        correction = min(max(p.gain * column.road_wheel_angle, -p.largest_correction), p.largest_correction)
-        equal = self._split.request(driver)
-        share = equal.drive.front_left if self._front else equal.drive.rear_left
-        left, right = share - share * correction, share + share * correction
-        if self._front:
-            drive = equal.drive._replace(front_left=left, front_right=right)
-        else:
-            drive = equal.drive._replace(rear_left=left, rear_right=right)
-        return WheelTorqueRequest(drive, equal.brake)
+    equal = split(p.brake, car, driver, 0.0)
+    correction = min(max(p.gain * column.road_wheel_angle, -p.largest_correction), p.largest_correction)
+    front_left, front_right, rear_left, rear_right = equal.drive
+    if p.axle == FRONT or (p.axle == AUTOMATIC and car.driven[0] == 1.0 and car.driven[1] == 1.0):
+        front_left, front_right = front_left - front_left * correction, front_left + front_left * correction
+    else:
+        rear_left, rear_right = rear_left - rear_left * correction, rear_left + rear_left * correction
+    return WheelTorqueRequest(Wheels(front_left, front_right, rear_left, rear_right), equal.brake)

@@ -1,14 +1,15 @@
 """What an object is told once, as one row of numbers that compiled code reads: parameters, car, prepared constants.
 
-    total  period  p ...  car ...  c ...  tables ...
+    total  period  p ...  car ...  records of c ...  c ...  tables ...
 
-`total` is the length of the row. A tuple of numbers in `c` (a table) stands there as its place and its length; the
-numbers themselves come at the end of the row.
+`total` is the length of the row. A declared record in `c` is read by name from where it stands, like `p` and `car`. A
+tuple of numbers in `c` (a table) stands there as its place and its length; the numbers themselves come at the end.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import is_dataclass
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,13 @@ import numpy as np
 from ev_msgs_py.contract.record import numbers, record_type
 
 HEAD = ("total", "period")
+_RECORD = "record_"  # the name of a record of `c`, with its number
 
 
-def constants_type(trees: Mapping[str, Any]) -> np.dtype:
-    """The layout of a row up to where `c` begins."""
+def constants_type(trees: Mapping[str, Any], c: Any) -> np.dtype:
+    """The layout of a row up to the numbers of `c` that stand alone."""
     parts = [(name, record_type(tree)) for name, tree in trees.items() if tree]
+    parts += [(f"{_RECORD}{n}", record_type(record)) for n, record in enumerate(_records(c))]
     return np.dtype([*((name, np.float64) for name in HEAD), *parts])
 
 
@@ -29,7 +32,9 @@ def constants_row(trees: Mapping[str, Any], c: Any, period: float) -> np.ndarray
     head = [0.0, period]
     for tree in trees.values():
         head += numbers(tree)
-    leaves = list(_leaves(c))
+    for record in _records(c):
+        head += numbers(record)
+    leaves = [leaf for leaf in _leaves(c) if not is_dataclass(leaf)]
     place = len(head) + sum(2 if isinstance(leaf, tuple) else 1 for leaf in leaves)
     tables: list[float] = []
     for leaf in leaves:
@@ -51,12 +56,17 @@ def _leaves(c: Any) -> list[Any]:
     return [leaf for value in c for leaf in _leaves(value)]
 
 
+def _records(c: Any) -> list[Any]:
+    return [leaf for leaf in _leaves(c) if is_dataclass(leaf)]
+
+
 class Unpacking:
     """The source text that makes `c` of a row, and the classes that it names."""
 
     def __init__(self, c: Any, begin: int) -> None:
         self.classes: dict[str, type] = {}
         self._place = begin
+        self._records = 0
         self.text = self._expression(c)
 
     def _expression(self, value: Any) -> str:
@@ -66,6 +76,9 @@ class Unpacking:
             name = f"C_{len(self.classes)}"
             self.classes[name] = type(value)
             return f"{name}({', '.join(self._expression(inner) for inner in value)})"
+        if is_dataclass(value):
+            self._records += 1
+            return f"k.{_RECORD}{self._records - 1}"
         place = self._place
         if isinstance(value, tuple):
             self._place += 2

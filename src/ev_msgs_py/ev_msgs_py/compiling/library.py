@@ -63,17 +63,16 @@ def compiled_part(method: Method, given: Given) -> int:
     law = method.law
     key = (law.function, law.outputs)
     if key not in _PARTS:
-        use_cache()
-        register_functions()
-        text, names = part_source(method, given)
-        _PARTS[key] = _load(method, text, names)
+        _PARTS[key] = compiled_function(f"{method.role}_{method.name}", *part_source(method, given))
     return _PARTS[key].address
 
 
-def _load(method: Method, text: str, names: dict[str, Any]) -> Any:
-    """The C function of a text; as a file, because numba keeps compiled code by file."""
+def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
+    """The C function `step` of a text that uses these names; as a file, because numba keeps compiled code by file."""
+    use_cache()
+    register_functions()
     digest = fingerprint(text, *names.values())[:12]
-    file = cache_folder() / f"{method.role}_{method.name}_{digest}.py"
+    file = cache_folder() / f"{name}_{digest}.py"
     if not file.exists():
         unfinished = file.with_name(f".{file.name}.{os.getpid()}")
         unfinished.write_text(text)

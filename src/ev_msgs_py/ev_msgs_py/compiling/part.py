@@ -26,12 +26,12 @@ class CompiledPart:
     def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
         self.given = Given(method.law, parameters, vehicle, period)
         self.function = compiled_part(method, self.given)
-        self._constants = constants_row(self.given.trees, self.given.values["c"], period)
+        self.constants = constants_row(self.given.trees, self.given.values["c"], period)
         self._state = np.array(numbers(self.given.values["s"]) or [0.0])
         self._notes = method.law.notes
         self._writes = [(shape_of(signal), frame.PLACES[signal]) for signal in method.writes]
         self._call = FUNCTION(self.function)
-        self._memory = (self._state.ctypes.data, self._constants.ctypes.data)
+        self._memory = (self._state.ctypes.data, self.constants.ctypes.data)
 
     @property
     def state(self) -> np.ndarray:
@@ -45,14 +45,15 @@ class CompiledPart:
     def start(self, there: Frame) -> None:
         """Write the initial outputs."""
         self._call(None, _address(there), *self._memory)
-        self._refuse_not_finite(there)
+        self.refuse_not_finite(there)
 
     def step(self, here: Frame, there: Frame) -> None:
         """One compiled step."""
         self._call(_address(here), _address(there), *self._memory)
-        self._refuse_not_finite(there)
+        self.refuse_not_finite(there)
 
-    def _refuse_not_finite(self, there: Frame) -> None:
+    def refuse_not_finite(self, there: Frame) -> None:
+        """SignalError if a number that it wrote is not finite."""
         for shape, place in self._writes:
             values = there.numbers[place]
             if not np.isfinite(sum(values)):

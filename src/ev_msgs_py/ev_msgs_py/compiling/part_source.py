@@ -46,7 +46,7 @@ def part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     """The text, and the names that it uses."""
     law = method.law
     assert law is not None
-    layout = constants_type(given.trees)
+    layout = constants_type(given.trees, given.values["c"])
     unpacking = Unpacking(given.values["c"], layout.itemsize // 8)
     names: dict[str, Any] = {"CONSTANTS": layout, "FLOAT": np.float64, "law": law.function, "Wheels": Wheels}
     names.update(unpacking.classes)
@@ -68,7 +68,8 @@ def part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     if ROLES[method.role].kind is RoleKind.INTEGRATES:
         names["outputs"] = law.outputs
         shown = f"outputs({', '.join(given_names(law.outputs))})"
-        body = ["if now:", *_indented([*reading, call]), *_writing(method.writes, shown)]
+        here, *signals = reading
+        body = [here, "if here.ctypes.data:", *_indented([*signals, call]), *_writing(method.writes, shown)]
     else:
         body = [*reading, *_writing(method.writes, call)]
     title = f"{method.role} {method.name}"

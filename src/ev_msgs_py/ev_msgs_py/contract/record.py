@@ -1,14 +1,14 @@
 """Declared records: every number that an object keeps has a name, a unit and a start value, once.
 
-A record is a dataclass with slots whose fields are made by `entry`, `per_wheel`, `series`, `part` or `each_wheel`.
-Python works on its instances; compiled code works on the same numbers in one row of float64, with the same names.
+A record is a dataclass with slots whose fields are made by `entry`, `per_wheel`, `series`, `row`, `part` and
+`each_wheel`. Python works on its instances; compiled code on the same numbers in one row of float64, by the same names.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, fields, is_dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,24 @@ def series(count: int, start: float = 0.0, *, unit: str, about: str = "") -> Any
     return field(default_factory=lambda: [start] * count, metadata={"unit": unit, "about": about})
 
 
+class Place(NamedTuple):
+    """One number of a `row`."""
+
+    name: str
+    unit: str
+    about: str = ""
+
+
+def wheel_places(name: str, unit: str, about: str = "") -> tuple[Place, ...]:
+    """A place for each wheel, in the order of Wheels."""
+    return tuple(Place(f"{name}.{wheel}", unit, about) for wheel in WHEEL_NAMES)
+
+
+def row(places: Sequence[Place]) -> Any:
+    """Numbers that are worked on as one array, such as by an integrator, though each has a name and a unit."""
+    return field(default_factory=lambda: [0.0] * len(places), metadata={"places": tuple(places)})
+
+
 def part(of: type) -> Any:
     """A record within the record."""
     return field(default_factory=of)
@@ -47,6 +65,23 @@ def record_type(values: Any) -> np.dtype:
     return np.dtype([(name, *_element(value)) for name, value in _items(values)])
 
 
+def memory_type(of: type) -> np.dtype:
+    """The layout of a declared record for functions that make one as working memory.
+
+    `np.zeros(1, layout)[0].name` means the same in Python and compiled; the array has to outlive its element.
+    """
+    return _with_attributes(record_type(of()))
+
+
+def _with_attributes(kind: np.dtype) -> np.dtype:
+    if kind.subdtype is not None:
+        inner, shape = kind.subdtype
+        return np.dtype((_with_attributes(inner), shape))
+    if kind.names is None:
+        return kind
+    return np.dtype((np.record, [(name, _with_attributes(kind.fields[name][0])) for name in kind.names]))
+
+
 def _items(values: Any) -> Iterator[tuple[str, Any]]:
     if isinstance(values, Mapping):
         yield from values.items()
@@ -55,6 +90,10 @@ def _items(values: Any) -> Iterator[tuple[str, Any]]:
             yield f.name, getattr(values, f.name)
     else:
         yield from vars(values).items()
+
+
+def _fields(values: Any) -> tuple[Any, ...]:
+    return fields(values) if is_dataclass(values) else ()
 
 
 def _is_number(value: Any) -> bool:
@@ -115,10 +154,16 @@ def _fill(record: Any, source: Iterator[float]) -> None:
 
 
 def names(record: Any, prefix: str = "") -> list[str]:
-    """One dotted name for each number; those of wheels end with the wheel, those of a series with their place."""
+    """One dotted name for each number; those of wheels end with the wheel, those of a series with their place.
+
+    The places of a `row` have names of their own.
+    """
     found: list[str] = []
+    rows = {f.name: f.metadata["places"] for f in _fields(record) if "places" in f.metadata}
     for name, value in _items(record):
-        if _is_number(value):
+        if name in rows:
+            found += [prefix + place.name for place in rows[name]]
+        elif _is_number(value):
             found.append(prefix + name)
         elif isinstance(value, list):
             ends = WHEEL_NAMES if len(value) == _WHEELS else tuple(map(str, range(len(value))))

@@ -47,6 +47,7 @@ class PythonPart:
         self._integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
         self._reads = tuple(_reader(signal) for signal in method.reads)
         self._writes = tuple(_writer(signal) for signal in method.writes)
+        self._shapes = tuple((shape_of(signal), frame.PLACES[signal]) for signal in method.writes)
         self._reports = getattr(made, "reports", None)
         self._function = FUNCTION(self._called_back)
 
@@ -78,6 +79,13 @@ class PythonPart:
     def _write(self, said: tuple[Any, ...], there: Any) -> None:
         for write, signal in zip(self._writes, said, strict=True):
             write(there, signal)
+
+    def refuse_not_finite(self, there: Frame) -> None:
+        """SignalError if a number that it wrote is not finite."""
+        for shape, place in self._shapes:
+            values = there.numbers[place]
+            if not math.isfinite(sum(values)):
+                shape.refuse_not_finite(values)
 
     def notes(self) -> tuple[str, ...]:
         """What the object reports."""

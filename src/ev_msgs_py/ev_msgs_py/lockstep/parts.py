@@ -1,23 +1,41 @@
-"""Which part plays a configured role: the one place where it is decided what runs compiled."""
+"""Which parts play a configured role: the one place where it is decided what runs compiled."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from ev_msgs_py.configuration import Configuration
-from ev_msgs_py.lockstep.part import PythonPart
+from ev_msgs_py.lockstep.part import Part, PythonPart
+from ev_msgs_py.sensors.sensed import Sensed
 
 
-def part_of(configuration: Configuration, compiled: bool) -> Any:
-    """A new part of a configuration, at rest.
+def part_of(configuration: Configuration, compiled: bool) -> Part:
+    """A new part of a configuration, at rest, behind its sensors.
 
     `compiled` asks for compiled code where the method can be compiled. A node does not ask for it, because loading the
     compiler takes longer than what it would save; laws that are too heavy for plain Python are compiled all the same.
     """
-    law = configuration.method.law
-    if law is None or not law.is_compilable or not configuration.is_ideal or not (compiled or law.heavy):
-        return PythonPart(configuration.method, configuration.create())
+    part = _method_part(configuration, compiled)
+    if configuration.is_ideal:
+        return part
+    return Sensed(part, configuration.sensors, configuration.common.seed)
+
+
+def compiled_parts(configuration: Configuration) -> list[Any]:
+    """The same for the compiled loop, which calls one behind the other: the method's part, and its sensors'."""
+    parts = [_method_part(configuration, compiled=True)]
+    if not configuration.is_ideal:
+        from ev_msgs_py.sensors.part import SensorPart
+
+        parts.append(SensorPart(configuration.sensors, configuration.common.seed))
+    return parts
+
+
+def _method_part(configuration: Configuration, compiled: bool) -> Any:
+    method, common = configuration.method, configuration.common
+    law = method.law
+    if law is None or not law.is_compilable or not (compiled or law.heavy):
+        return PythonPart(method, configuration.create())
     from ev_msgs_py.compiling.part import CompiledPart
 
-    common = configuration.common
-    return CompiledPart(configuration.method, configuration.parameters, common.vehicle, common.control_period)
+    return CompiledPart(method, configuration.parameters, common.vehicle, common.control_period)

@@ -1,4 +1,4 @@
-"""A graph that is driven from instant to instant in this process: the parts of all roles over one row of frames."""
+"""A graph that is driven from instant to instant in this process: the parts of all roles over one stack of frames."""
 
 from __future__ import annotations
 
@@ -10,11 +10,17 @@ from ev_msgs_py.compiling.loop import FINISHED, NOT_FINITE, call_part, run_insta
 from ev_msgs_py.configuration import Configuration, check_graph
 from ev_msgs_py.contract import frame
 from ev_msgs_py.graph import step_order
-from ev_msgs_py.lockstep.parts import part_of
+from ev_msgs_py.lockstep.parts import compiled_parts
 from ev_msgs_py.roles import ROLES, RoleKind
 from ev_msgs_py.shape import shape_of
 
 _CHUNK = 100  # instants between two looks at progress and notes
+
+
+def written_by(role: str) -> tuple[int, int]:
+    """Where what a role writes begins and ends in the frame."""
+    places = [frame.PLACES[signal] for signal in ROLES[role].writes]
+    return min(place.start for place in places), max(place.stop for place in places)
 
 
 class GraphRun:
@@ -28,25 +34,20 @@ class GraphRun:
         period = next(iter(configurations.values())).period
         integrating = [role for role in configurations if ROLES[role].kind is RoleKind.INTEGRATES]
         answering = step_order(ROLES)
-        self.roles = (*answering, *integrating)
-        self.writes = {role: configurations[role].method.writes for role in self.roles}
-        self.parts = {role: part_of(configurations[role], compiled=True) for role in self.roles}
+        self.writes = {role: configuration.method.writes for role, configuration in configurations.items()}
+        roles = (*answering, *integrating)
+        self.parts = [(role, part) for role in roles for part in compiled_parts(configurations[role])]
         self.frames = frame.stack(instants, period)
         self._answering = len(answering)
-        self._rows = np.array([self._row(role) for role in self.roles], np.int64)
-        for role in integrating:
-            self._show_start(role)
+        self._rows = np.array([(*part.addresses(), *written_by(role)) for role, part in self.parts], np.int64)
+        for place in range(self._answering, len(self.parts)):
+            self._show_start(place)
 
-    def _row(self, role: str) -> tuple[int, ...]:
-        """What the compiled loop has to know of a part."""
-        places = [frame.PLACES[signal] for signal in ROLES[role].writes]
-        begin, end = min(place.start for place in places), max(place.stop for place in places)
-        return (*self.parts[role].addresses(), begin, end)
-
-    def _show_start(self, role: str) -> None:
-        function, state, constants = self.parts[role].addresses()
+    def _show_start(self, place: int) -> None:
+        role, part = self.parts[place]
+        function, state, constants = part.addresses()
         if call_part(function, 0, self.frames.ctypes.data, state, constants) != 0:
-            self._raise(role)
+            raise part.error
         self._refuse_not_finite(role, 0)
 
     def drive(self, progress: Callable[[float], None], note: Callable[[str, str], None]) -> None:
@@ -58,19 +59,16 @@ class GraphRun:
             end = min(begin + _CHUNK, last)
             status = run_instants(self.frames, begin, end, end == last, self._rows, self._answering, stopped)
             if status != FINISHED:
-                role = self.roles[stopped[1]]
+                role, part = self.parts[stopped[1]]
                 if status == NOT_FINITE:
                     self._refuse_not_finite(role, stopped[0])
-                self._raise(role)
-            for role, part in self.parts.items():
+                raise part.error
+            for role, part in self.parts:
                 for text in part.notes():
                     if (role, text) not in said:
                         said.add((role, text))
                         note(role, text)
             progress(float(self.frames[end, frame.TIME]))
-
-    def _raise(self, role: str) -> None:
-        raise self.parts[role].error
 
     def _refuse_not_finite(self, role: str, instant: int) -> None:
         for signal in self.writes[role]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from ev_msgs_py.car import GRAVITY
 from ev_msgs_py.vehicle import Vehicle
-from ev_sim.plant.planar.records import GRAVITY
-from ev_sim.surfaces.table import REFERENCE, coefficients
+from ev_sim.surfaces.table import REFERENCE, tyre_on_road
 from ev_sim.tyres.curve import CURVES, SLIP_FLOOR, secant
 
 
@@ -19,8 +19,8 @@ def axle_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tu
     tyre = vehicle.tyre
     if tyre.lateral_curve == "linear":
         return 2 * tyre.front_cornering_stiffness, 2 * tyre.rear_cornering_stiffness
-    curve = coefficients(tyre.curve, tyre.coefficients, surface)[:4]
-    slope = tyre.lateral_ratio * secant(CURVES.index(tyre.curve), SLIP_FLOOR, *curve)
+    on_road = tyre_on_road(tyre.curve, tyre.coefficients, surface)
+    slope = tyre.lateral_ratio * secant(CURVES.index(tyre.curve), SLIP_FLOOR, on_road)
     front, rear = axle_masses(vehicle)
     return slope * front * GRAVITY, slope * rear * GRAVITY
 

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.vehicle import Battery
 
-from ev_sim.compiled import compiled
 
-
-@compiled
-def open_circuit_voltage(table: np.ndarray, state_of_charge: float) -> float:
+@compilable
+def open_circuit_voltage(table: tuple[float, ...], state_of_charge: float) -> float:
     """Voltage without current [V], linear in a table at equally spaced states of charge from 0 to 1."""
-    last = table.shape[0] - 1
+    last = len(table) - 1
     place = min(max(state_of_charge, 0.0), 1.0) * last
     index = min(int(place), last - 1)
     return table[index] + (place - index) * (table[index + 1] - table[index])
 
 
-@compiled
+@compilable
 def current_at_power(voltage: float, resistance: float, power: float) -> float:
     """Current [A] that gives a power [W] at the terminals, both positive out of the battery.
 
@@ -28,11 +27,10 @@ def current_at_power(voltage: float, resistance: float, power: float) -> float:
     return (voltage - sqrt(max(voltage * voltage - 4.0 * resistance * power, 0.0))) / (2.0 * resistance)
 
 
-@compiled
-def power_limits(
-    voltage: float, resistance: float, state_of_charge: float, discharge_power: float, charge_power: float
-) -> tuple[float, float]:
+@compilable
+def power_limits(battery: Battery, voltage: float, state_of_charge: float) -> tuple[float, float]:
     """Largest power out of and into the battery [W]; nothing out of an empty one, nothing into a full one."""
-    give = min(discharge_power, voltage * voltage / (4.0 * resistance)) if state_of_charge > 0.0 else 0.0
-    take = charge_power if state_of_charge < 1.0 else 0.0
+    most = min(battery.discharge_power, voltage * voltage / (4.0 * battery.resistance))
+    give = most if state_of_charge > 0.0 else 0.0
+    take = battery.charge_power if state_of_charge < 1.0 else 0.0
     return give, take

@@ -7,8 +7,8 @@ from typing import Any
 from ev_msgs_py.configuration import CommonParameters
 from ev_msgs_py.master_parameters import MasterParameters
 from ev_msgs_py.parameters import Entry, entries
-from ev_msgs_py.quantities import QUANTITIES
 from ev_msgs_py.roles import ROLES
+from ev_msgs_py.sensors.quantities import QUANTITIES
 from ev_msgs_py.topics import TOPICS
 from ev_msgs_py.vehicle import Vehicle
 from ev_sim.documentation.markdown import code, codes, table

@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import MutableSequence, Sequence
 from math import tanh
 
-import numpy as np
-
-from ev_sim.compiled import compiled
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
 
 COUPLINGS = ("individual", "open", "limited_slip", "clutch")
-
-INDIVIDUAL = COUPLINGS.index("individual")
-OPEN = COUPLINGS.index("open")
-LIMITED_SLIP = COUPLINGS.index("limited_slip")
-CLUTCH = COUPLINGS.index("clutch")
+INDIVIDUAL, OPEN, LIMITED_SLIP, CLUTCH = range(len(COUPLINGS))
 
 
-@compiled
-def shaft_speeds(coupling: int, wheel_speed: np.ndarray, driven: np.ndarray, shaft: np.ndarray) -> None:
-    """Speed of the shaft of each wheel's motor, at the wheel side of the gear [rad/s], into `shaft`, shape (4,).
+@compilable
+def shaft_speeds(car: Car, wheel_speed: Sequence[float], shaft: MutableSequence[float]) -> None:
+    """Speed of the shaft of each wheel's motor, at the wheel side of the gear [rad/s], into `shaft`.
 
     A differential turns at the mean of its wheels. Slipping clutches only pass torque from a faster to a slower
     shaft, so the one shaft before them turns with the fastest driven wheel. A motor of an axle or of the whole car
     is treated as equal parts, one for each wheel, on a common shaft.
     """
+    coupling, driven = car.driveline.coupling, car.driven
     if coupling == CLUTCH:
         fastest = 0.0
         for i in range(4):
             if driven[i] == 1.0 and abs(wheel_speed[i]) > abs(fastest):
                 fastest = wheel_speed[i]
-        shaft[0] = shaft[1] = shaft[2] = shaft[3] = fastest
+        for i in range(4):
+            shaft[i] = fastest
         return
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
@@ -39,13 +37,14 @@ def shaft_speeds(coupling: int, wheel_speed: np.ndarray, driven: np.ndarray, sha
             shaft[left] = shaft[right] = mean
 
 
-@compiled
-def motor_commands(coupling: int, command: np.ndarray, driven: np.ndarray, motor: np.ndarray) -> None:
-    """Torque asked of each motor, at the wheel side of the gear [N m], into `motor`; all of shape (4,).
+@compilable
+def motor_commands(car: Car, command: Sequence[float], motor: MutableSequence[float]) -> None:
+    """Torque asked of each motor, at the wheel side of the gear [N m], into `motor`.
 
     What is commanded at wheels without a motor is not delivered. Behind a differential only the sum of an axle
     counts, behind clutches only the sum of all.
     """
+    coupling, driven = car.driveline.coupling, car.driven
     for i in range(4):
         motor[i] = command[i] * driven[i]
     if coupling == CLUTCH:
@@ -60,13 +59,14 @@ def motor_commands(coupling: int, command: np.ndarray, driven: np.ndarray, motor
                 motor[left] = motor[right] = 0.5 * (motor[left] + motor[right])
 
 
-@compiled
-def follow_shares(command: np.ndarray, driven: np.ndarray, share: np.ndarray, approach: float) -> None:
-    """Let the clutches follow the commanded shares h of the torque [1], in place; all of shape (4,).
+@compilable
+def follow_shares(car: Car, command: Sequence[float], share: MutableSequence[float], approach: float) -> None:
+    """Let the clutches follow the commanded shares h of the torque [1], in place.
 
     `approach` is 1 - exp(-dt/tau) of the clutch lag. Without torque the shares stay. Source: Zhileykin & Eranosyan
     2018, clutches of the front axle (h_n) and of the rear wheels (h_2, h_4).
     """
+    driven = car.driven
     total = (command[0] * driven[0] + command[1] * driven[1]) + (command[2] * driven[2] + command[3] * driven[3])
     if total == 0.0:
         return
@@ -75,35 +75,32 @@ def follow_shares(command: np.ndarray, driven: np.ndarray, share: np.ndarray, ap
         share[i] += approach * (wanted - share[i])
 
 
-@compiled
+@compilable
 def wheel_torques(
-    coupling: int,
-    motor: np.ndarray,
-    wheel_speed: np.ndarray,
-    driven: np.ndarray,
-    share: np.ndarray,
-    preload: float,
-    locking_ratio: float,
-    locking_speed: float,
-    wheel: np.ndarray,
+    car: Car,
+    motor: Sequence[float],
+    wheel_speed: Sequence[float],
+    share: Sequence[float],
+    wheel: MutableSequence[float],
 ) -> None:
-    """Drive torque of each wheel [N m], into `wheel`, from the torques behind the gears; all arrays of shape (4,).
+    """Drive torque of each wheel [N m], into `wheel`, from the torques behind the gears and the shares of the clutches.
 
     An open differential passes equal torques. A limited-slip differential adds the locking torque
     preload + locking_ratio |T| from the faster to the slower wheel, its sign smoothed over `locking_speed` [rad/s].
     """
-    if coupling == CLUTCH:
+    driveline, driven = car.driveline, car.driven
+    if driveline.coupling == CLUTCH:
         total = (motor[0] + motor[1]) + (motor[2] + motor[3])
         for i in range(4):
             wheel[i] = share[i] * total
         return
     for i in range(4):
         wheel[i] = motor[i]
-    if coupling == LIMITED_SLIP:
+    if driveline.coupling == LIMITED_SLIP:
         for axle in range(2):
             left, right = 2 * axle, 2 * axle + 1
             if driven[left] == 1.0 and driven[right] == 1.0:
-                locking = preload + locking_ratio * abs(motor[left] + motor[right])
-                moved = 0.5 * locking * tanh((wheel_speed[left] - wheel_speed[right]) / locking_speed)
+                locking = driveline.preload + driveline.locking_ratio * abs(motor[left] + motor[right])
+                moved = 0.5 * locking * tanh((wheel_speed[left] - wheel_speed[right]) / driveline.locking_speed)
                 wheel[left] -= moved
                 wheel[right] += moved

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
 
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.motion import speed_along_path
+from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.parameters import group
 from ev_msgs_py.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
 from ev_msgs_py.vehicle import Vehicle
-from ev_sim.driver.cycle_modes import TRACTION, CycleModes, CycleModesParameters
-from ev_sim.driver.lane_keeping import LaneKeeping, LaneKeepingParameters, LaneKeepingState
-from ev_sim.driver.profile_file import with_speed_profile_from_file
-from ev_sim.driver.speed_control import (
-    SpeedControl,
-    SpeedControlParameters,
-    SpeedProfileParameters,
-    refuse_unread_file,
-)
+from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
+from ev_sim.driver.path import Path, path_of
+from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
+from ev_sim.profiles.cycle_modes import TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
+from ev_sim.profiles.profile import Profile, value_at
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,46 +32,55 @@ class CycleDriverParameters(LaneKeepingParameters):
 
 @dataclass(slots=True)
 class CycleDriverState:
-    """Integral part of the speed control [N m], whether the pedal is pressed, and the state of the hands."""
+    """What feet and hands remember."""
 
-    speed_integral: float = 0.0
-    pressed: bool = False
-    hands: LaneKeepingState = field(default_factory=LaneKeepingState)
+    speed_integral: float = entry(unit="N m", about="integral part of the speed control")
+    pressed: float = entry(unit="", about="whether the accelerator is pressed, by a foot that knows only that")
+    hands: LaneKeepingState = part(LaneKeepingState)
 
 
-class CycleDriver(ABC):
-    """Drives in the traction windows as its kind does, and in the others just follows the cycle.
+class Cycle(NamedTuple):
+    """Speed over time [m/s], windows and path."""
 
-    There a car that is to slow down is braked by its drives as far as `speed_control.max_regenerative_torque`, then by
-    its brakes, and driven where the road slows it down more than it should (snow does); one that is to stand is held.
-    ParameterError if the parameters name a profile file that has not been read.
+    speed: Profile
+    modes: CycleModes
+    path: Path
+
+
+def cycle_of(parameters: CycleDriverParameters, vehicle: Vehicle, period: float) -> Cycle:
+    """The cycle that the parameters describe; ParameterError if they name a profile file that has not been read."""
+    return Cycle(wanted_speed(parameters.speed_profile), cycle_modes(parameters.modes), path_of(parameters.path))
+
+
+# Gives the drive torque, all wheels together [N m], in a window of traction at wanted and present speed [m/s].
+DriveTorque = Callable[[CycleDriverParameters, Car, CycleDriverState, float, float, float, WheelStates], float]
+
+
+@compilable
+def drive_cycle(
+    drive_torque: DriveTorque,
+    p: CycleDriverParameters,
+    car: Car,
+    c: Cycle,
+    s: CycleDriverState,
+    period: float,
+    now: Instant,
+    body: BodyVelocity,
+    pose: BodyPose,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+) -> DriverCommand:
+    """Pedals by the window of the cycle, hand torque by the place of the car beside its path.
+
+    In the traction windows the driver gives `drive_torque`, and in the others just follows the cycle. There a car that
+    is to slow down is braked by its drives as far as `speed_control.max_regenerative_torque`, then by its brakes, and
+    driven where the road slows it down more than it should (snow does); one that is to stand is held.
     """
-
-    parameters = CycleDriverParameters
-
-    load_files = staticmethod(with_speed_profile_from_file)
-
-    def __init__(self, parameters: Any, vehicle: Vehicle, period: float) -> None:
-        refuse_unread_file(parameters.speed_profile)
-        self._profile = parameters.speed_profile.profile()
-        self._modes = CycleModes(parameters.modes, self._profile, period)
-        self._control = SpeedControl(parameters.speed_control, period)
-        self._hands = LaneKeeping(parameters, vehicle, period)
-        self.state = CycleDriverState()
-
-    def step(
-        self, now: Instant, body: BodyVelocity, pose: BodyPose, column: SteeringColumnState, wheels: WheelStates
-    ) -> DriverCommand:
-        """Pedals by the window of the cycle, hand torque by the place of the car beside its path."""
-        s, speed = self.state, body.along_path
-        hand_torque = self._hands.step(pose, speed, column, s.hands)
-        mode, wanted = self._modes.at(now.time), self._profile.at(now.time)
-        if mode == TRACTION:
-            return DriverCommand(self._drive(wanted, speed, wheels), 0.0, hand_torque)
-        s.pressed = False
-        drive, brake, s.speed_integral = self._control.step(wanted, speed, s.speed_integral)
-        return DriverCommand(drive, brake, hand_torque)
-
-    @abstractmethod
-    def _drive(self, wanted: float, speed: float, wheels: WheelStates) -> float:
-        """Drive torque, all wheels together [N m], in a window of traction; wanted and present speed [m/s]."""
+    speed = speed_along_path(body)
+    hand_torque = keep_lane(p, car, c.path, s.hands, period, pose, speed, column)
+    wanted = value_at(c.speed, now.time)
+    if mode_at(c.modes, c.speed, now.time, period) == TRACTION:
+        return DriverCommand(drive_torque(p, car, s, period, wanted, speed, wheels), 0.0, hand_torque)
+    s.pressed = 0.0
+    drive, brake, s.speed_integral = follow_speed(p.speed_control, period, wanted, speed, s.speed_integral)
+    return DriverCommand(drive, brake, hand_torque)

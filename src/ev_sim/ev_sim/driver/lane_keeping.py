@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.parameters import group
 from ev_msgs_py.signals import BodyPose, SteeringColumnState
-from ev_msgs_py.vehicle import Vehicle
 from ev_sim.driver.path import Path, PathParameters
-from ev_sim.driver.pure_pursuit import PurePursuit, PurePursuitParameters
-from ev_sim.driver.steering import AngleControl, AngleControlParameters, AngleControlState
+from ev_sim.driver.pure_pursuit import PurePursuitParameters, pure_pursuit
+from ev_sim.driver.steering import AngleControlParameters, AngleControlState, turn_to_angle
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,21 +39,24 @@ class LaneKeepingParameters:
 
 @dataclass(slots=True)
 class LaneKeepingState:
-    """State of the hands, and the leg of the path that is reached."""
+    """Where hands and eyes are."""
 
-    hands: AngleControlState = field(default_factory=AngleControlState)
-    leg: int = 0
+    hands: AngleControlState = part(AngleControlState)
+    leg: float = entry(unit="1", about="place of the leg of the path that is reached")
 
 
-class LaneKeeping:
-    """Hand torque that leads the car along its path by pure pursuit."""
-
-    def __init__(self, parameters: LaneKeepingParameters, vehicle: Vehicle, period: float) -> None:
-        self._ratio = vehicle.steering_ratio
-        self._eyes = PurePursuit(parameters.pursuit, Path(parameters.path), vehicle)
-        self._hands = AngleControl(parameters.hands.angle_control, period)
-
-    def step(self, pose: BodyPose, speed: float, column: SteeringColumnState, state: LaneKeepingState) -> float:
-        """Hand torque [N m] at a speed along the path [m/s]; goes on with the state."""
-        angle, state.leg = self._eyes.step(pose, speed, state.leg)
-        return self._hands.step(self._ratio * angle, column, state.hands)
+@compilable
+def keep_lane(
+    p: LaneKeepingParameters,
+    car: Car,
+    path: Path,
+    s: LaneKeepingState,
+    period: float,
+    pose: BodyPose,
+    speed: float,
+    column: SteeringColumnState,
+) -> float:
+    """Hand torque [N m] that leads the car along its path by pure pursuit, at a speed along the path [m/s]."""
+    angle, leg = pure_pursuit(p.pursuit, car, path, pose, speed, int(s.leg))
+    s.leg = float(leg)
+    return turn_to_angle(p.hands.angle_control, s.hands, period, car.steering_ratio * angle, column)

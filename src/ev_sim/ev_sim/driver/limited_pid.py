@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
+from ev_msgs_py.compiling.compilable import compilable
 
-class LimitedPid:
-    """PID control whose integral holds while the output is limited, unless the error leads it back (clamping).
 
-    The gains are per unit of the error, of its integral and of its rate; the integral part (in units of the output)
-    belongs to the caller. `period` [s].
+@compilable
+def limited_pid(direct: float, growth: float, integral: float, low: float, high: float) -> tuple[float, float]:
+    """Output within low..high and the new integral part, all in units of the output.
+
+    The output is `direct`, the proportional and derivative action, plus the integral part with its `growth` in this
+    period. The integral part holds while the output is limited, unless the error leads it back (clamping).
     """
-
-    def __init__(self, proportional_gain: float, integral_gain: float, derivative_gain: float, period: float) -> None:
-        self._proportional_gain = proportional_gain
-        self._integral_step = integral_gain * period
-        self._derivative_gain = derivative_gain
-
-    def step(self, error: float, error_rate: float, integral: float, low: float, high: float) -> tuple[float, float]:
-        """Output within low..high and the new integral part."""
-        grown = integral + self._integral_step * error
-        wanted = self._proportional_gain * error + self._derivative_gain * error_rate + grown
-        if wanted > high:
-            return high, min(grown, integral)
-        if wanted < low:
-            return low, max(grown, integral)
-        return wanted, grown
+    grown = integral + growth
+    wanted = direct + grown
+    if wanted > high:
+        return high, min(grown, integral)
+    if wanted < low:
+        return low, max(grown, integral)
+    return wanted, grown

@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
+from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.parameters import ParameterError, parameter
 
+SHAPES = WAYPOINTS, ARCS = "waypoints", "arcs"
 _ARC_STEP = 0.5  # [m], chord of an arc; 3 mm from an arc of 10 m radius
 
 
@@ -15,9 +18,7 @@ _ARC_STEP = 0.5  # [m], chord of an arc; 3 mm from an arc of 10 m radius
 class PathParameters:
     """A path in odom from its first point on; beyond both ends it goes on straight."""
 
-    shape: str = parameter(
-        "waypoints", choices=("waypoints", "arcs"), about="straight lines between waypoints, or arcs from a start"
-    )
+    shape: str = parameter("waypoints", choices=SHAPES, about="straight lines between waypoints, or arcs from a start")
     x: tuple[float, ...] = parameter((0.0, 1.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two")
     y: tuple[float, ...] = parameter((0.0, 0.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two")
     length: tuple[float, ...] = parameter((1.0,), unit="m", low=0.1, high=1e5, about="lengths of the arcs")
@@ -37,50 +38,65 @@ class PathParameters:
             raise ParameterError("length and curvature need the same number of elements, at least one")
 
 
-class Path:
-    """A polyline with the distance along it."""
+class Path(NamedTuple):
+    """A polyline by its legs: where each begins (x, y) [m], direction (x, y) [1], distance at its start, length [m]."""
 
-    def __init__(self, parameters: PathParameters) -> None:
-        p = parameters
-        points = list(zip(p.x, p.y, strict=True)) if p.shape == "waypoints" else _along_arcs(p)
-        self._legs = []  # start (x, y), direction (x, y), distance at which it starts, length
-        start = 0.0
-        for (x0, y0), (x1, y1) in pairwise(points):
-            length = math.dist((x0, y0), (x1, y1))
-            self._legs.append((x0, y0, (x1 - x0) / length, (y1 - y0) / length, start, length))
-            start += length
-        self._last = len(self._legs) - 1
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    along_x: tuple[float, ...]
+    along_y: tuple[float, ...]
+    start: tuple[float, ...]
+    length: tuple[float, ...]
 
-    def nearest(self, x: float, y: float, leg: int) -> tuple[float, int]:
-        """Distance along the path [m] of the point next to (x, y) [m], and its leg, searched from a leg near by."""
-        x0, y0, along_x, along_y, start, length = self._legs[leg]
-        passed = (x - x0) * along_x + (y - y0) * along_y
-        while passed > length and leg < self._last:
-            leg += 1
-            x0, y0, along_x, along_y, start, length = self._legs[leg]
-            passed = (x - x0) * along_x + (y - y0) * along_y
-        while passed < 0.0 and leg > 0:
-            leg -= 1
-            x0, y0, along_x, along_y, start, length = self._legs[leg]
-            passed = (x - x0) * along_x + (y - y0) * along_y
-        # The first and the last leg go on for ever.
-        if passed < 0.0 and leg > 0:
-            passed = 0.0
-        elif passed > length and leg < self._last:
-            passed = length
-        return start + passed, leg
 
-    def at(self, distance: float, leg: int) -> tuple[float, float]:
-        """The point (x, y) [m] at a distance along the path [m], searched from a leg near by."""
-        x0, y0, along_x, along_y, start, length = self._legs[leg]
-        while distance > start + length and leg < self._last:
-            leg += 1
-            x0, y0, along_x, along_y, start, length = self._legs[leg]
-        while distance < start and leg > 0:
-            leg -= 1
-            x0, y0, along_x, along_y, start, length = self._legs[leg]
-        passed = distance - start
-        return x0 + passed * along_x, y0 + passed * along_y
+def path_of(parameters: PathParameters) -> Path:
+    """The path that the parameters describe."""
+    p = parameters
+    points = list(zip(p.x, p.y, strict=True)) if p.shape == WAYPOINTS else _along_arcs(p)
+    legs = []
+    start = 0.0
+    for (x0, y0), (x1, y1) in pairwise(points):
+        length = math.dist((x0, y0), (x1, y1))
+        legs.append((x0, y0, (x1 - x0) / length, (y1 - y0) / length, start, length))
+        start += length
+    return Path(*zip(*legs, strict=True))
+
+
+@compilable
+def nearest(path: Path, x: float, y: float, leg: int) -> tuple[float, int]:
+    """Distance along the path [m] of the point next to (x, y) [m], and its leg, searched from a leg near by."""
+    last = len(path.x) - 1
+    passed = passed_on(path, leg, x, y)
+    while passed > path.length[leg] and leg < last:
+        leg += 1
+        passed = passed_on(path, leg, x, y)
+    while passed < 0.0 and leg > 0:
+        leg -= 1
+        passed = passed_on(path, leg, x, y)
+    # The first and the last leg go on for ever.
+    if passed < 0.0 and leg > 0:
+        passed = 0.0
+    elif passed > path.length[leg] and leg < last:
+        passed = path.length[leg]
+    return path.start[leg] + passed, leg
+
+
+@compilable
+def passed_on(path: Path, leg: int, x: float, y: float) -> float:
+    """How far along a leg (x, y) lies [m]; negative before it."""
+    return (x - path.x[leg]) * path.along_x[leg] + (y - path.y[leg]) * path.along_y[leg]
+
+
+@compilable
+def point_at(path: Path, distance: float, leg: int) -> tuple[float, float]:
+    """The point (x, y) [m] at a distance along the path [m], searched from a leg near by."""
+    last = len(path.x) - 1
+    while distance > path.start[leg] + path.length[leg] and leg < last:
+        leg += 1
+    while distance < path.start[leg] and leg > 0:
+        leg -= 1
+    passed = distance - path.start[leg]
+    return path.x[leg] + passed * path.along_x[leg], path.y[leg] + passed * path.along_y[leg]
 
 
 def _along_arcs(p: PathParameters) -> list[tuple[float, float]]:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import NamedTuple
 
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.motion import speed_along_path
+from ev_msgs_py.contract.record import part
 from ev_msgs_py.methods import method
 from ev_msgs_py.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_msgs_py.vehicle import Vehicle
-from ev_sim.driver.lane_keeping import LaneKeeping, LaneKeepingParameters, LaneKeepingState
-from ev_sim.driver.pedal_profile import Feet, FeetParameters, FeetState
-from ev_sim.driver.profile_file import with_speed_profile_from_file
+from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
+from ev_sim.driver.path import Path, path_of
+from ev_sim.driver.pedal_profile import FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
+from ev_sim.profiles.profile_file import with_speed_profile_from_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,30 +25,45 @@ class PathFollowerParameters(FeetParameters, LaneKeepingParameters):
 
 @dataclass(slots=True)
 class PathFollowerState:
-    """State of the feet and of the hands."""
+    """What feet and hands remember."""
 
-    feet: FeetState = field(default_factory=FeetState)
-    hands: LaneKeepingState = field(default_factory=LaneKeepingState)
+    feet: FeetState = part(FeetState)
+    hands: LaneKeepingState = part(LaneKeepingState)
 
 
-@method("driver", "path_follower")
-class PathFollower:
-    """Steer along a path by pure pursuit through the hand torque, forwards and in reverse.
+class Course(NamedTuple):
+    """What the feet follow, and the path."""
 
-    Raises ParameterError if the parameters name a profile file that has not been read (`load_files`).
-    """
+    feet: FeetProfiles
+    path: Path
 
-    parameters = PathFollowerParameters
 
-    load_files = staticmethod(with_speed_profile_from_file)
+def course_of(parameters: PathFollowerParameters, vehicle: Vehicle, period: float) -> Course:
+    """The course that the parameters describe; ParameterError if they name a profile file that has not been read."""
+    return Course(feet_profiles(parameters, vehicle, period), path_of(parameters.path))
 
-    def __init__(self, parameters: PathFollowerParameters, vehicle: Vehicle, period: float) -> None:
-        self._feet = Feet(parameters, period)
-        self._hands = LaneKeeping(parameters, vehicle, period)
-        self.state = PathFollowerState()
 
-    def step(self, now: Instant, body: BodyVelocity, pose: BodyPose, column: SteeringColumnState) -> DriverCommand:
-        """Pedals from the speed along the path and the time, hand torque from the place of the car beside its path."""
-        s = self.state
-        drive, brake = self._feet.step(now.time, body.along_path, s.feet)
-        return DriverCommand(drive, brake, self._hands.step(pose, body.along_path, column, s.hands))
+@method(
+    "driver",
+    "path_follower",
+    PathFollowerParameters,
+    state=PathFollowerState,
+    prepare=course_of,
+    load_files=with_speed_profile_from_file,
+)
+@compilable
+def path_follower(
+    p: PathFollowerParameters,
+    car: Car,
+    c: Course,
+    s: PathFollowerState,
+    period: float,
+    now: Instant,
+    body: BodyVelocity,
+    pose: BodyPose,
+    column: SteeringColumnState,
+) -> DriverCommand:
+    """Steer along a path by pure pursuit through the hand torque, forwards and in reverse."""
+    speed = speed_along_path(body)
+    drive, brake = work_pedals(p, c.feet, s.feet, period, now.time, speed)
+    return DriverCommand(drive, brake, keep_lane(p, car, c.path, s.hands, period, pose, speed, column))

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry
 from ev_msgs_py.parameters import group, parameter
-from ev_sim.driver.profile import Profile, check_points, interpolation_parameter
-from ev_sim.driver.speed_control import (
-    SpeedControl,
-    SpeedControlParameters,
-    SpeedProfileParameters,
-    refuse_unread_file,
-)
+from ev_msgs_py.vehicle import Vehicle
+from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
+from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,34 +48,46 @@ class FeetParameters:
 
 @dataclass(slots=True)
 class FeetState:
-    """Integral part of the speed control [N m], and when the pedal profile began [s], None before."""
+    """What the feet remember."""
 
-    speed_integral: float = 0.0
-    begun: float | None = None
+    speed_integral: float = entry(unit="N m", about="integral part of the speed control")
+    has_begun: float = entry(unit="", about="whether the pedal profile has begun")
+    begin: float = entry(unit="s", about="when it began")
 
 
-class Feet:
-    """Follow the speed profile until the pedal profile begins, then follow that.
+class FeetProfiles(NamedTuple):
+    """The speed to follow over time [m/s], and both pedals over the time since they took its place [N m]."""
 
-    ParameterError if the speed profile names a file that has not been read.
+    speed: Profile
+    drive_torque: Profile
+    brake_torque: Profile
+
+
+def feet_profiles(parameters: FeetParameters, vehicle: Vehicle, period: float) -> FeetProfiles:
+    """The profiles of the parameters; ParameterError if the speed profile names a file that has not been read."""
+    pedals = parameters.pedals
+    return FeetProfiles(
+        wanted_speed(parameters.speed_profile),
+        profile_of(pedals.time, pedals.drive_torque, pedals.interpolation),
+        profile_of(pedals.time, pedals.brake_torque, pedals.interpolation),
+    )
+
+
+@compilable
+def work_pedals(
+    p: FeetParameters, profiles: FeetProfiles, s: FeetState, period: float, t: float, speed: float
+) -> tuple[float, float]:
+    """Drive and brake torque [N m] at the time t [s] and the speed along the path [m/s].
+
+    The speed profile is followed until the pedal profile begins, then that is.
     """
-
-    def __init__(self, parameters: FeetParameters, period: float) -> None:
-        wanted, pedals = parameters.speed_profile, parameters.pedals
-        refuse_unread_file(wanted)
-        self._wanted_speed = wanted.profile()
-        self._control = SpeedControl(parameters.speed_control, period)
-        self._pedals = pedals
-        self._drive_torque = Profile(pedals.time, pedals.drive_torque, pedals.interpolation)
-        self._brake_torque = Profile(pedals.time, pedals.brake_torque, pedals.interpolation)
-
-    def step(self, t: float, speed: float, state: FeetState) -> tuple[float, float]:
-        """Drive and brake torque [N m] at the time t [s] and the speed along the path [m/s]; goes on with the state."""
-        pedals = self._pedals
-        if state.begun is None and pedals.begin and t >= pedals.begin_time and abs(speed) >= pedals.begin_speed:
-            state.begun = t
-        if state.begun is not None:
-            since = t - state.begun
-            return self._drive_torque.at(since), self._brake_torque.at(since)
-        drive, brake, state.speed_integral = self._control.step(self._wanted_speed.at(t), speed, state.speed_integral)
-        return drive, brake
+    pedals = p.pedals
+    if s.has_begun == 0.0 and pedals.begin == 1.0 and t >= pedals.begin_time and abs(speed) >= pedals.begin_speed:
+        s.has_begun = 1.0
+        s.begin = t
+    if s.has_begun == 1.0:
+        since = t - s.begin
+        return value_at(profiles.drive_torque, since), value_at(profiles.brake_torque, since)
+    wanted = value_at(profiles.speed, t)
+    drive, brake, s.speed_integral = follow_speed(p.speed_control, period, wanted, speed, s.speed_integral)
+    return drive, brake

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_msgs_py.car import GRAVITY, Car
+from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.parameters import parameter
 from ev_msgs_py.signals import WheelStates
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES
-
-_GRAVITY = 9.81  # [m/s^2]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,26 +56,20 @@ class PowerLevelParameters:
     )
 
 
-class PowerLevel:
-    """Drive torque of a power P = k (friction + rolling resistance) W V/(1 - slip).
+@compilable
+def torque_of_power(p: PowerLevelParameters, car: Car, speed: float, wheels: WheelStates) -> float:
+    """Drive torque of all wheels together [N m] at a speed of the car [m/s], forwards.
 
-    W is the load of the driven wheels at rest. With k = 1 that is the power at which they all turn at the slip of the
-    limit. The torque is P over the mean speed of the driven wheels, so it falls where they spin: a drive that is told a
-    power gives just that.
+    That of a power P = k (friction + rolling resistance) W V/(1 - slip). W is the load of the driven wheels at rest;
+    with k = 1 that is the power at which they all turn at the slip of the limit. The torque is P over the mean speed of
+    the driven wheels, so it falls where they spin: a drive that is told a power gives just that.
     """
-
-    def __init__(self, parameters: PowerLevelParameters, vehicle: Vehicle) -> None:
-        p, front = parameters, vehicle.centre_of_mass_to_rear_axle / vehicle.wheelbase
-        share = (front / 2, front / 2, (1 - front) / 2, (1 - front) / 2)
-        self._driven = [i for i, name in enumerate(WHEEL_NAMES) if name in vehicle.driven_wheels]
-        load = vehicle.mass * _GRAVITY * sum(share[i] for i in self._driven)
-        self._force = p.factor * (p.friction + p.rolling_resistance) * load / (1 - p.slip)
-        self._slowest, self._radius = p.slowest, vehicle.wheel_radius
-
-    def torque(self, speed: float, wheels: WheelStates) -> float:
-        """Drive torque of all wheels together [N m] at a speed of the car [m/s], forwards."""
-        power = self._force * max(speed, self._slowest)
-        turning = 0.0
-        for i in self._driven:
+    front = car.centre_of_mass_to_rear_axle / car.wheelbase
+    share, turning = 0.0, 0.0
+    for i in range(4):
+        if car.driven[i] == 1.0:
+            share += (front if i < 2 else 1.0 - front) / 2.0
             turning += wheels.velocity[i]
-        return power / max(turning / len(self._driven), self._slowest / self._radius)
+    load = car.mass * GRAVITY * share
+    power = p.factor * (p.friction + p.rolling_resistance) * load / (1.0 - p.slip) * max(speed, p.slowest)
+    return power / max(turning / car.number_driven, p.slowest / car.wheel_radius)

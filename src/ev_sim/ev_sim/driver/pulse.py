@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.layout import any_driven
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.signals import WheelStates
-from ev_msgs_py.vehicle import Vehicle
-from ev_sim.driver.cycle_driver import CycleDriver, CycleDriverParameters
-from ev_sim.driver.power_level import PowerLevel, PowerLevelParameters
+from ev_msgs_py.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
+from ev_sim.driver.cycle_driver import Cycle, CycleDriverParameters, CycleDriverState, cycle_of, drive_cycle
+from ev_sim.driver.power_level import PowerLevelParameters, torque_of_power
+from ev_sim.profiles.profile_file import with_speed_profile_from_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,20 +30,45 @@ class PulseParameters(CycleDriverParameters):
     )
 
 
-@method("driver", "pulse")
-class Pulse(CycleDriver):
+@compilable
+def torque_of_pulses(
+    p: PulseParameters,
+    car: Car,
+    s: CycleDriverState,
+    period: float,
+    wanted: float,
+    speed: float,
+    wheels: WheelStates,
+) -> float:
+    """All of the power or nothing [N m]; the foot stays where it is within the band around the cycle."""
+    if speed <= wanted - p.band:
+        s.pressed = 1.0
+    elif speed >= wanted + p.band:
+        s.pressed = 0.0
+    return torque_of_power(p.level, car, speed, wheels) if s.pressed == 1.0 else 0.0
+
+
+@method(
+    "driver",
+    "pulse",
+    PulseParameters,
+    state=CycleDriverState,
+    prepare=cycle_of,
+    load_files=with_speed_profile_from_file,
+    needs=(any_driven,),
+)
+@compilable
+def pulse(
+    p: PulseParameters,
+    car: Car,
+    c: Cycle,
+    s: CycleDriverState,
+    period: float,
+    now: Instant,
+    body: BodyVelocity,
+    pose: BodyPose,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+) -> DriverCommand:
     """Follow a speed cycle with an accelerator that is either released or at a power above the limit of packed snow."""
-
-    parameters = PulseParameters
-
-    def __init__(self, parameters: PulseParameters, vehicle: Vehicle, period: float) -> None:
-        super().__init__(parameters, vehicle, period)
-        self._level, self._band = PowerLevel(parameters.level, vehicle), parameters.band
-
-    def _drive(self, wanted: float, speed: float, wheels: WheelStates) -> float:
-        s = self.state
-        if speed <= wanted - self._band:
-            s.pressed = True
-        elif speed >= wanted + self._band:
-            s.pressed = False
-        return self._level.torque(speed, wheels) if s.pressed else 0.0
+    return drive_cycle(torque_of_pulses, p, car, c, s, period, now, body, pose, column, wheels)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from math import atan2
 
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import copysign
 from ev_msgs_py.parameters import parameter
 from ev_msgs_py.signals import BodyPose
-from ev_msgs_py.vehicle import Vehicle
-from ev_sim.driver.path import Path
+from ev_sim.driver.path import Path, nearest, point_at
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,27 +29,25 @@ class PurePursuitParameters:
     )
 
 
-class PurePursuit:
-    """Steer so that the rear axle rolls on the circle through the point of the path at the preview distance.
+@compilable
+def pure_pursuit(
+    p: PurePursuitParameters, car: Car, path: Path, pose: BodyPose, speed: float, leg: int
+) -> tuple[float, int]:
+    """Road-wheel angle [rad] at a speed, negative in reverse [m/s], and the leg of the path that is reached.
 
-    tan delta = 2 L y/(x^2 + y^2), (x, y) the point as seen from the rear axle (Coulter, Implementation of the pure
-    pursuit path tracking algorithm, CMU-RI-TR-92-01, 1992). In reverse the point lies behind, the equation is the
-    same: the rear axle, which leads then, does what it did forwards.
+    The rear axle is to roll on the circle through the point of the path at the preview distance: tan delta =
+    2 L y/(x^2 + y^2), (x, y) the point as seen from the rear axle (Coulter, Implementation of the pure pursuit path
+    tracking algorithm, CMU-RI-TR-92-01, 1992). In reverse the point lies behind, the equation is the same: the rear
+    axle, which leads then, does what it did forwards.
     """
-
-    def __init__(self, parameters: PurePursuitParameters, path: Path, vehicle: Vehicle) -> None:
-        self._p, self._path = parameters, path
-        self._wheelbase, self._rear_arm = vehicle.wheelbase, vehicle.centre_of_mass_to_rear_axle
-
-    def step(self, pose: BodyPose, speed: float, leg: int) -> tuple[float, int]:
-        """Road-wheel angle [rad] at a speed, negative in reverse [m/s], and the leg of the path that is reached."""
-        p, z, w = self._p, pose.orientation_z, pose.orientation_w
-        cosine, sine = w * w - z * z, 2 * z * w  # of the heading, from its quaternion
-        rear_x, rear_y = pose.x - self._rear_arm * cosine, pose.y - self._rear_arm * sine
-        preview = math.copysign(max(p.preview_time * abs(speed), p.shortest_preview), speed)
-        distance, leg = self._path.nearest(rear_x, rear_y, leg)
-        goal_x, goal_y = self._path.at(distance + preview, leg)
-        ahead = (goal_x - rear_x) * cosine + (goal_y - rear_y) * sine
-        aside = (goal_y - rear_y) * cosine - (goal_x - rear_x) * sine
-        angle = math.atan2(2 * self._wheelbase * aside, ahead * ahead + aside * aside)
-        return min(max(angle, -p.max_angle), p.max_angle), leg
+    z, w = pose.orientation_z, pose.orientation_w
+    cosine, sine = w * w - z * z, 2.0 * z * w  # of the heading, from its quaternion
+    rear_arm = car.centre_of_mass_to_rear_axle
+    rear_x, rear_y = pose.x - rear_arm * cosine, pose.y - rear_arm * sine
+    preview = copysign(max(p.preview_time * abs(speed), p.shortest_preview), speed)
+    distance, leg = nearest(path, rear_x, rear_y, leg)
+    goal_x, goal_y = point_at(path, distance + preview, leg)
+    ahead = (goal_x - rear_x) * cosine + (goal_y - rear_y) * sine
+    aside = (goal_y - rear_y) * cosine - (goal_x - rear_x) * sine
+    angle = atan2(2.0 * car.wheelbase * aside, ahead * ahead + aside * aside)
+    return min(max(angle, -p.max_angle), p.max_angle), leg

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import NamedTuple
 
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.motion import speed_along_path
+from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group
 from ev_msgs_py.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_msgs_py.vehicle import Vehicle
-from ev_sim.driver.profile import Profile
-from ev_sim.driver.profile_file import with_speed_profile_from_file
-from ev_sim.driver.speed_control import SpeedControl, SpeedControlParameters, SpeedProfileParameters, refuse_unread_file
-from ev_sim.driver.steering import AngleControl, AngleControlState, SteeringParameters
+from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
+from ev_sim.driver.steering import HAND_TORQUE, AngleControlState, SteeringParameters, turn_to_angle
+from ev_sim.profiles.profile import Profile, profile_of, value_at
+from ev_sim.profiles.profile_file import with_speed_profile_from_file
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,42 +31,55 @@ class SpeedProfileDriverParameters:
 
 @dataclass(slots=True)
 class SpeedProfileDriverState:
-    """Integral part of the speed control [N m], and the state of the hands."""
+    """What feet and hands remember."""
 
-    speed_integral: float = 0.0
-    hands: AngleControlState = field(default_factory=AngleControlState)
+    speed_integral: float = entry(unit="N m", about="integral part of the speed control")
+    hands: AngleControlState = part(AngleControlState)
 
 
-@method("driver", "speed_profile")
-class SpeedProfileDriver:
-    """Follow a speed profile, and steer by a hand torque profile or to a road-wheel angle profile.
+class Profiles(NamedTuple):
+    """What is wanted over time: speed [m/s], hand torque [N m] or road-wheel angle [rad]."""
 
-    Raises ParameterError if the parameters name a profile file that has not been read (`load_files`).
-    """
+    speed: Profile
+    hand_torque: Profile
+    angle: Profile
 
-    parameters = SpeedProfileDriverParameters
 
-    load_files = staticmethod(with_speed_profile_from_file)
+def profiles_of(parameters: SpeedProfileDriverParameters, vehicle: Vehicle, period: float) -> Profiles:
+    """The profiles of the parameters; ParameterError if they name a profile file that has not been read."""
+    torque, angle = parameters.steering.hand_torque, parameters.steering.wanted_angle
+    return Profiles(
+        wanted_speed(parameters.speed_profile),
+        profile_of(torque.time, torque.torque, torque.interpolation),
+        profile_of(angle.time, angle.angle, angle.interpolation),
+    )
 
-    def __init__(self, parameters: SpeedProfileDriverParameters, vehicle: Vehicle, period: float) -> None:
-        wanted, steering = parameters.speed_profile, parameters.steering
-        refuse_unread_file(wanted)
-        self._ratio = vehicle.steering_ratio
-        self._wanted_speed = wanted.profile()
-        self._feet = SpeedControl(parameters.speed_control, period)
-        self._turns_to_angle = steering.mode == "angle"
-        torque, angle = steering.hand_torque, steering.wanted_angle
-        self._hand_torque = Profile(torque.time, torque.torque, torque.interpolation)
-        self._wanted_angle = Profile(angle.time, angle.angle, angle.interpolation)
-        self._hands = AngleControl(steering.angle_control, period)
-        self.state = SpeedProfileDriverState()
 
-    def step(self, now: Instant, body: BodyVelocity, column: SteeringColumnState) -> DriverCommand:
-        """Pedals from the speed along the path, hand torque from the profile or from the steering-wheel angle."""
-        s, t = self.state, now.time
-        drive, brake, s.speed_integral = self._feet.step(self._wanted_speed.at(t), body.along_path, s.speed_integral)
-        if self._turns_to_angle:
-            hand_torque = self._hands.step(self._ratio * self._wanted_angle.at(t), column, s.hands)
-        else:
-            hand_torque = self._hand_torque.at(t)
-        return DriverCommand(drive, brake, hand_torque)
+@method(
+    "driver",
+    "speed_profile",
+    SpeedProfileDriverParameters,
+    state=SpeedProfileDriverState,
+    prepare=profiles_of,
+    load_files=with_speed_profile_from_file,
+)
+@compilable
+def speed_profile(
+    p: SpeedProfileDriverParameters,
+    car: Car,
+    c: Profiles,
+    s: SpeedProfileDriverState,
+    period: float,
+    now: Instant,
+    body: BodyVelocity,
+    column: SteeringColumnState,
+) -> DriverCommand:
+    """Follow a speed profile, and steer by a hand torque profile or to a road-wheel angle profile."""
+    t, wanted = now.time, value_at(c.speed, now.time)
+    drive, brake, s.speed_integral = follow_speed(
+        p.speed_control, period, wanted, speed_along_path(body), s.speed_integral
+    )
+    if p.steering.mode == HAND_TORQUE:
+        return DriverCommand(drive, brake, value_at(c.hand_torque, t))
+    angle = car.steering_ratio * value_at(c.angle, t)
+    return DriverCommand(drive, brake, turn_to_angle(p.steering.angle_control, s.hands, period, angle, column))

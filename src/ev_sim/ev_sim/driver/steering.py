@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import SteeringColumnState
-from ev_sim.driver.limited_pid import LimitedPid
-from ev_sim.driver.profile import check_points, interpolation_parameter
+from ev_sim.driver.limited_pid import limited_pid
+from ev_sim.profiles.profile import check_points, interpolation_parameter
+
+WAYS = ("hand_torque", "angle")
+HAND_TORQUE, ANGLE = range(len(WAYS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +70,7 @@ class SteeringParameters:
 
     mode: str = parameter(
         "angle",
-        choices=("hand_torque", "angle"),
+        choices=WAYS,
         about="hand_torque: the given hand torque; angle: turn to the given road-wheel angle",
     )
     hand_torque: HandTorqueParameters = group(HandTorqueParameters)
@@ -75,31 +80,24 @@ class SteeringParameters:
 
 @dataclass(slots=True)
 class AngleControlState:
-    """Rate-limited steering-wheel angle that the driver is turning to [rad], and integral part [N m]."""
+    """How far the hands have come."""
 
-    reference: float = 0.0
-    integral: float = 0.0
+    reference: float = entry(unit="rad", about="rate-limited steering-wheel angle that the driver is turning to")
+    integral: float = entry(unit="N m", about="integral part of the hand torque")
 
 
-class AngleControl:
-    """Turn the steering wheel to an angle: PID control behind a rate-limited reference.
+@compilable
+def turn_to_angle(
+    p: AngleControlParameters, s: AngleControlState, period: float, wanted_angle: float, column: SteeringColumnState
+) -> float:
+    """Hand torque [N m] towards a wanted steering-wheel angle [rad]: PID control behind a rate-limited reference.
 
     The driver feels and sees the steering wheel only and knows nothing of what moves it.
     """
-
-    def __init__(self, parameters: AngleControlParameters, period: float) -> None:
-        p = parameters
-        self._controller = LimitedPid(p.proportional_gain, p.integral_gain, p.derivative_gain, period)
-        self._max_change = p.max_rate * period
-        self._max_hand_torque = p.max_hand_torque
-        self._period = period
-
-    def step(self, wanted_angle: float, column: SteeringColumnState, state: AngleControlState) -> float:
-        """Hand torque [N m] towards a wanted steering-wheel angle [rad]; goes on with the state."""
-        limit, change = self._max_hand_torque, wanted_angle - state.reference
-        change = min(max(change, -self._max_change), self._max_change)
-        state.reference += change
-        hand_torque, state.integral = self._controller.step(
-            state.reference - column.angle, change / self._period - column.rate, state.integral, -limit, limit
-        )
-        return hand_torque
+    change = min(max(wanted_angle - s.reference, -(p.max_rate * period)), p.max_rate * period)
+    s.reference += change
+    error, error_rate = s.reference - column.angle, change / period - column.rate
+    direct = p.proportional_gain * error + p.derivative_gain * error_rate
+    growth = p.integral_gain * period * error
+    hand_torque, s.integral = limited_pid(direct, growth, s.integral, -p.max_hand_torque, p.max_hand_torque)
+    return hand_torque

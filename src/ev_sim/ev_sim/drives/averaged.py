@@ -15,10 +15,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.parameters import ParameterError, group, parameter
-from ev_sim.compiled import compiled
 from ev_sim.drives.current_controller import CurrentControllerParameters, controlled_voltage
-from ev_sim.drives.motor import torque_constant
+from ev_sim.drives.motor import MotorParameters, torque_constant
+from ev_sim.drives.state import DriveState
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +39,17 @@ class AveragedDriveParameters:
             )
 
 
-@compiled
-def advance_averaged(state, motor, averaged, torque_reference, speed, bus_voltage, duration):
-    """Advance the current under its control and set the outputs of `state`; see `drive.advance_drive`.
+@compilable
+def advance_averaged(
+    s: DriveState,
+    motor: MotorParameters,
+    averaged: AveragedDriveParameters,
+    torque_reference: float,
+    speed: float,
+    bus_voltage: float,
+    duration: float,
+) -> None:
+    """Advance the current under its control and set the outputs of the state; see `drive.advance_drive`.
 
     Implicit midpoint rule: electrical energy = copper loss + mechanical work + change of magnetic energy up to
     rounding.
@@ -51,12 +60,12 @@ def advance_averaged(state, motor, averaged, torque_reference, speed, bus_voltag
     samples = max(1, math.ceil(duration / averaged.sampling_period - 1e-9))
     period = duration / samples
     half_decay = period * motor.resistance / (2.0 * motor.inductance)
-    current = state.current
+    current = s.current
     charge = 0.0
     energy = 0.0
     for _ in range(samples):
         voltage = controlled_voltage(
-            state, averaged.current_controller, motor, current_reference, current, speed, bus_voltage, period
+            s, averaged.current_controller, motor, current_reference, current, speed, bus_voltage, period
         )
         drive = period * (voltage - emf) / (2.0 * motor.inductance)
         next_current = (current * (1.0 - half_decay) + drive) / (1.0 + half_decay)
@@ -64,7 +73,7 @@ def advance_averaged(state, motor, averaged, torque_reference, speed, bus_voltag
         charge += passed
         energy += voltage * passed
         current = next_current
-    state.current = current
-    state.torque = constant * current
-    state.mean_torque = constant * charge / duration
-    state.electrical_power = energy / duration
+    s.current = current
+    s.torque = constant * current
+    s.mean_torque = constant * charge / duration
+    s.electrical_power = energy / duration

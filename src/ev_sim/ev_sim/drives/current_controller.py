@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.parameters import parameter
-from ev_sim.compiled import compiled
-from ev_sim.drives.motor import torque_constant
+from ev_sim.drives.motor import MotorParameters, torque_constant
+from ev_sim.drives.state import DriveState
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,18 +26,27 @@ class CurrentControllerParameters:
     )
 
 
-@compiled
-def controlled_voltage(state, controller, motor, current_reference, current, speed, bus_voltage, sampling_period):
+@compilable
+def controlled_voltage(
+    s: DriveState,
+    controller: CurrentControllerParameters,
+    motor: MotorParameters,
+    current_reference: float,
+    current: float,
+    speed: float,
+    bus_voltage: float,
+    sampling_period: float,
+) -> float:
     """Voltage across the two phases for the next sampling period, within -bus_voltage..bus_voltage [V].
 
-    Advances `state.voltage_integral`. Where the bus limits the voltage, the integral takes only as much of the error
+    Advances `s.voltage_integral`. Where the bus limits the voltage, the integral takes only as much of the error
     as the motor has seen (back-calculation). Currents in A, shaft speed in rad/s.
     """
     proportional_gain = controller.bandwidth * 2.0 * motor.inductance
     integral_gain = controller.bandwidth * 2.0 * motor.resistance
     error = current_reference - current
     emf = torque_constant(motor) * speed
-    wanted = proportional_gain * error + state.voltage_integral + controller.emf_feedforward * emf
+    wanted = proportional_gain * error + s.voltage_integral + controller.emf_feedforward * emf
     voltage = min(max(wanted, -bus_voltage), bus_voltage)
-    state.voltage_integral += sampling_period * integral_gain * (error + (voltage - wanted) / proportional_gain)
+    s.voltage_integral += sampling_period * integral_gain * (error + (voltage - wanted) / proportional_gain)
     return voltage

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.parameters import parameter
-from ev_sim.compiled import compiled
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,13 +41,13 @@ class MotorParameters:
     )
 
 
-@compiled
-def torque_constant(motor):
+@compilable
+def torque_constant(motor: MotorParameters) -> float:
     """Torque of two conducting phases over their current, and their EMF over the shaft speed: 2 p psi [N m/A, V s]."""
     return 2.0 * motor.pole_pairs * motor.flux_linkage
 
 
-@compiled
-def limited_torque(motor, torque_reference):
+@compilable
+def limited_reference(motor: MotorParameters, torque_reference: float) -> float:
     """The torque reference at the shaft within the torque limit [N m]."""
     return min(max(torque_reference, -motor.torque_limit), motor.torque_limit)

@@ -12,11 +12,13 @@ from __future__ import annotations
 
 import math
 
-from ev_sim.compiled import compiled
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import hypot
+from ev_msgs_py.wheels import Wheels
 
 
-@compiled
-def front_wheel_angles(road_wheel_angle, wheelbase, front_track):
+@compilable
+def front_wheel_angles(road_wheel_angle: float, wheelbase: float, front_track: float) -> tuple[float, float]:
     """Angles of the left and the right front wheel, left positive [rad] (eq 8)."""
     ahead = wheelbase * math.sin(road_wheel_angle)
     to_centre = wheelbase * math.cos(road_wheel_angle)
@@ -24,14 +26,14 @@ def front_wheel_angles(road_wheel_angle, wheelbase, front_track):
     return math.atan2(ahead, to_centre - offset), math.atan2(ahead, to_centre + offset)
 
 
-@compiled
-def path_curvature(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
+@compilable
+def path_curvature(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float) -> float:
     """Curvature 1/R of the path of the centre of mass, positive to the left [1/m] (eq 11 with the sign of delta)."""
     return math.sin(road_wheel_angle) / _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle)
 
 
-@compiled
-def course_offset(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
+@compilable
+def course_offset(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float) -> float:
     """Angle from the car's x axis to the path of its centre of mass, left positive [rad]; from fig 2.
 
     It is the sideslip angle of a car that rolls forwards.
@@ -39,8 +41,14 @@ def course_offset(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
     return math.atan2(centre_of_mass_to_rear_axle * math.sin(road_wheel_angle), wheelbase * math.cos(road_wheel_angle))
 
 
-@compiled
-def wheel_speed_ratios(road_wheel_angle, wheelbase, front_track, rear_track, centre_of_mass_to_rear_axle):
+@compilable
+def wheel_speed_ratios(
+    road_wheel_angle: float,
+    wheelbase: float,
+    front_track: float,
+    rear_track: float,
+    centre_of_mass_to_rear_axle: float,
+) -> Wheels:
     """Speeds V_j of the rolling wheels over the speed V of the centre of mass, in the order of Wheels (eqs 8 to 10).
 
     The rear wheels roll on radii L/tan(delta) -+ d/2; the inner one rolls backwards where the centre of the turn lies
@@ -51,15 +59,15 @@ def wheel_speed_ratios(road_wheel_angle, wheelbase, front_track, rear_track, cen
     front_offset = math.sin(road_wheel_angle) * front_track / 2.0
     rear_offset = math.sin(road_wheel_angle) * rear_track / 2.0
     radius = _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle)
-    return (
-        math.hypot(ahead, to_centre - front_offset) / radius,
-        math.hypot(ahead, to_centre + front_offset) / radius,
+    return Wheels(
+        hypot(ahead, to_centre - front_offset) / radius,
+        hypot(ahead, to_centre + front_offset) / radius,
         (to_centre - rear_offset) / radius,
         (to_centre + rear_offset) / radius,
     )
 
 
-@compiled
-def _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle):
+@compilable
+def _scaled_radius(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float) -> float:
     """|R sin(delta)|, which stays finite in straight running [m] (eq 11)."""
-    return math.hypot(wheelbase * math.cos(road_wheel_angle), centre_of_mass_to_rear_axle * math.sin(road_wheel_angle))
+    return hypot(wheelbase * math.cos(road_wheel_angle), centre_of_mass_to_rear_axle * math.sin(road_wheel_angle))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 
-from ev_sim.compiled import compiled
+from ev_msgs_py.compiling.compilable import compilable
 
 
-@compiled
-def move_with_dry_friction(speed, force, friction, mass, duration):
+@compilable
+def move_with_dry_friction(
+    speed: float, force: float, friction: float, mass: float, duration: float
+) -> tuple[float, float]:
     """Speed [m/s] and travelled distance [m] after `duration` [s] of m V' = F - F_friction sgn(V).
 
     The force is constant, `friction` >= 0 and `mass` > 0. Exact: a motion that friction brings to rest stops at its

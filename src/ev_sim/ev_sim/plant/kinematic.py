@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
+from ev_msgs_py.car import GRAVITY, Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import each_wheel, entry, part
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import parameter
 from ev_msgs_py.signals import (
@@ -19,38 +20,14 @@ from ev_msgs_py.signals import (
     WheelTorqueCommand,
 )
 from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
-from ev_sim.compiled import compiled
-from ev_sim.drives.drive import DriveParameters, advance_drive, drive_record, drives_at_rest
-from ev_sim.drives.records import record_of
+from ev_msgs_py.wheels import Wheels
+from ev_sim.drives.drive import DriveParameters, advance_drive
+from ev_sim.drives.state import DriveState
 from ev_sim.plant.ackermann import course_offset, path_curvature, wheel_speed_ratios
-from ev_sim.plant.commands import CommandGuard
+from ev_sim.plant.commands import GuardLimits, GuardState, guard_limits, guard_notes, guarded_angle, guarded_torques
 from ev_sim.plant.dry_friction import move_with_dry_friction
 
-GRAVITY = 9.81  # [m/s^2]
-
-CAR_STATE = np.dtype(
-    [
-        ("speed", np.float64),  # V, of the centre of mass along its path, backwards negative [m/s]
-        ("acceleration", np.float64),  # along the path, mean over the last control period [m/s^2]
-        ("path_curvature", np.float64),  # 1/R, positive to the left [1/m]
-        ("course_offset", np.float64),  # from the car's x axis to the path, left positive [rad]
-        ("x", np.float64),  # of the centre of mass in odom [m]
-        ("y", np.float64),  # [m]
-        ("heading", np.float64),  # [rad]
-    ]
-)
-
-WHEEL_STATE = np.dtype(
-    [
-        ("has_motor", np.int64),  # 1 where a motor drives the wheel
-        ("position", np.float64),  # turned angle [rad]
-        ("speed_ratio", np.float64),  # V_j/V
-        ("mean_torque", np.float64),  # of the drive at the wheel, over the last control period [N m]
-    ]
-)
-
-WHEEL_TORQUES = np.dtype([("drive", np.float64), ("brake", np.float64)])
+WRITES = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,177 +48,197 @@ class KinematicPlantParameters(DriveParameters):
 
 
 @dataclass(slots=True)
+class RollingWheelState:
+    """A wheel that rolls without slip."""
+
+    position: float = entry(unit="rad", about="turned angle")
+    speed_ratio: float = entry(1.0, unit="1", about="speed of the wheel over that of the centre of mass, V_j/V")
+    mean_torque: float = entry(unit="N m", about="of the drive at the wheel, over the last control period")
+
+
+@dataclass(slots=True)
 class KinematicPlantState:
-    """Car, wheels and drives as arrays that are integrated in place: (1,) CAR_STATE, (4,) WHEEL_STATE, DRIVE_STATE."""
+    """The car on its path, its wheels and drives, and the commands that were accepted last."""
 
-    car: np.ndarray
-    wheels: np.ndarray
-    drives: np.ndarray
+    speed: float = entry(unit="m/s", about="V, of the centre of mass along its path, backwards negative")
+    acceleration: float = entry(unit="m/s^2", about="along the path, mean over the last control period")
+    path_curvature: float = entry(unit="1/m", about="1/R, positive to the left")
+    course_offset: float = entry(unit="rad", about="from the car's x axis to the path, left positive")
+    x: float = entry(unit="m", about="of the centre of mass in odom")
+    y: float = entry(unit="m", about="of the centre of mass in odom")
+    heading: float = entry(unit="rad", about="of the car in odom")
+    wheels: list[RollingWheelState] = each_wheel(RollingWheelState)
+    drives: list[DriveState] = each_wheel(DriveState)
+    guard: GuardState = part(GuardState)
 
 
-@method("plant", "kinematic")
-class KinematicPlant:
+def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float) -> GuardLimits:
+    """What commands may ask for.
+
+    The paper's steering has no stop, its column swings beyond a right angle; eqs 8 to 11 hold at any angle.
+    """
+    return guard_limits(vehicle, parameters.motor.torque_limit, angle=math.inf)
+
+
+def rolling_straight(p: KinematicPlantParameters) -> KinematicPlantState:
+    """The car at its initial speed."""
+    return KinematicPlantState(speed=p.initial_speed)
+
+
+def notes(s: KinematicPlantState) -> tuple[str, ...]:
+    """Commands that were not taken as they came."""
+    return guard_notes(s.guard)
+
+
+@compilable
+def shown(car: Car, s: KinematicPlantState) -> tuple:
+    """The signals of this instant; wheel torques and acceleration are means over the control period before it.
+
+    The means are what moved the car, chopping and commutation ripple included; the motors' torque is the one of
+    this instant, so it shows the ripple. Of the road-wheel angle the plant knows what was held until now.
+    """
+    yaw_rate = s.speed * s.path_curvature
+    along, across = math.cos(s.course_offset), math.sin(s.course_offset)
+    centripetal = s.speed * yaw_rate
+    one, two, three, four = s.wheels[0], s.wheels[1], s.wheels[2], s.wheels[3]
+    velocity = Wheels(
+        one.speed_ratio * s.speed / car.wheel_radius,
+        two.speed_ratio * s.speed / car.wheel_radius,
+        three.speed_ratio * s.speed / car.wheel_radius,
+        four.speed_ratio * s.speed / car.wheel_radius,
+    )
+    return (
+        WheelStates(
+            Wheels(one.position, two.position, three.position, four.position),
+            velocity,
+            Wheels(one.mean_torque, two.mean_torque, three.mean_torque, four.mean_torque),
+        ),
+        MotorStates(
+            Wheels(
+                shaft_speed(car, 0, velocity[0]),
+                shaft_speed(car, 1, velocity[1]),
+                shaft_speed(car, 2, velocity[2]),
+                shaft_speed(car, 3, velocity[3]),
+            ),
+            Wheels(s.drives[0].torque, s.drives[1].torque, s.drives[2].torque, s.drives[3].torque),
+        ),
+        InertialMeasurement(
+            yaw_rate,
+            s.acceleration * along - centripetal * across,
+            s.acceleration * across + centripetal * along,
+        ),
+        BodyVelocity(s.speed * along, s.speed * across, yaw_rate),
+        BodyPose(s.x, s.y, math.sin(s.heading / 2), math.cos(s.heading / 2)),
+    )
+
+
+@compilable
+def shaft_speed(car: Car, wheel: int, wheel_speed: float) -> float:
+    """Speed of the motor of a wheel at its shaft [rad/s]; 0 where there is none."""
+    return car.gear_ratio * wheel_speed if car.driven[wheel] == 1.0 else 0.0
+
+
+@method(
+    "plant",
+    "kinematic",
+    KinematicPlantParameters,
+    state=KinematicPlantState,
+    prepare=limits,
+    start=rolling_straight,
+    outputs=shown,
+    notes=notes,
+    writes=WRITES,
+    heavy=True,
+)
+@compilable
+def kinematic(
+    p: KinematicPlantParameters,
+    car: Car,
+    c: GuardLimits,
+    s: KinematicPlantState,
+    period: float,
+    command: WheelTorqueCommand,
+    column: SteeringColumnState,
+) -> None:
     """Point mass, wheels that roll without slip on Ackermann's radii, resistance and brakes as dry friction.
 
     m V' = sum(M_j)/r_k - 0.5 rho c_d A V |V| - (k_r m g + sum(brake torques)/r_k) sgn(V), eq 13 with its traction
     equation; V_j = V R_j/R by eqs 8 to 11. As in the paper V is the speed of the centre of mass along its path, whose
     x and y components BodyVelocity carries, and the inertia of wheels, motors and yaw is left out. The road-wheel
-    angle is held over a control period, so the car then moves on a circular arc, which is integrated exactly.
+    angle is held over a control period, so the car then moves on a circular arc, which is integrated exactly. Torques
+    and angle are held as the guard accepts them.
     """
+    held = guarded_torques(c, s.guard, command)
+    steer(car, s, guarded_angle(c, s.guard, column))
 
-    parameters = KinematicPlantParameters
-    writes = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose)
+    rolling_resistance = car.rolling_resistance * car.mass * GRAVITY
+    friction = rolling_resistance + sum_of_wheels(held.brake) / car.wheel_radius
+    drag = 0.5 * car.air_density * car.drag_coefficient * car.frontal_area
+    sub_steps = max(1, math.ceil(period / p.sub_step - 1e-9))
+    step = period / sub_steps
+    speed_before = s.speed
+    distance = 0.0
+    for i in range(4):
+        s.wheels[i].mean_torque = 0.0
+    for _ in range(sub_steps):
+        drive_torque = advance_drives(p, car, s, held.drive, step)
+        force = drive_torque / car.wheel_radius - drag * s.speed * abs(s.speed)
+        s.speed, moved = move_with_dry_friction(s.speed, force, friction, car.mass, step)
+        distance += moved
+    for i in range(4):
+        s.wheels[i].mean_torque /= sub_steps
+        s.wheels[i].position += s.wheels[i].speed_ratio * (distance / car.wheel_radius)
+    s.acceleration = (s.speed - speed_before) / period
+    move_on_arc(s, distance)
 
-    __slots__ = (
-        "_drive_parameters",
-        "_gear_ratio",
-        "_parameters",
-        "_period",
-        "_radius",
-        "_torques",
-        "_vehicle",
-        "guard",
-        "state",
+
+@compilable
+def steer(car: Car, s: KinematicPlantState, road_wheel_angle: float) -> None:
+    """Set the path of the centre of mass and the speed ratios of the wheels (eqs 8 to 11)."""
+    base, behind = car.wheelbase, car.centre_of_mass_to_rear_axle
+    s.path_curvature = path_curvature(road_wheel_angle, base, behind)
+    s.course_offset = course_offset(road_wheel_angle, base, behind)
+    ratios = wheel_speed_ratios(road_wheel_angle, base, car.front_track, car.rear_track, behind)
+    for i in range(4):
+        s.wheels[i].speed_ratio = ratios[i]
+
+
+@compilable
+def advance_drives(
+    p: KinematicPlantParameters, car: Car, s: KinematicPlantState, torques: Wheels, step: float
+) -> float:
+    """Advance all drives over one step [s]; the sum of their torques at the wheels [N m], mean over the step."""
+    return (advance_wheel(p, car, s, 0, torques[0], step) + advance_wheel(p, car, s, 1, torques[1], step)) + (
+        advance_wheel(p, car, s, 2, torques[2], step) + advance_wheel(p, car, s, 3, torques[3], step)
     )
 
-    def __init__(self, parameters: KinematicPlantParameters, vehicle: Vehicle, period: float) -> None:
-        self._parameters = record_of(parameters)
-        self._drive_parameters = drive_record(parameters)
-        self._vehicle = record_of(vehicle)
-        self._period = period
-        # The paper's steering has no stop, its column swings beyond a right angle; eqs 8 to 11 hold at any angle.
-        self.guard = CommandGuard(vehicle, parameters.motor.torque_limit, angle_limit=math.inf)
-        self._radius, self._gear_ratio = vehicle.wheel_radius, vehicle.gear_ratio
-        car = np.zeros(1, CAR_STATE)
-        car["speed"] = parameters.initial_speed
-        wheels = np.zeros(len(WHEEL_NAMES), WHEEL_STATE)
-        wheels["has_motor"] = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
-        wheels["speed_ratio"] = 1.0
-        self.state = KinematicPlantState(car, wheels, drives_at_rest(len(WHEEL_NAMES)))
-        self._torques = np.zeros(len(WHEEL_NAMES), WHEEL_TORQUES)
 
-    def outputs(self) -> tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose]:
-        """The signals of this instant; wheel torques and acceleration are means over the control period before it.
-
-        The means are what moved the car, chopping and commutation ripple included; the motors' torque is the one of
-        this instant, so it shows the ripple. Of the road-wheel angle the plant knows what was held until now.
-        """
-        speed, acceleration, curvature, offset, x, y, heading = self.state.car[0].item()
-        yaw_rate = speed * curvature
-        along, across = math.cos(offset), math.sin(offset)
-        centripetal = speed * yaw_rate
-
-        wheels = self.state.wheels
-        wheel_speeds = [ratio * speed / self._radius for ratio in wheels["speed_ratio"].tolist()]
-        shaft_speeds = [
-            self._gear_ratio * wheel_speed if has_motor else 0.0
-            for wheel_speed, has_motor in zip(wheel_speeds, wheels["has_motor"].tolist(), strict=True)
-        ]
-        return (
-            WheelStates(
-                position=Wheels(*wheels["position"].tolist()),
-                velocity=Wheels(*wheel_speeds),
-                effort=Wheels(*wheels["mean_torque"].tolist()),
-            ),
-            MotorStates(velocity=Wheels(*shaft_speeds), effort=Wheels(*self.state.drives["torque"].tolist())),
-            InertialMeasurement(
-                yaw_rate=yaw_rate,
-                longitudinal_acceleration=acceleration * along - centripetal * across,
-                lateral_acceleration=acceleration * across + centripetal * along,
-            ),
-            BodyVelocity(longitudinal=speed * along, lateral=speed * across, yaw_rate=yaw_rate),
-            BodyPose.at(x, y, heading),
-        )
-
-    def advance(self, command: WheelTorqueCommand, column: SteeringColumnState) -> None:
-        """Move on by one control period, torques and road-wheel angle held as the guard accepts them."""
-        self._torques["drive"], self._torques["brake"] = self.guard.torques(command)
-        _advance(
-            self.state.car,
-            self.state.wheels,
-            self.state.drives,
-            self._torques,
-            self._parameters,
-            self._drive_parameters,
-            self._vehicle,
-            self.guard.angle(column),
-            self._period,
-        )
-
-    def reports(self) -> tuple[str, ...]:
-        """Commands that were not taken as they came, counted by powers of ten."""
-        return self.guard.reports()
-
-    @property
-    def diagnostics(self) -> dict[str, float]:
-        """Counts of commands that were not taken as they came."""
-        return self.guard.diagnostics
+@compilable
+def advance_wheel(
+    p: KinematicPlantParameters, car: Car, s: KinematicPlantState, i: int, torque: float, step: float
+) -> float:
+    """Advance the drive of a wheel that is to give a torque there [N m]; what it gave, mean over the step."""
+    if car.driven[i] == 0.0:
+        return 0.0
+    speed = car.gear_ratio * s.wheels[i].speed_ratio * s.speed / car.wheel_radius
+    advance_drive(s.drives[i], p, torque / car.gear_ratio, speed, p.bus_voltage, step)
+    given = car.gear_ratio * s.drives[i].mean_torque
+    s.wheels[i].mean_torque += given
+    return given
 
 
-@compiled
-def _advance(cars, wheels, drives, torques, plants, drive_parameters, vehicles, road_wheel_angle, period):
-    """Integrate the state arrays in place over one control period; parameters come as arrays of one record."""
-    car, plant, vehicle = cars[0], plants[0], vehicles[0]
-    _steer(car, wheels, vehicle, road_wheel_angle)
-
-    rolling_resistance = vehicle.rolling_resistance * vehicle.mass * GRAVITY
-    friction = rolling_resistance + _sum_of_wheels(torques.brake) / vehicle.wheel_radius
-    drag = 0.5 * vehicle.air_density * vehicle.drag_coefficient * vehicle.frontal_area
-    sub_steps = max(1, math.ceil(period / plant.sub_step - 1e-9))
-    step = period / sub_steps
-    speed_before = car.speed
-    distance = 0.0
-    wheels.mean_torque[:] = 0.0
-    for _ in range(sub_steps):
-        drive_torque = _advance_drives(
-            car, wheels, drives, torques, drive_parameters[0], plant.bus_voltage, vehicle, step
-        )
-        force = drive_torque / vehicle.wheel_radius - drag * car.speed * abs(car.speed)
-        car.speed, moved = move_with_dry_friction(car.speed, force, friction, vehicle.mass, step)
-        distance += moved
-    wheels.mean_torque[:] /= sub_steps
-    wheels.position[:] += wheels.speed_ratio * (distance / vehicle.wheel_radius)
-    car.acceleration = (car.speed - speed_before) / period
-    _move_on_arc(car, distance)
-
-
-@compiled
-def _steer(car, wheels, vehicle, road_wheel_angle):
-    """Set the path of the centre of mass and the speed ratios of the wheels (eqs 8 to 11)."""
-    base, behind = vehicle.wheelbase, vehicle.centre_of_mass_to_rear_axle
-    car.path_curvature = path_curvature(road_wheel_angle, base, behind)
-    car.course_offset = course_offset(road_wheel_angle, base, behind)
-    ratios = wheel_speed_ratios(road_wheel_angle, base, vehicle.front_track, vehicle.rear_track, behind)
-    for i in range(len(wheels)):
-        wheels[i].speed_ratio = ratios[i]
-
-
-@compiled
-def _advance_drives(car, wheels, drives, torques, drive_parameters, bus_voltage, vehicle, step):
-    """Advance all drives over one step; the sum of their torques at the wheels [N m], mean over the step."""
-    wheel_torques = np.zeros(len(wheels))
-    for i in range(len(wheels)):
-        if wheels[i].has_motor:
-            shaft_speed = vehicle.gear_ratio * wheels[i].speed_ratio * car.speed / vehicle.wheel_radius
-            reference = torques[i].drive / vehicle.gear_ratio
-            advance_drive(drives[i], drive_parameters, reference, shaft_speed, bus_voltage, step)
-            wheel_torques[i] = vehicle.gear_ratio * drives[i].mean_torque
-            wheels[i].mean_torque += wheel_torques[i]
-    return _sum_of_wheels(wheel_torques)
-
-
-@compiled
-def _sum_of_wheels(values):
+@compilable
+def sum_of_wheels(values: Wheels) -> float:
     """Sum axle by axle, so that mirrored cars stay mirrored to the last bit."""
     return (values[0] + values[1]) + (values[2] + values[3])
 
 
-@compiled
-def _move_on_arc(car, distance):
-    """Move along a circular arc: the chord, at the mean of the courses at its ends."""
-    half_turn = car.path_curvature * distance / 2.0
+@compilable
+def move_on_arc(s: KinematicPlantState, distance: float) -> None:
+    """Move along a circular arc [m]: the chord, at the mean of the courses at its ends."""
+    half_turn = s.path_curvature * distance / 2.0
     chord = distance * (math.sin(half_turn) / half_turn if half_turn != 0.0 else 1.0)
-    course = car.heading + half_turn + car.course_offset
-    car.x += chord * math.cos(course)
-    car.y += chord * math.sin(course)
-    car.heading += 2.0 * half_turn
+    course = s.heading + half_turn + s.course_offset
+    s.x += chord * math.cos(course)
+    s.y += chord * math.sin(course)
+    s.heading += 2.0 * half_turn

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ev_sim.driver.cycle_modes import REGENERATION, STOP, TRACTION
+from ev_sim.profiles.cycle_modes import MODES, TRACTION
 
 # The surfaces that are mixed most often, snow and wet asphalt, differ in lightness, so they do in print.
 SURFACE_COLOURS = {
@@ -21,7 +21,7 @@ SURFACE_COLOURS = {
     "ice": "#7BD3EA",
     "dry_asphalt_burckhardt": "#403830",
 }
-MODE_COLOURS = {STOP: "#F2F2F2", TRACTION: "#F4B183", REGENERATION: "#A9D18E"}
+MODE_COLOURS = dict(zip(MODES, ("#F2F2F2", "#F4B183", "#A9D18E"), strict=True))
 _SHADE = "#FBF1E8"  # behind curves: that of traction, hardly visible
 
 
@@ -50,6 +50,6 @@ def shade_traction(figure: Figure, pieces: Sequence[tuple[float, float, str]]) -
     for axes in figure.axes:
         limits = axes.get_xlim()
         for start, end, mode in pieces:
-            if mode == TRACTION:
+            if mode == MODES[TRACTION]:
                 axes.axvspan(start, end, facecolor=_SHADE, edgecolor="none", zorder=0)
         axes.set_xlim(limits)

@@ -11,8 +11,8 @@ import numpy as np
 from ev_msgs_py.parameters import build
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES
-from ev_sim.driver.cycle_modes import TRACTION, CycleModes, CycleModesParameters
-from ev_sim.driver.profile import Profile
+from ev_sim.profiles.cycle_modes import MODES, TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
+from ev_sim.profiles.profile import Profile, profile_of, value_at
 from ev_sim.recording.recording import Recording
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.samples import channel
@@ -75,26 +75,26 @@ class WheelShares:
         return self.torque, self.resistance, self.turned, self.free_turned
 
 
-def windows(driver: Mapping[str, Any]) -> tuple[Profile, CycleModesParameters]:
+def windows(driver: Mapping[str, Any]) -> tuple[Profile, CycleModes]:
     """The cycle [m/s over s] and its windows, of the parameters of a driver; NotMeasured if it drives no cycle."""
     if "modes.begin" not in driver:
         raise NotMeasured("the driver drives no cycle with windows of traction")
     modes = build(CycleModesParameters, {name: driver[f"modes.{name}"] for name in ("begin", "mode")})
-    return Profile(*(driver[f"speed_profile.{name}"] for name in ("time", "speed", "interpolation"))), modes
+    points = (driver[f"speed_profile.{name}"] for name in ("time", "speed", "interpolation"))
+    return profile_of(*points), cycle_modes(modes)
 
 
 def modes_over_time(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
     """The mode of the cycle at each sample, (n,) str; NotMeasured if the driver drives no cycle."""
     profile, modes = windows(driver)
     period = float(run.time[1] - run.time[0]) if len(run.time) > 1 else 1.0
-    at = CycleModes(modes, profile, period).at
-    return np.array([at(t) for t in run.time.tolist()])
+    return np.array([MODES[mode_at(modes, profile, t, period)] for t in run.time.tolist()])
 
 
 def wanted_speed(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
     """The speed of the cycle at each sample, (n,) [m/s]; NotMeasured if the driver drives no cycle."""
     profile, _ = windows(driver)
-    return np.array([profile.at(t) for t in run.time.tolist()])
+    return np.array([value_at(profile, t) for t in run.time.tolist()])
 
 
 def traction(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
@@ -104,7 +104,7 @@ def traction(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
     cycle.
     """
     pressed = channel(run, "driver.command.drive_torque") > 0.0
-    answered = (modes_over_time(run, driver) == TRACTION) & pressed
+    answered = (modes_over_time(run, driver) == MODES[TRACTION]) & pressed
     return np.concatenate(([False], answered[:-1]))
 
 

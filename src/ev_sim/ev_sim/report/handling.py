@@ -6,14 +6,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ev_msgs_py.car import GRAVITY
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES
 from ev_sim.analysis.understeer import understeer_gradient
-from ev_sim.plant.planar.records import GRAVITY, wheel_places
+from ev_sim.plant.planar.constants import wheel_places
 from ev_sim.recording.recording import Recording
 from ev_sim.report import motion, quantities
 from ev_sim.report.samples import channel
-from ev_sim.surfaces.table import coefficients
+from ev_sim.surfaces.table import tyre_on_road
 from ev_sim.tyres.curve import peak_slip
 
 SLOWEST = 1.0  # [m/s], below which the direction of travel and slip ratios say little
@@ -100,8 +101,8 @@ def _peak_slips(vehicle: Vehicle, surfaces: tuple[str, ...]) -> Mapping[float, f
     tyre = vehicle.tyre
     found = {}
     for surface in surfaces:
-        of = coefficients(tyre.curve, tyre.coefficients, surface)
-        found[of[5]] = peak_slip(tyre.curve, of[:4])
+        of = tyre_on_road(tyre.curve, tyre.coefficients, surface)
+        found[of.friction] = peak_slip(tyre.curve, of[:4])
     return found
 
 

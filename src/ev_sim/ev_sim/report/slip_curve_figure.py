@@ -13,7 +13,7 @@ from ev_sim.report.metric import NotMeasured
 from ev_sim.report.samples import channel
 from ev_sim.report.slip_curve import SlipCurve, first_passed_peak, slip_and_road_torque
 from ev_sim.report.surfaces_under import surfaces_under
-from ev_sim.surfaces.table import coefficients
+from ev_sim.surfaces.table import tyre_on_road
 from ev_sim.tyres.curve import CURVES, friction
 
 AROUND = 0.1  # [s] before and after the window, of which samples are drawn, too
@@ -81,11 +81,11 @@ def _of_the_road(
     """The surface under the wheel, and what it takes at slips (n,) under the mean load and resistance of the window."""
     tyre, part = vehicle.tyre, curve.window
     surface = str(surfaces_under(run, vehicle, wheel)[part.stop - 1])
-    of = coefficients(tyre.curve, tyre.coefficients, surface)[:4]
+    of = tyre_on_road(tyre.curve, tyre.coefficients, surface)
     kind = CURVES.index(tyre.curve)
     nominal = vehicle.motor.nominal_torque * vehicle.gear_ratio
     load = channel(run, f"tire_forces.load.{wheel}")[part].mean()
     force = channel(run, f"tire_forces.longitudinal_force.{wheel}")[part]
     resistance = (y[part] - force * vehicle.wheel_radius / nominal).mean()
-    use = np.array([friction(kind, slip, *of) for slip in slips])
+    use = np.array([friction(kind, slip, of) for slip in slips])
     return surface, use * load * vehicle.wheel_radius / nominal + resistance

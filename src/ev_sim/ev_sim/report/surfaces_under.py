@@ -9,7 +9,7 @@ from ev_sim.recording.recording import Recording
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.motion import distance_on_path
 from ev_sim.report.samples import channel
-from ev_sim.surfaces.table import SURFACES, coefficients
+from ev_sim.surfaces.table import SURFACES, tyre_on_road
 
 
 def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
@@ -19,7 +19,7 @@ def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
     """
     friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
     tyre = vehicle.tyre
-    available = np.array([coefficients(tyre.curve, tyre.coefficients, name)[5] for name in SURFACES])
+    available = np.array([tyre_on_road(tyre.curve, tyre.coefficients, name).friction for name in SURFACES])
     return np.array(tuple(SURFACES))[np.abs(friction[:, None] - available).argmin(axis=1)]
 
 

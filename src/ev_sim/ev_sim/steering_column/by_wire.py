@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import DriverCommand, SteeringColumnState, WheelStates
 from ev_msgs_py.vehicle import Vehicle
-from ev_sim.steering_column.drive_forces import DriveForceDifference
-from ev_sim.steering_column.friction_oscillator import FrictionOscillator
-from ev_sim.steering_column.road_wheels import DrivenRoadWheelParameters
+from ev_sim.steering_column.drive_forces import drive_moment, speed_difference
+from ev_sim.steering_column.friction_oscillator import Oscillator, oscillated, oscillator
+from ev_sim.steering_column.road_wheels import DrivenRoadWheelParameters, road_wheels
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,50 +47,61 @@ class ByWireParameters(DrivenRoadWheelParameters):
 
 @dataclass(slots=True)
 class ByWireState:
-    """Angles [rad] and rates [rad/s] of road wheels and steering wheel, last hand torque [N m] and speed difference."""
+    """Road wheels and steering wheel, the hands, and the front wheels; left positive."""
 
-    road_wheel_angle: float = 0.0
-    road_wheel_rate: float = 0.0
-    angle: float = 0.0
-    rate: float = 0.0
-    hand_torque: float = 0.0
-    wheel_speed_difference: float = 0.0
+    road_wheel_angle: float = entry(unit="rad")
+    road_wheel_rate: float = entry(unit="rad/s")
+    angle: float = entry(unit="rad", about="of the steering wheel")
+    rate: float = entry(unit="rad/s", about="of the steering wheel")
+    hand_torque: float = entry(unit="N m", about="what acted up to now")
+    wheel_speed_difference: float = entry(unit="rad/s", about="right minus left front wheel, a period ago")
 
 
-@method("steering_column", "by_wire")
-class ByWireColumn:
+class Oscillators(NamedTuple):
+    """What moves on its own."""
+
+    road_wheels: Oscillator
+    steering_wheel: Oscillator
+
+
+def oscillators(parameters: ByWireParameters, vehicle: Vehicle, period: float) -> Oscillators:
+    """Road wheels and steering wheel, exact over a period [s]; the latter has the end stops of a connected one."""
+    wheel = parameters.steering_wheel
+    steering_wheel = oscillator(
+        wheel.inertia,
+        wheel.damping,
+        wheel.centring_stiffness,
+        wheel.dry_friction,
+        vehicle.steering_ratio * parameters.max_angle,
+        period,
+    )
+    return Oscillators(road_wheels(parameters, vehicle, period), steering_wheel)
+
+
+@compilable
+def shown(s: ByWireState) -> SteeringColumnState:
+    """The column at this instant; the hand torque is the one that acted up to now."""
+    return SteeringColumnState(s.angle, s.rate, s.hand_torque, s.road_wheel_angle, s.road_wheel_rate)
+
+
+@method("steering_column", "by_wire", ByWireParameters, state=ByWireState, prepare=oscillators, outputs=shown)
+@compilable
+def by_wire(
+    p: ByWireParameters,
+    car: Car,
+    c: Oscillators,
+    s: ByWireState,
+    period: float,
+    driver: DriverCommand,
+    wheels: WheelStates,
+) -> None:
     """Turn the road wheels by the front drives alone; the hands turn a steering wheel with a centring spring.
 
     Road wheels: eq 3 of Shchur (2019) with M_b = 0, as in its steer-by-wire and drive-by-wire concepts. Steering
     wheel: J a'' + b a' + k a = M_b - M sgn(a'), end stops at i times those of the road wheels. Left positive.
     """
-
-    parameters = ByWireParameters
-
-    def __init__(self, parameters: ByWireParameters, vehicle: Vehicle, period: float) -> None:
-        wheel = parameters.steering_wheel
-        self._road_wheels = parameters.oscillator(period)
-        self._steering_wheel = FrictionOscillator(
-            wheel.inertia,
-            wheel.damping,
-            wheel.centring_stiffness,
-            wheel.dry_friction,
-            vehicle.steering_ratio * parameters.max_angle,
-            period,
-        )
-        self._drives = DriveForceDifference(parameters.wheel_inertia, vehicle, period)
-        self.state = ByWireState()
-
-    def outputs(self) -> tuple[SteeringColumnState]:
-        """The column at this instant; the hand torque is the one that acted up to now."""
-        s = self.state
-        return (SteeringColumnState(s.angle, s.rate, s.hand_torque, s.road_wheel_angle, s.road_wheel_rate),)
-
-    def advance(self, driver: DriverCommand, wheels: WheelStates) -> None:
-        """Go on by one period: the hands turn the steering wheel, the drive torques the road wheels."""
-        s, drives = self.state, self._drives
-        moment = drives.moment(wheels, s.wheel_speed_difference)
-        s.wheel_speed_difference = drives.speed_difference(wheels)
-        s.hand_torque = driver.hand_torque
-        s.angle, s.rate = self._steering_wheel.advance(s.angle, s.rate, driver.hand_torque)
-        s.road_wheel_angle, s.road_wheel_rate = self._road_wheels.advance(s.road_wheel_angle, s.road_wheel_rate, moment)
+    moment = drive_moment(car, p.wheel_inertia, period, wheels, s.wheel_speed_difference)
+    s.wheel_speed_difference = speed_difference(wheels)
+    s.hand_torque = driver.hand_torque
+    s.angle, s.rate = oscillated(c.steering_wheel, s.angle, s.rate, driver.hand_torque)
+    s.road_wheel_angle, s.road_wheel_rate = oscillated(c.road_wheels, s.road_wheel_angle, s.road_wheel_rate, moment)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.parameters import parameter
 from ev_msgs_py.signals import SteeringColumnState
-from ev_sim.steering_column.friction_oscillator import FrictionOscillator
+from ev_msgs_py.vehicle import Vehicle
+from ev_sim.steering_column.friction_oscillator import Oscillator, oscillator
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +42,6 @@ class RoadWheelParameters:
         source="assumption",
     )
 
-    def oscillator(self, period: float) -> FrictionOscillator:
-        """The motion of the road wheels (eq 3), exact over a period [s]."""
-        return FrictionOscillator(self.inertia, self.damping, self.stiffness, self.dry_friction, self.max_angle, period)
-
 
 @dataclass(frozen=True, slots=True)
 class DrivenRoadWheelParameters(RoadWheelParameters):
@@ -58,10 +57,18 @@ class DrivenRoadWheelParameters(RoadWheelParameters):
     )
 
 
+def road_wheels(parameters: RoadWheelParameters, _vehicle: Vehicle, period: float) -> Oscillator:
+    """The motion of the road wheels (eq 3), exact over a period [s]."""
+    p = parameters
+    return oscillator(p.inertia, p.damping, p.stiffness, p.dry_friction, p.max_angle, period)
+
+
+@compilable
 def connected_column(
-    ratio: float, road_wheel_angle: float, road_wheel_rate: float, hand_torque: float
+    car: Car, road_wheel_angle: float, road_wheel_rate: float, hand_torque: float
 ) -> SteeringColumnState:
     """What sensors measure of a column that is mechanically connected: the steering wheel turns i times as far."""
+    ratio = car.steering_ratio
     return SteeringColumnState(
         ratio * road_wheel_angle, ratio * road_wheel_rate, hand_torque, road_wheel_angle, road_wheel_rate
     )

@@ -5,11 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import Instant, SteeringColumnState
 from ev_msgs_py.vehicle import Vehicle
-from ev_sim.driver.profile import Profile, check_points, interpolation_parameter
+from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
+
+SHAPES = ("profile", "sine_with_dwell")
+PROFILE, SINE_WITH_DWELL = range(len(SHAPES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +54,7 @@ class SineWithDwellParameters:
 class SteeringRobotParameters:
     """Which angle the robot imposes, and how fast it can turn."""
 
-    shape: str = parameter("profile", choices=("profile", "sine_with_dwell"), about="what the robot steers")
+    shape: str = parameter("profile", choices=SHAPES, about="what the robot steers")
     profile: SteeringAngleProfileParameters = group(SteeringAngleProfileParameters)
     sine_with_dwell: SineWithDwellParameters = group(SineWithDwellParameters)
     max_rate: float = parameter(
@@ -56,59 +62,71 @@ class SteeringRobotParameters:
     )
 
 
-class SineWithDwell:
-    """A sin(2 pi f t), held for the dwell at its second peak, at three quarters of the period (UN R140, FMVSS 126)."""
-
-    def __init__(self, parameters: SineWithDwellParameters) -> None:
-        self._p = parameters
-
-    def at(self, t: float) -> float:
-        """Steering-wheel angle [rad] at the time t [s]."""
-        p = self._p
-        since, second_peak = t - p.begin, 0.75 / p.frequency
-        since -= min(max(since - second_peak, 0.0), p.dwell)
-        if not 0.0 < since < 1 / p.frequency:
-            return 0.0
-        return p.amplitude * math.sin(math.tau * p.frequency * since)
-
-
 @dataclass(slots=True)
 class SteeringRobotState:
-    """Steering-wheel angle now and a period later [rad]."""
+    """Where the robot holds the steering wheel; left positive."""
 
-    angle: float
-    next_angle: float
+    angle: float = entry(unit="rad", about="now")
+    next_angle: float = entry(unit="rad", about="a period later")
 
 
-@method("steering_column", "steering_robot")
-class SteeringRobot:
+def profile(parameters: SteeringRobotParameters, _vehicle: Vehicle, _period: float) -> Profile:
+    """The profile of the angle over time, whether it is the chosen shape or not."""
+    p = parameters.profile
+    return profile_of(p.time, p.angle, p.interpolation)
+
+
+def at_its_beginning(p: SteeringRobotParameters, c: Profile, period: float) -> SteeringRobotState:
+    """The robot holds the angle that is wanted at first."""
+    begin = wanted_angle(p, c, 0.0)
+    return SteeringRobotState(begin, turned(p, period, begin, wanted_angle(p, c, period)))
+
+
+@compilable
+def shown(car: Car, s: SteeringRobotState, period: float) -> SteeringColumnState:
+    """The column at this instant."""
+    rate = (s.next_angle - s.angle) / period
+    return SteeringColumnState(s.angle, rate, 0.0, s.angle / car.steering_ratio, rate / car.steering_ratio)
+
+
+@method(
+    "steering_column",
+    "steering_robot",
+    SteeringRobotParameters,
+    state=SteeringRobotState,
+    prepare=profile,
+    start=at_its_beginning,
+    outputs=shown,
+)
+@compilable
+def steering_robot(p: SteeringRobotParameters, c: Profile, s: SteeringRobotState, period: float, now: Instant) -> None:
     """Impose a steering-wheel angle over time, as fast as the robot can turn; the road wheels follow rigidly.
 
     The rate is the mean one over the coming period, so that an angle that goes on at its rate until the next instant
     has no jumps. The robot needs no hands and reports no hand torque.
     """
+    s.angle = s.next_angle
+    s.next_angle = turned(p, period, s.angle, wanted_angle(p, c, now.time + 2 * period))
 
-    parameters = SteeringRobotParameters
 
-    def __init__(self, parameters: SteeringRobotParameters, vehicle: Vehicle, period: float) -> None:
-        p = parameters
-        shape = Profile(p.profile.time, p.profile.angle, p.profile.interpolation)
-        self._wanted = SineWithDwell(p.sine_with_dwell) if p.shape == "sine_with_dwell" else shape
-        self._ratio, self._period, self._max_change = vehicle.steering_ratio, period, p.max_rate * period
-        begin = self._wanted.at(0.0)
-        self.state = SteeringRobotState(begin, self._towards(self._wanted.at(period), begin))
+@compilable
+def wanted_angle(p: SteeringRobotParameters, points: Profile, t: float) -> float:
+    """Steering-wheel angle [rad] that is wanted at the time t [s]."""
+    return sine_with_dwell(p.sine_with_dwell, t) if p.shape == SINE_WITH_DWELL else value_at(points, t)
 
-    def outputs(self) -> tuple[SteeringColumnState]:
-        """The column at this instant."""
-        s, i = self.state, self._ratio
-        rate = (s.next_angle - s.angle) / self._period
-        return (SteeringColumnState(s.angle, rate, 0.0, s.angle / i, rate / i),)
 
-    def advance(self, now: Instant) -> None:
-        """Go on by one period from this instant."""
-        s = self.state
-        s.angle = s.next_angle
-        s.next_angle = self._towards(self._wanted.at(now.time + 2 * self._period), s.angle)
+@compilable
+def sine_with_dwell(p: SineWithDwellParameters, t: float) -> float:
+    """A sin(2 pi f t), held for the dwell at its second peak, at three quarters of the period (UN R140, FMVSS 126)."""
+    since, second_peak = t - p.begin, 0.75 / p.frequency
+    since -= min(max(since - second_peak, 0.0), p.dwell)
+    if not 0.0 < since < 1 / p.frequency:
+        return 0.0
+    return p.amplitude * math.sin(math.tau * p.frequency * since)
 
-    def _towards(self, wanted: float, angle: float) -> float:
-        return angle + min(max(wanted - angle, -self._max_change), self._max_change)
+
+@compilable
+def turned(p: SteeringRobotParameters, period: float, angle: float, wanted: float) -> float:
+    """The angle after a period in which the robot turns towards the wanted one as fast as it can [rad]."""
+    most = p.max_rate * period
+    return angle + min(max(wanted - angle, -most), most)

@@ -91,7 +91,7 @@ SUMS = ("distance_", "mean_slip_", "slip_energy_", "false_triggers_")
 def controls() -> list[str]:
     """All traction controls that ev_control brings, none first."""
     found = methods_of("asr")
-    names = [name for name, method in found.items() if method.factory.__module__.startswith("ev_control.")]
+    names = [name for name, method in found.items() if method.documented.__module__.startswith("ev_control.")]
     return sorted(names, key=lambda name: (name != "off", name))
 
 

@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ev_sim.tyres.curve import peak
 
-Coefficients = tuple[float, float, float, float]
+
+class TyreOnRoad(NamedTuple):
+    """A tyre on a surface: the coefficients of its curve, f_surface [1] and its available friction [1]."""
+
+    c0: float
+    c1: float
+    c2: float
+    c3: float
+    rolling_resistance: float
+    friction: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,10 +48,10 @@ SURFACES = {
 REFERENCE = "dry_asphalt"
 
 
-def coefficients(
-    curve: str, tyre: Coefficients, surface: str, rolling_resistance_scale: float = 1.0
-) -> tuple[float, ...]:
-    """Four coefficients of a tyre's curve on a surface, its scaled f_surface [1] and its available friction [1].
+def tyre_on_road(
+    curve: str, tyre: tuple[float, float, float, float], surface: str, rolling_resistance_scale: float = 1.0
+) -> TyreOnRoad:
+    """A tyre with this curve and these coefficients on a surface whose f_surface is scaled.
 
     A Burckhardt tyre takes the coefficients of the surface. The peak of every other curve is scaled by the peak of
     the surface over that of dry asphalt (an assumption, the sources give such tyres for one road only); a linear
@@ -57,4 +67,4 @@ def coefficients(
     elif curve == "magic_formula":
         c2 *= scale
     available = of.peak_friction if curve == "linear" else peak(curve, (c0, c1, c2, c3))
-    return c0, c1, c2, c3, rolling_resistance_scale * of.rolling_resistance, available
+    return TyreOnRoad(c0, c1, c2, c3, rolling_resistance_scale * of.rolling_resistance, available)

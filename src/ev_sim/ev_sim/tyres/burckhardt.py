@@ -2,10 +2,10 @@
 
 from math import exp
 
-from ev_sim.compiled import compiled
+from ev_msgs_py.compiling.compilable import compilable
 
 
-@compiled
+@compilable
 def friction(slip: float, c1: float, c2: float, c3: float, _unused: float) -> float:
     """Friction use over slip, phi = C1 (1 - exp(-C2 S)) - C3 S.
 

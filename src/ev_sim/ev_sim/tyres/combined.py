@@ -4,55 +4,40 @@ from __future__ import annotations
 
 from math import sqrt
 
-from ev_sim.compiled import compiled
-from ev_sim.tyres.curve import secant
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.vehicle import Tyre
+from ev_sim.tyres.curve import Coefficients, secant
 
 COMBINATIONS = ("slip_vector", "uncoupled")
+SLIP_VECTOR, UNCOUPLED = range(len(COMBINATIONS))
 
 # Transport velocity below which slip loses its meaning; far below any motion, it only keeps 0/0 away.
 STILL = 1e-9
 
 
-@compiled
+@compilable
 def slip_vector(
-    curve: int,
-    slip_x: float,
-    slip_y: float,
-    transport: float,
-    lateral_ratio: float,
-    c0: float,
-    c1: float,
-    c2: float,
-    c3: float,
+    tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float, transport: float
 ) -> tuple[float, float]:
     """Friction per longitudinal and per lateral slip [1] when both share one curve over the resulting slip.
 
-    Slip velocities [m/s] over the transport velocity [m/s] give the slip vector; `lateral_ratio` [1] stretches its
-    lateral component where the tyre is stiffer or softer sideways. Source: Kiencke & Nielsen, Automotive Control
-    Systems, 2nd ed. 2005, wheel model.
+    Slip velocities [m/s] over the transport velocity [m/s] give the slip vector; the tyre's `lateral_ratio` [1]
+    stretches its lateral component where it is stiffer or softer sideways. Source: Kiencke & Nielsen, Automotive
+    Control Systems, 2nd ed. 2005, wheel model.
     """
-    stretched = lateral_ratio * slip_y
-    common = secant(curve, sqrt(slip_x * slip_x + stretched * stretched) / transport, c0, c1, c2, c3)
-    return common, lateral_ratio * common
+    stretched = tyre.lateral_ratio * slip_y
+    common = secant(tyre.curve, sqrt(slip_x * slip_x + stretched * stretched) / transport, on_road)
+    return common, tyre.lateral_ratio * common
 
 
-@compiled
+@compilable
 def uncoupled(
-    curve: int,
-    slip_x: float,
-    slip_y: float,
-    transport_x: float,
-    transport_y: float,
-    lateral_ratio: float,
-    c0: float,
-    c1: float,
-    c2: float,
-    c3: float,
+    tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float, transport_x: float, transport_y: float
 ) -> tuple[float, float]:
     """Friction per longitudinal and per lateral slip [1] when each direction follows the curve on its own.
 
     Slip and transport velocities [m/s] of the two directions. Source: Tatar & Chudzik (their F_p and F_b).
     """
-    longitudinal = secant(curve, abs(slip_x) / transport_x, c0, c1, c2, c3)
-    lateral = secant(curve, lateral_ratio * abs(slip_y) / transport_y, c0, c1, c2, c3)
-    return longitudinal, lateral_ratio * lateral
+    longitudinal = secant(tyre.curve, abs(slip_x) / transport_x, on_road)
+    lateral = secant(tyre.curve, tyre.lateral_ratio * abs(slip_y) / transport_y, on_road)
+    return longitudinal, tyre.lateral_ratio * lateral

@@ -2,10 +2,10 @@
 
 from math import atan, sin
 
-from ev_sim.compiled import compiled
+from ev_msgs_py.compiling.compilable import compilable
 
 
-@compiled
+@compilable
 def friction(slip: float, b: float, c: float, d: float, e: float) -> float:
     """Friction use over slip, mu = D sin(C atan(B S - E (B S - atan(B S)))).
 

@@ -2,10 +2,10 @@
 
 from math import exp
 
-from ev_sim.compiled import compiled
+from ev_msgs_py.compiling.compilable import compilable
 
 
-@compiled
+@compilable
 def friction(slip: float, full_slip: float, rise: float, fall: float, _fourth: float) -> float:
     """Friction use over slip, mu = mu_s (1 - exp(-S/S0)) (1 + exp(-S/S1)).
 

@@ -1,73 +1,86 @@
-"""The state of the planar plant: every entry is named here, once."""
+"""The state of the planar plant: every number that lasts between steps is declared here, once."""
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass
 
-# Integrated by the Runge-Kutta method; entries of four are front left, front right, rear left, rear right.
+from ev_msgs_py.contract.record import Place, each_wheel, entry, names, part, per_wheel, row, wheel_places
+from ev_sim.drives.state import DriveState
+from ev_sim.plant.commands import GuardState
+
+# What the Runge-Kutta method integrates.
 INTEGRATED = (
-    ("longitudinal_velocity", 1),  # of the centre of mass, body frame [m/s]
-    ("lateral_velocity", 1),  # [m/s]
-    ("yaw_rate", 1),  # [rad/s]
-    ("heading", 1),  # from the x axis of odom, not wrapped [rad]
-    ("longitudinal_transfer", 1),  # tyre force over mass that the load transfer has followed, body frame [m/s^2]
-    ("lateral_transfer", 1),  # [m/s^2]
-    ("wheel_speed", 4),  # [rad/s]
-    ("longitudinal_deflection", 4),  # of the carcass, wheel frame, positive as its force [m]
-    ("lateral_deflection", 4),  # [m]
-    ("wheel_angle", 4),  # turned since the start [rad]
-    ("distance", 4),  # travelled by the wheel centre along the wheel since the start [m]
-    ("body_distance", 1),  # travelled by the centre of mass along the body [m]
-    ("tyre_work", 1),  # taken by the tyres, in slip and in the carcass [J]
-    ("friction_work", 1),  # taken by brakes and rolling resistance [J]
-    ("drag_work", 1),  # taken by the air [J]
-    ("gravity_work", 1),  # taken from the body by the slope [J]
-    ("holding_work", 1),  # taken from the body by the force that holds its speed [J]
+    Place("longitudinal_velocity", "m/s", "of the centre of mass, body frame"),
+    Place("lateral_velocity", "m/s", "of the centre of mass, body frame"),
+    Place("yaw_rate", "rad/s"),
+    Place("heading", "rad", "from the x axis of odom, not wrapped"),
+    Place("longitudinal_transfer", "m/s^2", "tyre force over mass that the load transfer has followed, body frame"),
+    Place("lateral_transfer", "m/s^2", "tyre force over mass that the load transfer has followed, body frame"),
+    *wheel_places("wheel_speed", "rad/s"),
+    *wheel_places("longitudinal_deflection", "m", "of the carcass, wheel frame, positive as its force"),
+    *wheel_places("lateral_deflection", "m", "of the carcass, wheel frame, positive as its force"),
+    *wheel_places("wheel_angle", "rad", "turned since the start"),
+    *wheel_places("distance", "m", "travelled by the wheel centre along the wheel since the start"),
+    Place("body_distance", "m", "travelled by the centre of mass along the body"),
+    Place("tyre_work", "J", "taken by the tyres, in slip and in the carcass"),
+    Place("friction_work", "J", "taken by brakes and rolling resistance"),
+    Place("drag_work", "J", "taken by the air"),
+    Place("gravity_work", "J", "taken from the body by the slope"),
+    Place("holding_work", "J", "taken from the body by the force that holds its speed"),
 )
+INTEGRATED_SIZE = len(INTEGRATED)
 
-# Advanced once a step.
-STEPPED = (
-    ("x", 1),  # of the centre of mass, odom frame [m]
-    ("y", 1),  # [m]
-    ("motor_torque", 4),  # at the shaft [N m]
-    ("motor_heat", 4),  # squared torque over squared nominal torque, through the thermal lag [1]
-    ("torque_share", 4),  # of the drive torque, behind the clutches [1]
-    ("state_of_charge", 1),  # [1]
-    ("battery_power", 1),  # given at the terminals, mean over the last step [W]
-    ("battery_work", 1),  # given at the terminals [J]
-    ("motor_loss", 1),  # in motors and inverters [J]
-    ("driveline_loss", 1),  # in gears, differentials and clutches [J]
-    ("auxiliary_work", 1),  # taken by the auxiliary consumers [J]
-    ("drive_work", 1),  # given to the wheels [J]
-)
 
-ENTRIES = INTEGRATED + STEPPED
+@dataclass(slots=True)
+class PlanarState:
+    """What is integrated, what a step advances, and what a period leaves behind."""
+
+    motion: list[float] = row(INTEGRATED)
+    x: float = entry(unit="m", about="of the centre of mass, odom frame")
+    y: float = entry(unit="m", about="of the centre of mass, odom frame")
+    motor_torque: list[float] = per_wheel(unit="N m", about="at the shaft")
+    motor_heat: list[float] = per_wheel(
+        unit="1", about="squared torque over squared nominal torque, through the thermal lag"
+    )
+    torque_share: list[float] = per_wheel(unit="1", about="of the drive torque, behind the clutches")
+    state_of_charge: float = entry(unit="1")
+    battery_power: float = entry(unit="W", about="given at the terminals, mean over the last step")
+    battery_work: float = entry(unit="J", about="given at the terminals")
+    motor_loss: float = entry(unit="J", about="in motors and inverters")
+    driveline_loss: float = entry(unit="J", about="in gears, differentials and clutches")
+    auxiliary_work: float = entry(unit="J", about="taken by the auxiliary consumers")
+    drive_work: float = entry(unit="J", about="given to the wheels")
+    drives: list[DriveState] = each_wheel(DriveState)  # of brushless motors
+    mean_drive: list[float] = per_wheel(unit="N m", about="drive torque at the wheel, mean over the last period")
+    road_wheel_angle: float = entry(unit="rad", about="mean of the front wheels, at the end of the last period")
+    imposed_acceleration: float = entry(unit="m/s^2", about="that an outer force gave the body over the last period")
+    periods: float = entry(unit="1", about="number of periods so far")
+    lifted: list[float] = per_wheel(unit="1", about="1 if the wheel has been off the ground at the end of a period")
+    guard: GuardState = part(GuardState)
+
+
+_PLACES = {name.removesuffix(".front_left"): n for n, name in reversed(list(enumerate(names(PlanarState()))))}
 
 
 def index(name: str) -> int:
-    """Place of the first value of an entry in the state array."""
-    place = 0
-    for entry, size in ENTRIES:
-        if entry == name:
-            return place
-        place += size
-    raise KeyError(name)
+    """Place of a number in the row of the state, of values by wheel that of the first."""
+    return _PLACES[name]
 
 
-SIZE = sum(size for _, size in ENTRIES)
-INTEGRATED_SIZE = sum(size for _, size in INTEGRATED)
-X = index("x")
-Y = index("y")
-
-
-def names() -> tuple[str, ...]:
-    """One name for each value of the state array; those of wheels end with the wheel."""
-    wheels = ("front_left", "front_right", "rear_left", "rear_right")
-    return tuple(
-        entry if size == 1 else f"{entry}.{wheels[n]}" for entry, size in ENTRIES for n in range(size)
-    )
-
-
-def at_rest() -> np.ndarray:
-    """A state of zeros, shape (SIZE,)."""
-    return np.zeros(SIZE)
+VX = index("longitudinal_velocity")
+VY = index("lateral_velocity")
+YAW_RATE = index("yaw_rate")
+HEADING = index("heading")
+TRANSFER_X = index("longitudinal_transfer")
+TRANSFER_Y = index("lateral_transfer")
+WHEEL_SPEED = index("wheel_speed")
+DEFLECTION_X = index("longitudinal_deflection")
+DEFLECTION_Y = index("lateral_deflection")
+WHEEL_ANGLE = index("wheel_angle")
+DISTANCE = index("distance")
+BODY_DISTANCE = index("body_distance")
+TYRE_WORK = index("tyre_work")
+FRICTION_WORK = index("friction_work")
+DRAG_WORK = index("drag_work")
+GRAVITY_WORK = index("gravity_work")
+HOLDING_WORK = index("holding_work")

@@ -4,20 +4,32 @@ from __future__ import annotations
 
 from math import sqrt, tan
 
-from ev_sim.compiled import compiled
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_sim.plant.planar.memory import Step
 
 
-@compiled
-def front_wheels(angle: float, wheelbase: float, track: float, parallel: float) -> tuple[float, float, float, float]:
+@compilable
+def steer(car: Car, step: Step, angle: float) -> None:
+    """Set the direction of the front wheels from the mean road-wheel angle [rad]; the rear wheels are straight."""
+    cos_left, sin_left, cos_right, sin_right = front_wheels(car, angle)
+    step.cos_steer[0], step.sin_steer[0] = cos_left, sin_left
+    step.cos_steer[1], step.sin_steer[1] = cos_right, sin_right
+    step.cos_steer[2] = step.cos_steer[3] = 1.0
+
+
+@compilable
+def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
     """Cosine and sine of the left, cosine and sine of the right front wheel's angle.
 
-    Mean angle delta [rad], left positive; Ackermann geometry unless `parallel` is 1. Written with tan(delta) in the
-    numerator, so that straight ahead needs no case of its own. Source: Shchur 2019, eq. 8.
+    Mean angle delta [rad], left positive; Ackermann geometry, the first choice of the vehicle's `steering_geometry`, or
+    both wheels parallel, the second. Written with tan(delta) in the numerator, so that straight ahead needs no case of
+    its own. Source: Shchur 2019, eq. 8.
     """
     t = tan(angle)
-    outward = t * (0.5 * track) * (1.0 - parallel)
-    left = wheelbase * t / (wheelbase - outward)
-    right = wheelbase * t / (wheelbase + outward)
+    outward = t * (0.5 * car.front_track) * (1.0 - car.steering_geometry)
+    left = car.wheelbase * t / (car.wheelbase - outward)
+    right = car.wheelbase * t / (car.wheelbase + outward)
     cos_left = 1.0 / sqrt(1.0 + left * left)
     cos_right = 1.0 / sqrt(1.0 + right * right)
     return cos_left, left * cos_left, cos_right, right * cos_right

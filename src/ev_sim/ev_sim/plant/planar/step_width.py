@@ -45,7 +45,7 @@ def longest_brushless_step(vehicle: Vehicle, motor: MotorParameters) -> float:
     Without voltage to spare its current swings against the wheel with n k/sqrt(2 L J_w), torque constant k behind the
     gear ratio n.
     """
-    constant = vehicle.gear_ratio * torque_constant.py_func(motor)
+    constant = vehicle.gear_ratio * torque_constant(motor)
     return BRUSHLESS_PRODUCT / constant * (2.0 * motor.inductance * vehicle.wheel_inertia) ** 0.5
 
 

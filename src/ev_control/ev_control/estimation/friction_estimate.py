@@ -1,0 +1,73 @@
+"""Friction of the road under each driven wheel, learnt while it slips."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_control.estimation.friction_learning import FrictionLearningParameters, learnt_friction
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
+from ev_control.shared.first_order_filter import filter_share
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry, part, per_wheel
+from ev_msgs_py.parameters import group
+from ev_msgs_py.signals import InertialMeasurement, SteeringColumnState, WheelStates
+from ev_msgs_py.wheels import Wheels
+
+
+@dataclass(frozen=True, slots=True)
+class FrictionEstimateParameters(FrictionLearningParameters):
+    """How friction is learnt, and against which speed slip counts."""
+
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+
+
+@dataclass(slots=True)
+class FrictionEstimateState:
+    """What lasts between steps."""
+
+    friction: list[float] = per_wheel(unit="1", about="estimated friction of the road")
+    used: list[float] = per_wheel(unit="1", about="friction in use, filtered")
+    velocity: list[float] = per_wheel(unit="rad/s", about="wheel speeds of the step before")
+    known: float = entry(unit="1", about="whether there was a step before")
+    reference: ReferenceSpeedState = part(ReferenceSpeedState)
+
+
+def unknown_road(p: FrictionEstimateParameters) -> FrictionEstimateState:
+    """The state that believes in the largest friction."""
+    return FrictionEstimateState(friction=[p.largest_friction] * 4)
+
+
+@compilable
+def estimated_friction(
+    p: FrictionEstimateParameters,
+    car: Car,
+    s: FrictionEstimateState,
+    period: float,
+    drive_torque: float,
+    load: Wheels,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> Wheels:
+    """Friction [1] of each wheel, by their loads [N]; of the drive torque of all wheels [N m] only the sign counts.
+
+    mu = (M - J w')/(F_z r) of a wheel that slips; of one that does not, a value that slowly rises (assumption), see
+    `learnt_friction`.
+    """
+    velocity, radius = wheels.velocity, car.wheel_radius
+    direction = 0.0
+    if drive_torque != 0.0:
+        direction = 1.0 if drive_torque > 0.0 else -1.0
+    rolling = rolling_speeds(p.reference, car, s.reference, period, velocity, column.road_wheel_angle, imu, direction)
+    share = filter_share(period, p.filter_time)
+    for i in range(4):
+        if car.driven[i] == 1.0 and direction != 0.0 and load[i] > 0.0:
+            gained = velocity[i] - s.velocity[i] if s.known == 1.0 else 0.0
+            road = wheels.effort[i] - car.driven_wheel_inertia * gained / period
+            s.used[i] += share * (direction * road / (load[i] * radius) - s.used[i])
+            slip = direction * (velocity[i] - rolling[i]) / max(abs(velocity[i]), p.slowest)
+            s.friction[i] = learnt_friction(p, s.friction[i], s.used[i], slip, period)
+    s.velocity[:] = velocity
+    s.known = 1.0
+    return Wheels(s.friction[0], s.friction[1], s.friction[2], s.friction[3])

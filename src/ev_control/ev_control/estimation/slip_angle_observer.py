@@ -1,0 +1,118 @@
+"""Slip angles of the axles, from the true motion or from what a car measures: kinematics plus a linear tyre."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry
+from ev_msgs_py.parameters import parameter
+from ev_msgs_py.signals import DriverCommand, InertialMeasurement, SteeringColumnState, WheelStates
+from ev_msgs_py.wheels import Wheels
+
+
+@dataclass(frozen=True, slots=True)
+class SlipAngleObserverParameters:
+    """Trust in the accelerometer against the linear tyre, and what the tyre is like; all assumptions."""
+
+    kinematic_share: float = parameter(
+        0.9,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="weight of the measured lateral acceleration against that of the linear tyre; the steady value is "
+        "the tyre's alone unless it is 1, which drifts with every offset",
+        source="assumption",
+    )
+    front_cornering_stiffness: float = parameter(
+        160e3, unit="N/rad", low=1e3, high=1e6, about="of the front axle", source="assumption"
+    )
+    rear_cornering_stiffness: float = parameter(
+        160e3, unit="N/rad", low=1e3, high=1e6, about="of the rear axle", source="assumption"
+    )
+    slowest: float = parameter(
+        1.0, unit="m/s", low=0.1, high=10.0, about="speed at which slip angles are taken at least", source="assumption"
+    )
+
+
+@dataclass(slots=True)
+class SlipAngleObserverState:
+    """What lasts between steps."""
+
+    lateral_velocity: float = entry(unit="m/s", about="estimated lateral velocity of the centre of mass")
+
+
+class SlipAngles(NamedTuple):
+    """Slip angles d1, d2 of the middles of the axles [rad], positive in a left turn without drive."""
+
+    front: float
+    rear: float
+
+
+@compilable
+def axle_slip_angles(
+    car: Car, longitudinal: float, lateral: float, yaw_rate: float, road_wheel_angle: float, slowest: float
+) -> SlipAngles:
+    """Slip angles of both axles, with the signs of Zhileykin (2018), fig 1.
+
+    d1 = delta - atan((v + a r)/u), d2 = -atan((v - b r)/u), from the velocities u, v of the centre of mass [m/s], the
+    yaw rate r [rad/s] and the mean road-wheel angle delta [rad]; u is at least `slowest` [m/s].
+    """
+    u, b = max(longitudinal, slowest), car.centre_of_mass_to_rear_axle
+    a = car.wheelbase - b
+    return SlipAngles(
+        road_wheel_angle - math.atan((lateral + a * yaw_rate) / u), -math.atan((lateral - b * yaw_rate) / u)
+    )
+
+
+@compilable
+def observed_slip_angles(
+    p: SlipAngleObserverParameters,
+    car: Car,
+    s: SlipAngleObserverState,
+    period: float,
+    driver: DriverCommand,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> SlipAngles:
+    """Estimate the slip angles of both axles from wheel speeds, yaw rate, lateral acceleration and steering angle.
+
+    The lateral velocity v follows v' = w a_y + (1 - w) a_tyre - r u, with the measured a_y and that of linear tyres,
+    m a_tyre = C_1 (delta - (v + a r)/u) - C_2 (v - b r)/u: kinematics hold on every road but drift, the tyre does not
+    drift but underrates the slip angles on a slippery road; w only sets how long the kinematics lead, because in a
+    steady turn a_y = r u and the tyre alone decides. Implicit Euler, stable at every speed. The speed u is that of
+    the slowest wheel, brought to the centre of mass, or of the fastest one under braking. No source has it.
+    """
+    delta, r, w = column.road_wheel_angle, imu.yaw_rate, p.kinematic_share
+    speeds = rolling_speeds(car, s.lateral_velocity, wheels.velocity, delta, r)
+    braking = driver.brake_torque > 0.0 or driver.drive_torque < 0.0
+    fastest = max(speeds[0], speeds[1], speeds[2], speeds[3])
+    slowest = min(speeds[0], speeds[1], speeds[2], speeds[3])
+    u = max(fastest if braking else slowest, p.slowest)
+    b = car.centre_of_mass_to_rear_axle
+    front, rear = p.front_cornering_stiffness / car.mass, p.rear_cornering_stiffness / car.mass
+    at_rest = front * (delta - (car.wheelbase - b) * r / u) + rear * b * r / u
+    damping = (1.0 - w) * (front + rear) / u
+    lateral_acceleration = w * imu.lateral_acceleration + (1.0 - w) * at_rest
+    s.lateral_velocity = (s.lateral_velocity + period * (lateral_acceleration - r * u)) / (1.0 + period * damping)
+    return axle_slip_angles(car, u, s.lateral_velocity, r, delta, p.slowest)
+
+
+@compilable
+def rolling_speeds(
+    car: Car, lateral_velocity: float, wheel_velocity: Wheels, road_wheel_angle: float, yaw_rate: float
+) -> Wheels:
+    """Longitudinal velocity of the centre of mass [m/s] as each wheel alone would have it, rolling without slip."""
+    ahead = car.wheelbase - car.centre_of_mass_to_rear_axle
+    along, across = math.cos(road_wheel_angle), (lateral_velocity + ahead * yaw_rate) * math.sin(road_wheel_angle)
+    radius, front, rear = car.wheel_radius, car.front_track / 2.0 * yaw_rate, car.rear_track / 2.0 * yaw_rate
+    return Wheels(
+        (wheel_velocity.front_left * radius - across) / along + front,
+        (wheel_velocity.front_right * radius - across) / along - front,
+        wheel_velocity.rear_left * radius + rear,
+        wheel_velocity.rear_right * radius - rear,
+    )

@@ -1,0 +1,141 @@
+"""Least squares of the curve y = A x + B sqrt(x) over the last samples (dissertation, eq 2.36)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, sqrt
+from typing import NamedTuple
+
+from ev_control.shared.compensated_sum import EMPTY_SUM, plus, rounded
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry, series
+
+CAPACITY = 2000  # samples: 10 s at 5 ms; a window that holds more is cut to it
+
+
+@dataclass(slots=True)
+class SlipCurveFit:
+    """The last samples in a ring, and the sums of the normal equations over the window.
+
+    The square root is taken of x + `offset`: its slope at zero stays finite, and x = 0 does no harm. x below zero
+    counts as zero. A sum that gains and loses a sample each time collects rounding errors, so it is formed anew after
+    each window, and at once when the window or the offset is another one.
+    """
+
+    x: list[float] = series(CAPACITY, unit="1", about="slip")
+    y: list[float] = series(CAPACITY, unit="1", about="torque over its nominal value")
+    taken: float = entry(unit="1", about="samples so far")
+    size: float = entry(unit="1", about="samples in the window; zero before the first one")
+    offset: float = entry(unit="1", about="added to the slip under the square root")
+    sum_x: float = entry(unit="1")
+    sum_xx: float = entry(unit="1")
+    sum_x_root: float = entry(unit="1")
+    sum_xy: float = entry(unit="1")
+    sum_root_y: float = entry(unit="1")
+
+
+class SlipCurve(NamedTuple):
+    """The coefficients of y = A x + B sqrt(x + offset) [1]; both zero where the samples do not tell them apart."""
+
+    a: float
+    b: float
+
+
+@compilable
+def forget_samples(fit: SlipCurveFit) -> None:
+    """Begin anew; the sums follow with the first sample."""
+    fit.taken = fit.size = 0.0
+
+
+@compilable
+def add_sample(fit: SlipCurveFit, size: float, offset: float, x: float, y: float) -> None:
+    """Take one sample in, and the oldest one out where the window of this size is full."""
+    x, size = max(x, 0.0), min(size, float(CAPACITY))
+    is_changed = size != fit.size or offset != fit.offset
+    fit.size, fit.offset = size, offset
+    old_x = old_root = old_y = 0.0
+    if is_full(fit):
+        oldest = int(fit.taken - size) % CAPACITY
+        old_x, old_y = fit.x[oldest], fit.y[oldest]
+        old_root = sqrt(old_x + offset)
+    newest = int(fit.taken) % CAPACITY
+    fit.x[newest], fit.y[newest] = x, y
+    fit.taken += 1.0
+    if is_changed or (fit.taken > size and fit.taken % size == 0.0):
+        sum_anew(fit)
+        return
+    root = sqrt(x + offset)
+    fit.sum_x = fit.sum_x - old_x + x
+    fit.sum_xx = fit.sum_xx - old_x * old_x + x * x
+    fit.sum_x_root = fit.sum_x_root - old_x * old_root + x * root
+    fit.sum_xy = fit.sum_xy - old_x * old_y + x * y
+    fit.sum_root_y = fit.sum_root_y - old_root * old_y + root * y
+
+
+@compilable
+def sum_anew(fit: SlipCurveFit) -> None:
+    """Form all sums over the window."""
+    sum_x = sum_xx = sum_x_root = sum_xy = sum_root_y = EMPTY_SUM
+    for age in range(1, int(samples_in(fit)) + 1):
+        place = (int(fit.taken) - age) % CAPACITY
+        x, y = fit.x[place], fit.y[place]
+        root = sqrt(x + fit.offset)
+        sum_x = plus(sum_x, x)
+        sum_xx = plus(sum_xx, x * x)
+        sum_x_root = plus(sum_x_root, x * root)
+        sum_xy = plus(sum_xy, x * y)
+        sum_root_y = plus(sum_root_y, root * y)
+    fit.sum_x = rounded(sum_x)
+    fit.sum_xx = rounded(sum_xx)
+    fit.sum_x_root = rounded(sum_x_root)
+    fit.sum_xy = rounded(sum_xy)
+    fit.sum_root_y = rounded(sum_root_y)
+
+
+@compilable
+def samples_in(fit: SlipCurveFit) -> float:
+    """How many samples the window holds so far."""
+    return min(fit.taken, fit.size)
+
+
+@compilable
+def is_full(fit: SlipCurveFit) -> bool:
+    """Whether the window has all its samples."""
+    return fit.taken >= fit.size
+
+
+@compilable
+def mean_slip(fit: SlipCurveFit) -> float:
+    """Mean slip [1] of a full window."""
+    return fit.sum_x / fit.size
+
+
+@compilable
+def slip_variance(fit: SlipCurveFit) -> float:
+    """Mean squared deviation of the slip [1] of a full window."""
+    mean = fit.sum_x / fit.size
+    return fit.sum_xx / fit.size - mean * mean
+
+
+@compilable
+def fitted_curve(fit: SlipCurveFit) -> SlipCurve:
+    """The curve of the least squared error."""
+    sum_of_roots = fit.sum_x + samples_in(fit) * fit.offset
+    determinant = fit.sum_xx * sum_of_roots - fit.sum_x_root * fit.sum_x_root
+    if determinant <= 1e-9 * fit.sum_xx * sum_of_roots:
+        return SlipCurve(0.0, 0.0)
+    a = (fit.sum_xy * sum_of_roots - fit.sum_root_y * fit.sum_x_root) / determinant
+    b = (fit.sum_xx * fit.sum_root_y - fit.sum_x_root * fit.sum_xy) / determinant
+    return SlipCurve(a, b)
+
+
+@compilable
+def fitted_peak(fit: SlipCurveFit) -> float:
+    """Slip at which the fitted curve turns down, (B/(2 A))^2 [1], infinite where it rises throughout."""
+    curve = fitted_curve(fit)
+    if curve.a >= 0.0:
+        return inf
+    if curve.b <= 0.0:
+        return 0.0
+    z = curve.b / (2.0 * curve.a)
+    return max(z * z - fit.offset, 0.0)

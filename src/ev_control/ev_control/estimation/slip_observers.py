@@ -1,0 +1,141 @@
+"""Slip of a wheel: against the reference speed, or from its own torque and speed (dissertation, eqs 1.8 to 1.10)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.wheel_dynamics import WheelMotion, mass_share, slip_of
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry, part
+from ev_msgs_py.parameters import parameter
+
+OBSERVERS = ("reference_speed", "derivative", "corrected_derivative", "disturbance")
+REFERENCE_SPEED, DERIVATIVE, CORRECTED_DERIVATIVE, DISTURBANCE = range(len(OBSERVERS))
+
+
+@dataclass(frozen=True, slots=True)
+class SlipObserverParameters:
+    """Which observer, and what the source leaves open about them."""
+
+    observer: str = parameter(
+        "reference_speed",
+        choices=OBSERVERS,
+        about="reference_speed: none, eq 2.34; derivative: eq 1.8; corrected_derivative: eq 1.9; disturbance: eq 1.10",
+        source="dissertation, eqs 1.8 to 1.10",
+    )
+    slowest: float = parameter(
+        3.0,
+        unit="rad/s",
+        low=0.1,
+        high=100.0,
+        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
+        source="assumption",
+    )
+    correction: float = parameter(
+        1.0,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="corrected_derivative: share of the measured in the acceleration of the car, k(lambda) r w",
+        source="assumption; k(lambda) is not given",
+    )
+    filter_time: float = parameter(
+        0.05, unit="s", low=0.0, high=1.0, about="disturbance: time constant of torque and acceleration",
+        source="assumption",
+    )  # fmt: skip
+    least_acceleration: float = parameter(
+        3.0,
+        unit="rad/s^2",
+        low=0.1,
+        high=1000.0,
+        about="disturbance: wheel acceleration below which eq 1.10, which divides by it, says nothing",
+        source="assumption",
+    )
+    forget_time: float = parameter(
+        0.3,
+        unit="s",
+        low=0.0,
+        high=100.0,
+        about="disturbance: time constant of forgetting the slip where eq 1.10 says nothing",
+        source="assumption",
+    )
+
+
+@dataclass(slots=True)
+class SlipObserverState:
+    """What lasts between steps."""
+
+    slip: float = entry(unit="1", about="estimated slip")
+    torque: Filtered = part(Filtered)  # [N m]
+    acceleration: Filtered = part(Filtered)  # [rad/s^2]
+
+
+@compilable
+def forget_slip(s: SlipObserverState) -> None:
+    """Begin anew, without slip."""
+    s.slip = 0.0
+    forget_filtered(s.torque)
+    forget_filtered(s.acceleration)
+
+
+@compilable
+def observed_slip(
+    p: SlipObserverParameters, car: Car, s: SlipObserverState, period: float, motion: WheelMotion
+) -> float:
+    """The slip [1] at the end of this period; M is the mass that the wheel moves, J the inertia behind it.
+
+    - `derivative` integrates l' = -(w'/w) l + (1 + J/(r^2 M)) w'/w - T/(r^2 M w) (eq 1.8). It knows nothing but its
+      own wheel: resistance and a wheel on the other side that pulls less count as acceleration of the car that is not
+      there, and what is wrong once stays.
+    - `corrected_derivative` adds k (V'_calculated - V'_measured) (eq 1.9) with V'_calculated = (T - J w')/(r M). With
+      k = 1/(r w) all of the acceleration is the measured one, and only the error of the beginning stays.
+    - `disturbance` takes l = -d/(r^2 M w') with the torque d = T - (J + r^2 M) w' that a wheel which grips would leave
+      unexplained (eq 1.10, printed with l' on the left, but a slip stands on the right). It holds for a steady slip,
+      says nothing where w' passes zero or the wheel is slower than `slowest`; there the slip is slowly forgotten, else
+      a control that has taken all torque from a wheel would wait for ever.
+
+    All start from no slip when the torque sets in, and stay within 0..1. Below `slowest` [rad/s] the equations are
+    those of the slip that is counted against this speed.
+    """
+    if p.observer == REFERENCE_SPEED:
+        return slip_of(motion, p.slowest)
+    if p.observer == DISTURBANCE:
+        slip = slip_by_disturbance(p, car, s, period, motion)
+    else:
+        slip = slip_by_derivative(p, car, s, period, motion)
+    s.slip = min(max(slip, 0.0), 1.0)
+    return s.slip
+
+
+@compilable
+def slip_by_derivative(
+    p: SlipObserverParameters, car: Car, s: SlipObserverState, period: float, motion: WheelMotion
+) -> float:
+    """The integrated slip of eqs 1.8 and 1.9 [1]."""
+    radius, inertia, mass, turning = car.wheel_radius, car.driven_wheel_inertia, mass_share(car), motion.acceleration
+    carried = radius * radius * mass
+    against = max(abs(motion.speed), p.slowest)
+    growing = turning if motion.speed > p.slowest else 0.0  # the divisor w, as far as it changes
+    rate = (turning + inertia / carried * turning - motion.torque / carried) / against
+    rate -= growing / against * s.slip
+    if p.observer == CORRECTED_DERIVATIVE:
+        calculated = (motion.torque - inertia * turning) / (radius * mass)
+        rate += p.correction / (radius * against) * (calculated - motion.body_acceleration)
+    return s.slip + rate * period
+
+
+@compilable
+def slip_by_disturbance(
+    p: SlipObserverParameters, car: Car, s: SlipObserverState, period: float, motion: WheelMotion
+) -> float:
+    """The slip of eq 1.10 [1], or what is not yet forgotten of the last one."""
+    share = filter_share(period, p.filter_time)
+    torque = follow(s.torque, motion.torque, share)
+    turning = follow(s.acceleration, motion.acceleration, share)
+    if abs(turning) < p.least_acceleration or motion.speed < p.slowest:
+        return s.slip * (1.0 - filter_share(period, p.forget_time))
+    carried = car.wheel_radius * car.wheel_radius * mass_share(car)
+    disturbance = torque - (car.driven_wheel_inertia + carried) * turning
+    return -disturbance / (carried * turning)

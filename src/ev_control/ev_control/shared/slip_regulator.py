@@ -1,0 +1,73 @@
+"""What traction controls that regulate a slip share: when they begin, and when they end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState, forget_slip
+from ev_control.shared.traction_control import LimitedWheel
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry, part
+from ev_msgs_py.parameters import group, parameter
+
+
+@dataclass(frozen=True, slots=True)
+class SlipRegulatorParameters:
+    """The slip that is wanted, and what is measured of it; the source gives no number."""
+
+    target: float = parameter(
+        0.1,
+        unit="1",
+        low=0.01,
+        high=0.5,
+        about="wanted slip; the peaks of snow and wet asphalt lie at 0.09 and 0.13",
+        source="assumption",
+    )
+    release: float = parameter(
+        0.2,
+        unit="s",
+        low=0.0,
+        high=100.0,
+        about="time for which the limit has to be above the request before it ends",
+        source="assumption",
+    )
+    slip: SlipObserverParameters = group(SlipObserverParameters)
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+
+
+@dataclass(slots=True)
+class RegulatedWheel(LimitedWheel):
+    """What a law that regulates a slip knows of a wheel."""
+
+    observer: SlipObserverState = part(SlipObserverState)
+    served: float = entry(unit="s", about="since when the limit is above the request")
+
+
+@compilable
+def forget_regulation(w: RegulatedWheel) -> None:
+    """Put what all these laws know of a wheel back to the start."""
+    w.limit = inf
+    forget_slip(w.observer)
+    w.served = 0.0
+
+
+@compilable
+def stays_out(p: SlipRegulatorParameters, w: RegulatedWheel, slip: float) -> bool:
+    """Whether a wheel is not limited, and its slip [1] is no reason to begin."""
+    return w.limit == inf and slip <= p.target
+
+
+@compilable
+def until_served(p: Any, w: Any, period: float, limit: float, wanted: float) -> float:
+    """The limit [N m] until it has been above what is wanted [N m] for `release` [s], then infinity.
+
+    The wheel has `served`, the time since when it is.
+    """
+    w.served = w.served + period if limit >= wanted else 0.0
+    if w.served <= p.release:
+        return limit
+    w.served = 0.0
+    return inf

@@ -1,0 +1,166 @@
+"""What all traction controls share: whom they limit, when they keep out of it, and what they measure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import copysign, inf
+from typing import Any
+
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
+from ev_control.shared.wheel_dynamics import WheelMotion
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry, part, per_wheel
+from ev_msgs_py.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
+from ev_msgs_py.wheels import NO_WHEELS, Wheels
+
+# Beyond these a number is no measurement of a road vehicle: 3 km/s at the tyre, a hundred motors, a collision.
+LARGEST_SPEED = 1e4  # [rad/s]
+LARGEST_TORQUE = 1e6  # [N m]
+LARGEST_ACCELERATION = 1e3  # [m/s^2]
+LARGEST_YAW_RATE = 1e2  # [rad/s]
+LARGEST_ANGLE = 1.5  # [rad]
+
+# Slower than this against the request, a car is not braked by its drives but about to pull away, perhaps on a hill.
+PULLING_AWAY = 0.3  # [m/s]
+
+
+@dataclass(slots=True)
+class LimitedWheel:
+    """What every traction control knows of a wheel; each law adds what it knows besides."""
+
+    limit: float = entry(inf, unit="N m", about="largest torque that it gets")
+
+
+@dataclass(slots=True)
+class TractionControlState:
+    """What every traction control knows of the car."""
+
+    reference: ReferenceSpeedState = part(ReferenceSpeedState)
+    velocity: list[float] = per_wheel(unit="rad/s", about="last wheel speeds")
+    measured: float = entry(unit="1", about="whether there are last wheel speeds")
+    direction: list[float] = per_wheel(unit="1", about="sign of the request that is watched; 0 where it just passes")
+
+
+@compilable
+def controlled(
+    limit_of: Callable[..., float],
+    forget: Callable[..., None],
+    reference: ReferenceSpeedParameters,
+    p: Any,
+    car: Car,
+    s: Any,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> WheelTorqueCommand:
+    """The requested torques [N m], those of slipping wheels limited: never more, and never of the other sign.
+
+    Torques pass unchanged, and the law forgets the wheel, where nothing is asked for, where any wheel is braked, and
+    where a torque works against the travel of the car (regeneration). Everything is counted in the direction of the
+    request, so reverse mirrors forward. A measurement that is not finite or absurd changes nothing: the last limits
+    stay.
+
+    The state has `control`, a TractionControlState, and `wheels`, each of which has what a LimitedWheel has.
+    `limit_of(p, car, wheel, period, motion, wanted)` goes on with the state of a wheel of which `wanted` [N m], above
+    zero, is asked, and gives its largest torque [N m], or infinity. `forget(p, wheel)` puts it back to the start.
+    """
+    if is_plausible(column, wheels, imu):
+        watch(limit_of, forget, reference, p, car, s, period, request, column, wheels, imu)
+    else:
+        s.control.measured = 0.0
+    drive = request.drive
+    limited = Wheels(
+        within(drive[0], s.wheels[0].limit),
+        within(drive[1], s.wheels[1].limit),
+        within(drive[2], s.wheels[2].limit),
+        within(drive[3], s.wheels[3].limit),
+    )
+    return WheelTorqueCommand(limited, request.brake)
+
+
+@compilable
+def watch(
+    limit_of: Callable[..., float],
+    forget: Callable[..., None],
+    reference: ReferenceSpeedParameters,
+    p: Any,
+    car: Car,
+    s: Any,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> None:
+    """Go on with the state by what was measured; the limits of the wheels are then those of this step."""
+    known, drive, velocity, effort = s.control, request.drive, wheels.velocity, wheels.effort
+    is_braked = request.brake != NO_WHEELS
+    asked = sign(drive[0] + drive[1] + drive[2] + drive[3])
+    direction = -sign(known.reference.speed) if is_braked else asked
+    rolling = rolling_speeds(reference, car, known.reference, period, velocity, column.road_wheel_angle, imu, direction)
+    for i in range(4):
+        ahead = sign(drive[i])
+        if car.driven[i] == 0.0 or is_braked or ahead * known.reference.speed < -PULLING_AWAY:
+            ahead = 0.0
+        wheel = s.wheels[i]
+        if ahead != known.direction[i]:
+            known.direction[i] = ahead
+            forget(p, wheel)
+        if ahead != 0.0:
+            before = known.velocity[i] if known.measured == 1.0 else velocity[i]
+            motion = WheelMotion(
+                ahead * velocity[i],
+                ahead * rolling[i],
+                ahead * (velocity[i] - before) / period,
+                ahead * effort[i],
+                ahead * imu.longitudinal_acceleration,
+                imu.longitudinal_acceleration,
+                imu.lateral_acceleration,
+                i,
+            )
+            wheel.limit = max(limit_of(p, car, wheel, period, motion, abs(drive[i])), 0.0)
+    known.velocity[:] = velocity
+    known.measured = 1.0
+
+
+@compilable
+def within(torque: float, limit: float) -> float:
+    """A torque, not larger than its limit in either direction [N m]."""
+    return copysign(limit, torque) if abs(torque) > limit else torque
+
+
+@compilable
+def sign(number: float) -> float:
+    """-1, 0 or 1."""
+    if number > 0.0:
+        return 1.0
+    return -1.0 if number < 0.0 else 0.0
+
+
+@compilable
+def is_plausible(column: SteeringColumnState, wheels: WheelStates, imu: InertialMeasurement) -> bool:
+    """Whether all that is measured is finite and could be a road vehicle's."""
+    along, across = imu.longitudinal_acceleration, imu.lateral_acceleration
+    return (
+        sum_of_squares(wheels.velocity) < LARGEST_SPEED * LARGEST_SPEED
+        and sum_of_squares(wheels.effort) < LARGEST_TORQUE * LARGEST_TORQUE
+        and along * along + across * across < LARGEST_ACCELERATION * LARGEST_ACCELERATION
+        and abs(imu.yaw_rate) < LARGEST_YAW_RATE
+        and abs(column.road_wheel_angle) < LARGEST_ANGLE
+    )
+
+
+@compilable
+def sum_of_squares(of: Wheels) -> float:
+    """Left and right first, so that a mirrored car gets the same number."""
+    return (of[0] * of[0] + of[1] * of[1]) + (of[2] * of[2] + of[3] * of[3])

@@ -1,0 +1,39 @@
+"""The spinning wheel as traction control sees it: its motion, its slip, and the torque that the road takes from it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+
+
+class WheelMotion(NamedTuple):
+    """What is measured of one wheel, counted positive in the direction of its request."""
+
+    speed: float  # [rad/s]
+    rolling: float  # speed at which it would roll [rad/s]
+    acceleration: float  # mean over the last period, not filtered [rad/s^2]
+    torque: float  # mean over the last period [N m]
+    body_acceleration: float  # of the car [m/s^2]
+    forward_acceleration: float  # of the car to its front, in reverse as well [m/s^2]
+    lateral_acceleration: float  # of the car to its left [m/s^2]
+    place: int  # of the wheel, in the order of Wheels
+
+
+@compilable
+def slip_of(motion: WheelMotion, slowest: float) -> float:
+    """Slip 1 - w_free/w (dissertation, eq 2.34) [1], against at least `slowest` [rad/s], so that rest is none."""
+    return (motion.speed - motion.rolling) / max(abs(motion.speed), slowest)
+
+
+@compilable
+def road_torque(car: Car, motion: WheelMotion) -> float:
+    """Torque that the road takes from a wheel, M - J w' [N m], mean over the last period, not filtered."""
+    return motion.torque - car.driven_wheel_inertia * motion.acceleration
+
+
+@compilable
+def mass_share(car: Car) -> float:
+    """The part of the car's mass that one driven wheel has to move [kg]; the source's M is that of a single wheel."""
+    return car.mass / max(car.number_driven, 1.0)

@@ -1,0 +1,114 @@
+"""Sensors in the frame: what they show takes the place of the true numbers, once per control period.
+
+A row of numbers holds what the sensors behind one object are told, another one what lasts between periods:
+
+    constants  total  size of the state  sensors  then for each sensor the numbers from KIND to NAME
+    state      period                             then for each sensor what it shows and what is on its way
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import atan2, cos, isfinite, remainder, sin
+from ev_msgs_py.sensors.random_numbers import TAU, WORD, normals, philox, uniform
+
+# How the frame carries what is measured: as numbers one after the other; as z and w of a quaternion about the vertical
+# axis; as a share and the amount that it is of the whole.
+NUMBERS, HEADING, SHARE = range(3)
+
+# What a sensor is told. Three places: of the first number, or of z and w, or of share, amount and whole; MEMORY is that
+# of its own numbers in the state.
+WIDTH = 14
+KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, NAME = range(WIDTH)
+HEAD = 3
+
+# The last word of the counter says what a random number is for.
+FOR_NOISE, FOR_DROPOUT = range(2)
+
+
+@compilable
+def measure(frame, state, sensors) -> None:
+    """Let all sensors show what they make of the true numbers in a frame."""
+    period = int(state[0])
+    for n in range(int(sensors[2])):
+        begin = HEAD + n * WIDTH
+        show(frame, state, sensors[begin : begin + WIDTH], period)
+    state[0] += 1.0
+
+
+@compilable
+def show(frame, state, c, period: int) -> None:
+    """One sensor: bias and noise, quantisation, delay, drop-out of all its numbers at once."""
+    count, shown, delay = int(c[COUNT]), int(c[MEMORY]), int(c[DELAY])
+    is_lost = period > 0 and is_dropped(c, period)
+    spare = 0.0
+    for i in range(count):
+        normal = spare
+        if c[NOISE] > 0.0 and i % 2 == 0:
+            w0, w1, w2, w3 = words(c, period, i // 2, FOR_NOISE)
+            normal, spare = normals(w0, w1, w2, w3)
+        value = sampled(true_number(frame, c, i), normal, c)
+        if delay > 0:
+            line = shown + count + i
+            if period == 0:
+                for age in range(delay):
+                    state[line + age * count] = value
+            here = line + (period % delay) * count
+            newest, value = value, state[here]
+            state[here] = newest
+        if not is_lost:
+            state[shown + i] = value
+        write(frame, c, i, state[shown + i])
+
+
+@compilable
+def words(c, period: int, block: int, purpose: int) -> tuple[int, int, int, int]:
+    """Four random words of a sensor in a period; the key is the seed and the name."""
+    return philox(period & WORD, period >> 32, block, purpose, int(c[SEED]), int(c[NAME]))
+
+
+@compilable
+def is_dropped(c, period: int) -> bool:
+    """Whether the value of a period is lost, with the probability `dropout`."""
+    if c[DROPOUT] == 0.0:
+        return False
+    w0, w1, _, _ = words(c, period, 0, FOR_DROPOUT)
+    return uniform(w0, w1) < c[DROPOUT]
+
+
+@compilable
+def sampled(true: float, normal: float, c) -> float:
+    """A number with bias and noise, at the nearest of the values that can be shown."""
+    value = true + c[BIAS] + c[NOISE] * normal
+    if c[QUANTISATION] == 0.0 or not isfinite(value):  # whoever publishes it says which number is not finite
+        return value
+    return value - remainder(value, c[QUANTISATION])
+
+
+@compilable
+def true_number(frame, c, i: int) -> float:
+    """Number i of those that are measured; a heading lies in -pi..pi [rad]."""
+    place = int(c[PLACE])
+    if c[KIND] == HEADING:
+        return remainder(2.0 * atan2(frame[place], frame[int(c[SECOND])]), TAU)
+    return frame[place + i]
+
+
+@compilable
+def write(frame, c, i: int, number: float) -> None:
+    """Put number i into the frame, as its message carries it."""
+    place, second = int(c[PLACE]), int(c[SECOND])
+    if c[KIND] == HEADING:
+        frame[place], frame[second] = sin(0.5 * number), cos(0.5 * number)
+    else:
+        frame[place + i] = carried(number, c)
+        if c[KIND] == SHARE:
+            frame[second] = carried(frame[place] * frame[int(c[THIRD])], c)
+
+
+@compilable
+def carried(number: float, c) -> float:
+    """The number in the precision of its message."""
+    return float(np.float32(number)) if c[ROUNDS] == 1.0 else number

@@ -1,0 +1,50 @@
+"""The sensors behind one object, in plain Python: what they are told and what they keep, as two rows of numbers."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator, MutableSequence
+from typing import Any
+
+from ev_msgs_py.sensors.measuring import HEAD, NUMBERS, WIDTH, measure
+from ev_msgs_py.sensors.quantities import QUANTITIES, Quantity
+from ev_msgs_py.shape import shape_of
+
+
+class SensorRow:
+    """Those of some sensors that are not ideal; `parameters` are as `quantities.sensors_for` declares them.
+
+    `constants` and `state` are rows of numbers as `measuring` has them, the state all that lasts.
+    """
+
+    def __init__(self, parameters: Any, seed: int) -> None:
+        self.constants = [0.0] * HEAD
+        self._size = 1
+        for quantity, errors in imperfect(parameters):
+            self.constants += self._told(quantity, errors, seed)
+        total = len(self.constants)
+        self.constants[:HEAD] = float(total), float(self._size), float((total - HEAD) // WIDTH)
+        self.start()
+
+    def _told(self, quantity: Quantity, errors: Any, seed: int) -> list[float]:
+        places = quantity.places[:1] if quantity.kind == NUMBERS else quantity.places
+        memory, self._size = self._size, self._size + quantity.count * (1 + errors.delay)
+        told = [quantity.kind, *places, *[0] * (3 - len(places)), quantity.count, shape_of(quantity.signal).has_single]
+        told += [memory, errors.bias, errors.noise, errors.quantisation, errors.delay, errors.dropout]
+        return [float(value) for value in (*told, seed, zlib.crc32(quantity.name.encode()))]
+
+    def start(self) -> None:
+        """Begin anew, before the first period."""
+        self.state = [0.0] * self._size
+
+    def step(self, frame: MutableSequence[float]) -> None:
+        """Put what the sensors show into a frame of true numbers; once per period, the first time at the start."""
+        measure(frame, self.state, self.constants)
+
+
+def imperfect(parameters: Any) -> Iterator[tuple[Quantity, Any]]:
+    """The quantities whose sensors have errors, and these."""
+    for quantity in QUANTITIES:
+        errors = getattr(parameters, quantity.name, None)
+        if errors is not None and errors != type(errors)():
+            yield quantity, errors

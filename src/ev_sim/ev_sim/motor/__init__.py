@@ -1,1 +1,0 @@
-"""Motors with their inverters, as the plant sees them: torque and electrical power."""

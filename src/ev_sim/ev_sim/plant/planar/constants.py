@@ -1,0 +1,52 @@
+"""What follows from the vehicle description and stays for a whole run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.car import GRAVITY
+from ev_msgs_py.contract.record import entry, per_wheel
+from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import WHEEL_NAMES
+
+
+@dataclass(slots=True)
+class BodyConstants:
+    """Numbers of body, wheels and tyres that the vehicle description does not say itself."""
+
+    wheel_x: list[float] = per_wheel(unit="m", about="of the wheel centre from the centre of mass")
+    wheel_y: list[float] = per_wheel(unit="m", about="of the wheel centre from the centre of mass")
+    wheel_inertia: list[float] = per_wheel(unit="kg m^2", about="with the part of the rotor behind its gear")
+    cornering_stiffness: list[float] = per_wheel(unit="1/rad", about="over static load, of a linear lateral curve")
+    damping_x: float = entry(unit="N s/m", about="of the carcass, along the wheel")
+    damping_y: float = entry(unit="N s/m", about="of the carcass, across the wheel")
+    drag: float = entry(unit="N s^2/m^2", about="rho c_d A / 2")
+
+
+def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The x and the y of the four wheel centres from the centre of mass [m]."""
+    rear = -vehicle.centre_of_mass_to_rear_axle
+    front = vehicle.wheelbase + rear
+    front_half, rear_half, offset = vehicle.front_track / 2, vehicle.rear_track / 2, vehicle.centre_of_mass_offset
+    y = (front_half - offset, -front_half - offset, rear_half - offset, -rear_half - offset)
+    return (front, front, rear, rear), y
+
+
+def body_constants(vehicle: Vehicle) -> BodyConstants:
+    """The constants of a vehicle."""
+    v, tyre = vehicle, vehicle.tyre
+    front_load = v.mass * GRAVITY * v.centre_of_mass_to_rear_axle / v.wheelbase
+    rear_load = v.mass * GRAVITY - front_load
+    front_stiffness = 2 * tyre.front_cornering_stiffness / max(front_load, 1.0)
+    rear_stiffness = 2 * tyre.rear_cornering_stiffness / max(rear_load, 1.0)
+    x, y = wheel_places(v)
+    rotor = v.motor.rotor_inertia * v.gear_ratio**2
+    return BodyConstants(
+        wheel_x=list(x),
+        wheel_y=list(y),
+        wheel_inertia=[v.wheel_inertia + (rotor if name in v.driven_wheels else 0.0) for name in WHEEL_NAMES],
+        cornering_stiffness=[front_stiffness, front_stiffness, rear_stiffness, rear_stiffness],
+        damping_x=tyre.longitudinal_stiffness * tyre.longitudinal_damping_time,
+        damping_y=tyre.lateral_stiffness * tyre.lateral_damping_time,
+        drag=0.5 * v.air_density * v.drag_coefficient * v.frontal_area,
+    )

@@ -1,0 +1,76 @@
+"""The contact of a wheel with the road: slip velocities, secants of the friction curve, slips that are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import sqrt
+from typing import NamedTuple
+
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_sim.plant.planar.constants import BodyConstants
+from ev_sim.plant.planar.memory import Step
+from ev_sim.plant.planar.state import DEFLECTION_X, DEFLECTION_Y, VX, VY, WHEEL_SPEED, YAW_RATE
+from ev_sim.tyres.combined import SLIP_VECTOR, STILL, slip_vector, uncoupled
+
+LATERAL_CURVES = ("same", "linear")
+SAME, LINEAR = range(len(LATERAL_CURVES))
+
+
+class Contact(NamedTuple):
+    """Velocities at a wheel, in its frame [m/s]."""
+
+    along: float  # of its centre
+    speed: float  # of its centre, magnitude
+    rim: float
+    slip_x: float
+    slip_y: float
+
+
+@compilable
+def contact(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int, wheel_speed: float) -> Contact:
+    """The velocities at wheel i, which turns with `wheel_speed` [rad/s]."""
+    cosine, sine = step.cos_steer[i], step.sin_steer[i]
+    ground_x = y[VX] - body.wheel_y[i] * y[YAW_RATE]
+    ground_y = y[VY] + body.wheel_x[i] * y[YAW_RATE]
+    along = ground_x * cosine + ground_y * sine
+    across = ground_y * cosine - ground_x * sine
+    rim = car.wheel_radius * wheel_speed
+    return Contact(along, sqrt(along * along + across * across), rim, rim - along, -across)
+
+
+@compilable
+def secants(car: Car, body: BodyConstants, step: Step, i: int, at: Contact) -> tuple[float, float, float, float]:
+    """Friction per slip [1] and transport velocity [m/s], for both directions of wheel i.
+
+    The transport velocity is the larger of rim and ground speed, which gives 1 - V/(r w) in traction and (r w - V)/V in
+    braking.
+    """
+    tyre, on_road = car.tyre, step.tyre[i]
+    if tyre.combined == SLIP_VECTOR:
+        transport = max(abs(at.rim), at.speed, STILL)
+        along_secant, across_secant = slip_vector(tyre, on_road, at.slip_x, at.slip_y, transport)
+        return along_secant, across_secant, transport, transport
+    transport_x = max(abs(at.rim), abs(at.along), STILL)
+    transport_y = max(at.speed, STILL)
+    along_secant, across_secant = uncoupled(tyre, on_road, at.slip_x, at.slip_y, transport_x, transport_y)
+    if tyre.lateral_curve == LINEAR:
+        across_secant = body.cornering_stiffness[i]
+    return along_secant, across_secant, transport_x, transport_y
+
+
+@compilable
+def slips(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int) -> tuple[float, float]:
+    """The slips [1] at which the friction curve gives the present forces of wheel i, along and across.
+
+    In steady driving they are the slip ratio and the sine of the slip angle (with the sign of their force); at rest,
+    where kinematic slip is 0/0, they stay meaningful and continuous.
+    """
+    at = contact(y, car, body, step, i, y[WHEEL_SPEED + i])
+    secant_x, secant_y, transport_x, transport_y = secants(car, body, step, i, at)
+    spring_x = car.tyre.longitudinal_stiffness * y[DEFLECTION_X + i] + body.damping_x * at.slip_x
+    spring_y = car.tyre.lateral_stiffness * y[DEFLECTION_Y + i] + body.damping_y * at.slip_y
+    return (
+        spring_x / (step.load[i] * secant_x + transport_x * body.damping_x),
+        spring_y / (step.load[i] * secant_y + transport_y * body.damping_y),
+    )

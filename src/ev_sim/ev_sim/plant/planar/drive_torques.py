@@ -1,0 +1,87 @@
+"""Motors, driveline and brakes of the planar plant: the torques that are held over a step."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_sim.driveline.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, wheel_torques
+from ev_sim.drives.drive import advance_drive
+from ev_sim.drives.torque_controlled import limited_torque
+from ev_sim.plant.planar.energy import PowerConstants, battery_scale, terminal_voltage
+from ev_sim.plant.planar.memory import Step
+from ev_sim.plant.planar.parameters import TORQUE_CONTROLLED, PlanarParameters
+from ev_sim.plant.planar.state import WHEEL_SPEED, PlanarState
+
+
+class Lags(NamedTuple):
+    """What a lag with time constant tau closes over a step [1]: 1 - exp(-h/tau)."""
+
+    torque: float
+    torque_mean: float  # the mean of the torque's over the step
+    clutch: float
+    heat: float
+
+
+@compilable
+def apply_drives(
+    s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants, lags: Lags, step: Step, h: float
+) -> None:
+    """Set the drive and brake torques of the wheels for this step of h [s], in [N m].
+
+    The torque held over the step is the mean of the lagged one, so its impulse is exact. Brushless DC drives take the
+    terminal voltage of the step before.
+    """
+    shaft, target, motor, asked, gear = step.shaft, step.target, step.motor, step.asked, car.gear_ratio
+    wheel_speed = s.motion[WHEEL_SPEED : WHEEL_SPEED + 4]
+    for i in range(4):
+        asked[i] = step.drive_command[i]
+        if car.blend_brakes == 1.0:
+            asked[i] -= _blended(car, wheel_speed[i], step.brake_command[i]) * car.driven[i]
+    shaft_speeds(car, wheel_speed, shaft)
+    motor_commands(car, asked, target)
+    if car.driveline.coupling == CLUTCH:
+        follow_shares(car, asked, s.torque_share, lags.clutch)
+    for i in range(4):
+        target[i] /= gear
+        if p.drive == TORQUE_CONTROLLED and car.driven[i] == 1.0:
+            target[i] = limited_torque(car.motor, target[i], shaft[i] * gear, s.motor_heat[i])
+    scale = battery_scale(s, p, car, power, step)
+    for i in range(4):
+        if car.driven[i] == 0.0:
+            motor[i] = target[i] = 0.0
+            continue
+        if p.drive == TORQUE_CONTROLLED:
+            gap = scale * target[i] - s.motor_torque[i]
+            motor[i] = s.motor_torque[i] + lags.torque_mean * gap
+            s.motor_torque[i] += lags.torque * gap
+            use = motor[i] / car.motor.nominal_torque
+            s.motor_heat[i] += lags.heat * (use * use - s.motor_heat[i])
+        else:
+            drive = s.drives[i]
+            voltage = terminal_voltage(s, car, power.voltage)
+            advance_drive(drive, p, scale * target[i], shaft[i] * gear, voltage, h)
+            motor[i] = drive.mean_torque
+            s.motor_torque[i] = drive.torque
+        behind = motor[i] * gear
+        efficiency = car.motor.gear_efficiency
+        target[i] = behind * efficiency if motor[i] * shaft[i] >= 0.0 else behind / efficiency
+    wheel_torques(car, target, wheel_speed, s.torque_share, step.drive)
+    for i in range(4):
+        step.brake[i] = step.brake_command[i]
+        if car.blend_brakes == 1.0 and asked[i] != step.drive_command[i]:
+            # The friction brake fills up what the motor does not deliver, because of its limits or its lag.
+            delivered = step.drive_command[i] - step.drive[i]
+            delivered = delivered if wheel_speed[i] > 0.0 else -delivered
+            step.brake[i] -= min(max(delivered, 0.0), step.brake_command[i])
+
+
+@compilable
+def _blended(car: Car, wheel_speed: float, brake: float) -> float:
+    """The part of a brake torque that the motor is asked for, with the sign of the wheel speed [N m]."""
+    motor, gear = car.motor, car.gear_ratio
+    fade = min(abs(wheel_speed) / car.blend_fade_speed, 1.0)
+    limit = min(motor.generator_torque, motor.generator_power / max(abs(wheel_speed) * gear, 1e-9)) * gear
+    part = min(brake, limit * fade)
+    return part if wheel_speed >= 0.0 else -part

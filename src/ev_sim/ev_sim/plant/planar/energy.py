@@ -1,0 +1,117 @@
+"""Losses and battery of the planar plant: what the battery lets through, and the energies of a step."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_sim.battery.resistive import current_at_power, open_circuit_voltage, power_limits
+from ev_sim.driveline.couplings import shaft_speeds
+from ev_sim.drives.losses import loss_power, map_loss_power
+from ev_sim.plant.planar.memory import Step
+from ev_sim.plant.planar.parameters import TORQUE_CONTROLLED, PlanarParameters
+from ev_sim.plant.planar.state import PlanarState
+
+
+class EfficiencyMap(NamedTuple):
+    """Shaft speeds [rad/s], shaft torques [N m], and for each speed a row of efficiencies [1]; empty without a map."""
+
+    speed: tuple[float, ...]
+    torque: tuple[float, ...]
+    efficiency: tuple[float, ...]
+
+
+class PowerConstants(NamedTuple):
+    """Of battery and motors."""
+
+    capacity: float  # charge between empty and full [A s]
+    voltage: tuple[float, ...]  # open circuit, at equally spaced states of charge from empty to full [V]
+    map: EfficiencyMap
+
+
+@compilable
+def motor_loss(p: PlanarParameters, car: Car, map: EfficiencyMap, torque: float, speed: float) -> float:
+    """Loss of one torque-controlled motor with inverter [W] at its shaft torque [N m] and speed [rad/s].
+
+    Brushless drives bring their own losses.
+    """
+    if p.drive != TORQUE_CONTROLLED:
+        return 0.0
+    if len(map.efficiency) > 0:
+        return map_loss_power(torque, speed, map.speed, map.torque, map.efficiency)
+    return loss_power(car.motor, torque, speed)
+
+
+@compilable
+def terminal_voltage(s: PlanarState, car: Car, voltages: tuple[float, ...]) -> float:
+    """Voltage at the terminals of the battery under the power of the last step [V]."""
+    source, resistance = open_circuit_voltage(voltages, s.state_of_charge), car.battery.resistance
+    return source - resistance * current_at_power(source, resistance, s.battery_power)
+
+
+@compilable
+def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants, step: Step) -> float:
+    """Factor on all motor torques [1] that keeps the battery within its limits.
+
+    Losses are convex in the torque and at least the idle ones, so the factor errs on the safe side.
+    """
+    shaft, target = step.shaft, step.target
+    idle = mechanical = wanted = 0.0
+    for axle in range(2):
+        left, right = 2 * axle, 2 * axle + 1
+        left_idle, left_loss = _idle_and_loss(p, car, power.map, target[left], shaft[left], car.driven[left])
+        right_idle, right_loss = _idle_and_loss(p, car, power.map, target[right], shaft[right], car.driven[right])
+        idle += left_idle + right_idle
+        wanted += left_loss + right_loss
+        mechanical += (target[left] * shaft[left] + target[right] * shaft[right]) * car.gear_ratio
+    idle += car.battery.auxiliary_power
+    wanted += mechanical + car.battery.auxiliary_power
+    give, take = power_limits(car.battery, open_circuit_voltage(power.voltage, s.state_of_charge), s.state_of_charge)
+    if wanted > give and wanted > idle:
+        return min(max((give - idle) / (wanted - idle), 0.0), 1.0)
+    if wanted < -take and mechanical < 0.0:
+        return min(max((-take - idle) / mechanical, 0.0), 1.0)
+    return 1.0
+
+
+@compilable
+def _idle_and_loss(
+    p: PlanarParameters, car: Car, map: EfficiencyMap, torque: float, shaft: float, driven: float
+) -> tuple[float, float]:
+    if driven == 0.0:
+        return 0.0, 0.0
+    speed = shaft * car.gear_ratio
+    return motor_loss(p, car, map, 0.0, speed), motor_loss(p, car, map, torque, speed)
+
+
+@compilable
+def account(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants, step: Step, h: float) -> None:
+    """Book the energies of this step of h [s], in which the wheels have `turned`, and discharge the battery."""
+    shaft, mean_speed, motor, gear = step.shaft, step.mean_speed, step.motor, car.gear_ratio
+    for i in range(4):
+        mean_speed[i] = step.turned[i] / h
+    shaft_speeds(car, mean_speed, shaft)
+    mechanical = loss = drive = 0.0
+    for axle in range(2):
+        left, right = 2 * axle, 2 * axle + 1
+        left_speed, right_speed = shaft[left] * gear, shaft[right] * gear
+        mechanical += motor[left] * left_speed + motor[right] * right_speed
+        left_loss = car.driven[left] * motor_loss(p, car, power.map, motor[left], left_speed)
+        right_loss = car.driven[right] * motor_loss(p, car, power.map, motor[right], right_speed)
+        loss += left_loss + right_loss
+        drive += step.drive[left] * mean_speed[left] + step.drive[right] * mean_speed[right]
+    if p.drive != TORQUE_CONTROLLED:
+        loss = 0.0
+        for axle in range(2):
+            loss += s.drives[2 * axle].electrical_power + s.drives[2 * axle + 1].electrical_power
+        loss -= mechanical
+    given = mechanical + loss + car.battery.auxiliary_power
+    current = current_at_power(open_circuit_voltage(power.voltage, s.state_of_charge), car.battery.resistance, given)
+    s.state_of_charge -= current * h / power.capacity
+    s.battery_power = given
+    s.battery_work += given * h
+    s.motor_loss += loss * h
+    s.driveline_loss += (mechanical - drive) * h
+    s.auxiliary_work += car.battery.auxiliary_power * h
+    s.drive_work += drive * h

@@ -1,0 +1,92 @@
+"""The signals of the planar plant: what sensors show of its state."""
+
+from __future__ import annotations
+
+from math import asin, cos, sin
+
+import numpy as np
+
+from ev_msgs_py.car import Car
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.signals import (
+    BatteryCondition,
+    BodyPose,
+    BodyVelocity,
+    InertialMeasurement,
+    MotorStates,
+    TireForces,
+    WheelStates,
+)
+from ev_msgs_py.wheels import Wheels
+from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
+from ev_sim.driveline.couplings import shaft_speeds
+from ev_sim.plant.planar.body import rates
+from ev_sim.plant.planar.contact import slips
+from ev_sim.plant.planar.energy import PowerConstants
+from ev_sim.plant.planar.memory import STAGES, STEP, Stages, Step
+from ev_sim.plant.planar.parameters import PlanarParameters
+from ev_sim.plant.planar.prepare import PlanarConstants
+from ev_sim.plant.planar.road_under_wheels import find_road
+from ev_sim.plant.planar.state import HEADING, VX, VY, WHEEL_ANGLE, WHEEL_SPEED, YAW_RATE, PlanarState
+from ev_sim.plant.planar.steering import steer
+
+SIGNALS = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces)
+
+
+@compilable
+def outputs(
+    p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState
+) -> tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]:
+    """All signals at the instant of the state; drive torques are means over the period before it."""
+    return _seen(p, car, c, s, np.zeros(1, STEP), np.zeros(1, STAGES))
+
+
+@compilable
+def _seen(
+    p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, steps: list[Step], stages: list[Stages]
+) -> tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]:
+    y, step = s.motion, steps[0]
+    step.imposed_acceleration = s.imposed_acceleration
+    find_road(y, c.body, step, c.road, True)
+    steer(car, step, s.road_wheel_angle)
+    rates(y, stages[0].k1, p, car, c.body, step, True)
+    shaft_speeds(car, y[WHEEL_SPEED : WHEEL_SPEED + 4], step.shaft)
+    slip_x, slip_y = step.asked, step.target  # memory that nothing else needs here
+    for i in range(4):
+        step.shaft[i] = step.shaft[i] * car.driven[i] * car.gear_ratio
+        slip_x[i], sine = slips(y, car, c.body, step, i)
+        slip_y[i] = -asin(min(max(sine, -1.0), 1.0))
+    tyre = step.tyre
+    return (
+        WheelStates(_wheels(y, WHEEL_ANGLE), _wheels(y, WHEEL_SPEED), _wheels(s.mean_drive, 0)),
+        MotorStates(_wheels(step.shaft, 0), _wheels(s.motor_torque, 0)),
+        InertialMeasurement(y[YAW_RATE], step.acceleration_x, step.acceleration_y),
+        BodyVelocity(y[VX], y[VY], y[YAW_RATE]),
+        BodyPose(s.x, s.y, sin(y[HEADING] / 2), cos(y[HEADING] / 2)),
+        battery_condition(s, car, c.power),
+        TireForces(
+            _wheels(step.force_x, 0),
+            _wheels(step.force_y, 0),
+            _wheels(step.load, 0),
+            _wheels(slip_x, 0),
+            _wheels(slip_y, 0),
+            Wheels(tyre[0].friction, tyre[1].friction, tyre[2].friction, tyre[3].friction),
+        ),
+    )
+
+
+@compilable
+def battery_condition(s: PlanarState, car: Car, power: PowerConstants) -> BatteryCondition:
+    """Terminal values under the power of the last step; the current counts into the battery."""
+    source, resistance = open_circuit_voltage(power.voltage, s.state_of_charge), car.battery.resistance
+    current = current_at_power(source, resistance, s.battery_power)
+    capacity = power.capacity / 3600.0
+    return BatteryCondition(
+        source - resistance * current, -current, s.state_of_charge * capacity, capacity, s.state_of_charge
+    )
+
+
+@compilable
+def _wheels(values: list[float], place: int) -> Wheels:
+    """Four values from a place on."""
+    return Wheels(values[place], values[place + 1], values[place + 2], values[place + 3])

@@ -1,0 +1,82 @@
+"""What the planar plant is told once: step width, constants of the car, and its tables."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.vehicle import Vehicle
+from ev_sim.drives.drive import DRIVES
+from ev_sim.plant.commands import GuardLimits, guard_limits
+from ev_sim.plant.planar.constants import BodyConstants, body_constants
+from ev_sim.plant.planar.drive_torques import Lags
+from ev_sim.plant.planar.energy import EfficiencyMap, PowerConstants
+from ev_sim.plant.planar.parameters import PlanarParameters
+from ev_sim.plant.planar.road_under_wheels import RoadTables, road_tables
+from ev_sim.plant.planar.step_width import longest_brushless_step, longest_step
+from ev_sim.profiles.profile import Profile
+from ev_sim.profiles.speed_profile import wanted_speed
+
+
+class PlanarConstants(NamedTuple):
+    """What the functions of the plant get as `c`."""
+
+    h: float  # width of a step [s]
+    steps: float  # in a control period
+    limits: GuardLimits
+    body: BodyConstants
+    lags: Lags
+    power: PowerConstants
+    road: RoadTables
+    imposed: Profile  # speed [m/s]
+
+
+def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> PlanarConstants:
+    """The constants of a plant; ParameterError if a file that it names has not been read."""
+    p = parameters
+    brushless = p.drive in DRIVES
+    steps = number_of_steps(p, vehicle, period)
+    motor_torque = p.motor.torque_limit if brushless else vehicle.motor.peak_torque
+    return PlanarConstants(
+        h=period / steps,
+        steps=steps,
+        limits=guard_limits(vehicle, motor_torque, vehicle.maximum_road_wheel_angle),
+        body=body_constants(vehicle),
+        lags=lags_over(period / steps, vehicle),
+        power=PowerConstants(
+            capacity=vehicle.battery.capacity * 3600.0,
+            voltage=vehicle.battery.open_circuit_voltage,
+            map=EfficiencyMap((), (), ()) if brushless else efficiency_map(vehicle),
+        ),
+        road=road_tables(p.road, vehicle),
+        imposed=wanted_speed(p.imposed_speed, "imposed_speed"),
+    )
+
+
+def number_of_steps(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> int:
+    """Steps in a period, each as wide as it may be at most."""
+    longest = min(parameters.step, longest_step(vehicle), parameters.load_transfer_lag)
+    if parameters.drive in DRIVES:
+        longest = min(longest, longest_brushless_step(vehicle, parameters.motor))
+    rounding = 1e-12  # a period of a whole number of steps gets no more than that
+    return max(math.ceil(period / longest * (1.0 - rounding)), 1)
+
+
+def lags_over(h: float, vehicle: Vehicle) -> Lags:
+    """What each lag closes over a step of h [s]."""
+    motor = vehicle.motor
+    return Lags(
+        torque=-math.expm1(-h / motor.torque_lag),
+        torque_mean=1.0 + math.expm1(-h / motor.torque_lag) * motor.torque_lag / h,
+        clutch=-math.expm1(-h / vehicle.driveline.clutch_lag),
+        heat=-math.expm1(-h / motor.overload_time),
+    )
+
+
+def efficiency_map(vehicle: Vehicle) -> EfficiencyMap:
+    """The map of the motors, empty if there is none."""
+    motor = vehicle.motor
+    if motor.map_file:
+        raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
+    return EfficiencyMap(motor.map_speed, motor.map_torque, motor.map_efficiency)

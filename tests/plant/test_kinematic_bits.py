@@ -1,0 +1,34 @@
+"""The kinematic plant does the same compiled and in plain Python, to the bit."""
+
+from __future__ import annotations
+
+import pytest
+
+from ev_msgs_py.check.bits import differing_bits
+from ev_msgs_py.configuration import configure
+from ev_sim.drives.drive import DRIVES
+
+REAR = {"vehicle.driven_wheels": ["rear_left", "rear_right"], "vehicle.rear_track": 1.5}
+PWM = {"drive": "switched", "switched.current_control": "pwm", "switched.pwm_frequency": 5e3}
+# Choices, and how many steps plain Python can take in a second.
+CHOICES = {
+    "rear drive": ({**REAR, "sub_step": 4e-4, "initial_speed": -8.0}, 300),
+    "averaged on a low bus": ({**REAR, "drive": "averaged", "bus_voltage": 200.0, "motor.resistance": 0.4}, 100),
+    "switched on a low bus": ({"drive": "switched", "bus_voltage": 250.0, "initial_speed": 9.0}, 20),
+    "pulse width modulation": ({**PWM, "switched.current_controller.bandwidth": 1000.0, "initial_speed": 5.0}, 20),
+}
+STEPS = {"ideal": 500, "averaged": 100, "switched": 20}
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("drive", DRIVES)
+def test_each_depth_of_detail(drive, seed):
+    values = {"method": "kinematic", "drive": drive, "initial_speed": 5.0}
+    assert differing_bits(configure("plant", values), STEPS[drive], seed) == ""
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("choice", CHOICES)
+def test_choices(choice, seed):
+    values, steps = CHOICES[choice]
+    assert differing_bits(configure("plant", {"method": "kinematic", **values}), steps, seed) == ""

@@ -1,0 +1,65 @@
+"""Sensors behind the part whose numbers they change."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sensors.rows import EVERYTHING
+
+from ev_msgs_py.compiling.loop import call_part
+from ev_msgs_py.configuration import configure
+from ev_msgs_py.contract import frame
+from ev_msgs_py.lockstep.run import parts_of
+from ev_msgs_py.roles import ROLES
+from ev_msgs_py.sensors.measuring import HEADING
+from ev_msgs_py.sensors.quantities import QUANTITIES
+from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+
+PLANT = [quantity.name for quantity in QUANTITIES if quantity.signal is not SteeringColumnState]
+
+
+def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> np.ndarray:
+    """What a role and its sensors (quantity.error) write at the start and after steps with wheel torques."""
+    values = {f"sensors.{name}": value for name, value in errors.items()}
+    parts = parts_of(configure(role, {"method": method, **values}))
+    said = np.zeros((steps + 1, frame.SIZE))
+    for k in range(steps + 1):
+        for part in parts:
+            function, state, constants = part.addresses()
+            now = said[k - 1].ctypes.data if k else 0
+            assert call_part(function, now, said[k].ctypes.data, state, constants) == 0
+        said[k, frame.PLACES[WheelTorqueCommand]][:2] = 100.0 + k, 200.0
+    return said
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES, ids=lambda quantity: quantity.name)
+def test_a_bias_shows_in_its_own_numbers_and_nowhere_else(quantity):
+    """A heading shows it as that of a quaternion about the vertical axis."""
+    role = next(role.name for role in ROLES.values() if quantity.signal in role.writes)
+    method = "planar" if role == "plant" else "powered"
+    true, biased = (frames(role, method, errors)[0] for errors in ({}, {f"{quantity.name}.bias": 0.125}))
+    own = list(quantity.places[: quantity.count])
+    if quantity.kind == HEADING:
+        assert biased[list(quantity.places)] == pytest.approx([np.sin(0.0625), np.cos(0.0625)], rel=1e-15)
+    else:
+        assert biased[own] == pytest.approx(0.125 + true[own], rel=2**-24)
+    others = np.setdiff1d(np.arange(frame.SIZE), quantity.places)
+    assert biased[others].tobytes() == true[others].tobytes()
+
+
+def test_ideal_sensors_are_not_there():
+    """So they cost nothing; a seed alone makes no noise."""
+    assert len(parts_of(configure("plant", {"seed": 3}))) == 1
+    assert len(parts_of(configure("plant", {"sensors.wheel_speed.delay": 1}))) == 2
+
+
+def test_sensors_do_not_touch_what_is_integrated():
+    """The same commands move the car alike, whatever is measured: a bias is all that differs."""
+    true = frames("plant", "planar", {}, 50)
+    biased = frames("plant", "planar", {"body_velocity.bias": 0.5, "wheel_torque.delay": 3}, 50)
+    for name, place in frame.channels().items():
+        off = 0.5 if name in ("twist.longitudinal", "twist.lateral") else 0.0
+        if not name.startswith("wheel_states.effort"):
+            assert (biased[:, place] == true[:, place] + off).all(), name
+    everything = {f"{name}.{error}": value for name in PLANT for error, value in EVERYTHING.items()}
+    assert (frames("plant", "planar", everything, 50)[:, 1:60] != true[:, 1:60]).any(axis=0).sum() > 50
