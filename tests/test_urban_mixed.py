@@ -1,11 +1,10 @@
-"""The urban cycle on mixed surfaces: efficiencies by hand, windows, drivers, figures, and the five differentials."""
+"""The urban cycle on mixed surfaces: efficiencies by hand, windows, figures, and the five differentials."""
 
 from __future__ import annotations
 
 import csv
 import dataclasses
 import math
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from urban_runs import CAR, PARAMETERS, driven, parameters_of, scenario
 
 from ev_control.electronic_differential.adaptive import Adaptive
 from ev_control.electronic_differential.adhesion_share import AdhesionShare
@@ -29,10 +29,8 @@ from ev_msgs_py.signals import (
     WheelStates,
     WheelTorqueRequest,
 )
-from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
-from ev_sim.driver.cycle_modes import REGENERATION, STOP, TRACTION
-from ev_sim.driver.power_level import PowerLevel, PowerLevelParameters
+from ev_sim.profiles.cycle_modes import MODES, TRACTION
 from ev_sim.recording.recording import Recording
 from ev_sim.report import cycle_efficiency as cycle
 from ev_sim.report.cycle_bands import stretches
@@ -40,12 +38,9 @@ from ev_sim.report.metric import NotMeasured
 from ev_sim.report.registry import report_for
 from ev_sim.report.slip_curve import first_passed_peak
 from ev_sim.report.surfaces_under import share_of, surfaces_under
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import Overrides, Scenario, load_scenario
 from ev_sim.surfaces.road import RoadParameters, left_and_right
 
 ROOT = Path(__file__).parents[1]
-DURATION = 95.0  # s: stands, drives, slows down, stands, drives
 DRIVERS = ("tracking", "pulse", "imposed_speed")
 FIGURES = [
     "figure_2_8",
@@ -56,30 +51,7 @@ FIGURES = [
     "figure_5_electrical",
 ]
 PERIOD = 0.005
-LEVEL = PowerLevelParameters()
-
-
-def scenario(driver: str = "pulse") -> Scenario:
-    speed = "imposed" if driver == "imposed_speed" else "free"
-    return load_scenario("urban_mixed", Overrides((), [("driver", "method", driver), ("plant", "speed", speed)]))
-
-
-def parameters_of(loaded: Scenario) -> dict[str, dict]:
-    return {role: configuration.values() for role, configuration in loaded.runs[0].configurations.items()}
-
-
-PARAMETERS = parameters_of(scenario())
-CAR: Vehicle = scenario().runs[0].configurations["plant"].common.vehicle
 INERTIA = CAR.wheel_inertia + CAR.gear_ratio**2 * CAR.motor.rotor_inertia
-
-
-@cache
-def driven(driver: str) -> Recording:
-    return run_offline(scenario(driver).runs[0].configurations, DURATION)
-
-
-def modes(run: Recording) -> np.ndarray:
-    return cycle.modes_over_time(run, PARAMETERS["driver"])
 
 
 # Efficiencies by hand
@@ -96,7 +68,7 @@ def cycle_of(begin: tuple[float, ...], mode: tuple[str, ...]) -> dict[str, objec
     }
 
 
-STEADY = cycle_of((0.0, 1.0, 3.0), (STOP, TRACTION, REGENERATION))
+STEADY = cycle_of((0.0, 1.0, 3.0), MODES)
 TORQUE, FORCE, TURNING, ROLLING = 100.0, 250.0, 20.0, 18.0  # N m, N, rad/s, rad/s
 FORCE_SHARE = FORCE * 0.32 / TORQUE
 
@@ -205,7 +177,7 @@ def test_windows_are_those_of_the_cycle():
     time = np.arange(116001) * PERIOD
     found = stretches(time, cycle.modes_over_time(Recording(time, {}), driver))
     assert [mode for _, _, mode in found] == [mode for _, _, mode in rows]
-    assert sum(end - start for start, end, mode in found if mode == TRACTION) == pytest.approx(355.2, abs=1e-6)
+    assert sum(end - start for start, end, mode in found if mode == MODES[TRACTION]) == pytest.approx(355.2, abs=1e-6)
 
 
 @pytest.mark.parametrize("side", [0, 1])
@@ -236,79 +208,6 @@ def test_every_metric_is_measured(driver):
     for name, metric in found.items():
         if "efficiency" in name or "share" in name:
             assert 0.0 < metric.value < 1.0, name
-
-
-def test_tracking_stays_within_half_a_metre_per_second():
-    """Measured are 0.46 m/s, where a window of traction begins to slow down on asphalt."""
-    run = driven("tracking")
-    error = run.channels["twist.longitudinal"] - cycle.wanted_speed(run, PARAMETERS["driver"])
-    assert np.abs(error).max() < 0.5
-
-
-def test_tracking_never_brakes_in_traction():
-    run = driven("tracking")
-    inside = modes(run) == TRACTION
-    assert run.channels["driver.command.drive_torque"][inside].min() >= 0.0
-    assert run.channels["driver.command.brake_torque"][inside].max() == 0.0
-
-
-def test_imposed_speed_is_the_cycle():
-    run = driven("imposed_speed")
-    wanted = cycle.wanted_speed(run, PARAMETERS["driver"])
-    assert np.abs(run.channels["twist.longitudinal"] - wanted).max() < 1e-6
-
-
-@pytest.mark.parametrize("driver", ["pulse", "imposed_speed"])
-def test_pedal_is_at_the_power_or_released(driver):
-    """In traction windows; imposed speed never releases it."""
-    run = driven(driver)
-    c, level = run.channels, PowerLevel(LEVEL, CAR)
-    speed = np.copysign(np.hypot(c["twist.longitudinal"], c["twist.lateral"]), c["twist.longitudinal"])
-    asked = c["driver.command.drive_torque"]
-    velocity = np.array([c[f"wheel_states.velocity.{wheel}"] for wheel in WHEEL_NAMES]).T
-    inside = np.flatnonzero(modes(run) == TRACTION)
-    expected = np.array(
-        [level.torque(speed[i], WheelStates(NO_WHEELS, Wheels(*velocity[i].tolist()), NO_WHEELS)) for i in inside]
-    )
-    pressed = np.isclose(asked[inside], expected, rtol=1e-12, atol=0.0)
-    assert (pressed | (asked[inside] == 0.0)).all()
-    assert c["driver.command.brake_torque"][inside].max() == 0.0
-    assert pressed.all() if driver == "imposed_speed" else 0.05 < pressed.mean() < 0.95
-
-
-def test_foot_goes_down_below_the_cycle_and_up_above_it():
-    """0.3 m/s on either side (assumption); one period later the car is little faster."""
-    run = driven("pulse")
-    error = run.channels["twist.longitudinal"] - cycle.wanted_speed(run, PARAMETERS["driver"])
-    pressed = run.channels["driver.command.drive_torque"] > 0.0
-    inside = modes(run) == TRACTION
-    turns = np.flatnonzero((pressed[1:] != pressed[:-1]) & inside[1:] & inside[:-1]) + 1
-    assert len(turns) > 20
-    assert np.where(pressed[turns], error[turns], -error[turns]).max() <= -0.3
-    assert np.abs(error[turns]).max() < 0.35
-
-
-def test_power_by_hand():
-    """K (phi + f) W V/(1 - s): half the power at half the speed, less torque where the wheels spin."""
-    load = 2170 * 9.81 * CAR.centre_of_mass_to_rear_axle / CAR.wheelbase
-    level = PowerLevel(LEVEL, CAR)
-    spinning = WheelStates(NO_WHEELS, Wheels.front(40.0, 60.0), NO_WHEELS)
-    power = LEVEL.factor * (0.4022 + 0.083) * load * 8.0 / (1 - 0.0907)
-    assert level.torque(8.0, spinning) == pytest.approx(power / 50.0, rel=1e-12)
-    assert level.torque(4.0, spinning) == pytest.approx(power / 100.0, rel=1e-12)
-    at_rest = WheelStates(NO_WHEELS, NO_WHEELS, NO_WHEELS)
-    assert level.torque(0.0, at_rest) == pytest.approx(power / 8.0 * 0.32, rel=1e-12)
-
-
-@pytest.mark.parametrize("driver", ["tracking", "pulse"])
-def test_car_stands_in_stop_windows(driver):
-    """From one second into the window, for the regeneration before ends with the car at rest: within 1 mm."""
-    run = driven(driver)
-    for start, end in ((0.0, 15.7), (72.9, 89.0)):
-        inside = (run.time >= start + 1.0) & (run.time < end)
-        assert np.ptp(run.channels["pose.x"][inside]) < 1e-3
-        assert run.channels["driver.command.drive_torque"][inside].max() == 0.0
-        assert run.channels["driver.command.brake_torque"][inside][-1] > 0.0
 
 
 # Figures

@@ -81,11 +81,6 @@ class BodyVelocity(NamedTuple):
     lateral: float
     yaw_rate: float
 
-    @property
-    def along_path(self) -> float:
-        """Speed of the centre of mass along its path, negative in reverse [m/s]."""
-        return math.copysign(math.hypot(self.longitudinal, self.lateral), self.longitudinal)
-
 
 class BodyPose(NamedTuple):
     """Position of the centre of mass and heading in the odom frame; the heading as z and w of the quaternion."""
