@@ -12,6 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lsim
 
+from ev_msgs_py.compiling.object import CompiledObject
+from ev_msgs_py.methods import find_method
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Battery, Motor, Tyre, Vehicle
 from ev_msgs_py.wheels import NO_WHEELS, Wheels
@@ -24,7 +26,8 @@ from ev_sim.analysis.understeer import (
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
+from ev_sim.plant.planar.parameters import PlanarParameters
+from ev_sim.plant.planar.state import VY, YAW_RATE
 
 CAR = SideSlipModel(wheelbase=2.7, mass=2400.0, yaw_inertia=4200.0, axle_cornering_stiffness=120e3, speed=7.0)
 GE_NI = Vehicle(
@@ -240,18 +243,18 @@ def test_linearised_plant_moves_as_the_nonlinear_one():
     """A step of 1e-4 rad about steady cornering, half a second of both, to 1 % of the change of yaw rate."""
     angle, step = 0.05, 1e-4
     found = linearised(ICE, OperatingPoint(CAR.speed, angle))
-    plant = PlanarPlant(PlanarParameters(initial_speed=CAR.speed, speed="held"), ICE, 0.01)
+    plant = CompiledObject(find_method("plant", "planar"), PlanarParameters(initial_speed=CAR.speed, speed="held"), ICE, 0.01)
     nothing = WheelTorqueCommand(NO_WHEELS)
     for _ in range(1000):
         plant.advance(nothing, SteeringColumnState(0.0, 0.0, 0.0, angle, 0.0))
-    before = plant.outputs()[3]
+    before = plant.state.copy()
     for _ in range(50):
         plant.advance(nothing, SteeringColumnState(0.0, 0.0, 0.0, angle + step, 0.0))
-    after = plant.outputs()[3]
+    after = plant.state.copy()
     time = np.linspace(0.0, 0.5, 501)
     _, answer, _ = lsim(found.system, np.full_like(time, step), time)
-    assert answer[-1, 1] == pytest.approx(after.yaw_rate - before.yaw_rate, rel=0.01)
-    assert answer[-1, 0] == pytest.approx(after.lateral - before.lateral, rel=0.01)
+    assert answer[-1, 1] == pytest.approx(after[YAW_RATE] - before[YAW_RATE], rel=0.01)
+    assert answer[-1, 0] == pytest.approx(after[VY] - before[VY], rel=0.01)
 
 
 def test_neutral_share_of_eq_4_holds_without_load_transfer_only():

@@ -10,14 +10,7 @@ import numpy as np
 import pytest
 from adaptive_reference import RecordedPlant, end_of_run
 
-from ev_msgs_py.methods import find_method
-from ev_msgs_py.parameters import build
-from ev_msgs_py.signals import BodyPose, BodyVelocity, Instant, SteeringColumnState
 from ev_msgs_py.vehicle import Vehicle
-from ev_sim.driver.path import Path, PathParameters
-from ev_sim.driver.path_follower import PathFollower
-from ev_sim.driver.pedal_profile import Feet, FeetParameters, FeetState
-from ev_sim.driver.pure_pursuit import PurePursuit, PurePursuitParameters
 from ev_sim.plant.planar.plant import PlanarPlant
 from ev_sim.plant.planar.state import index
 from ev_sim.recording.recording import Recording
@@ -25,7 +18,6 @@ from ev_sim.report.motion import lateral_acceleration_on_path
 from ev_sim.report.registry import report_for
 from ev_sim.scenario.offline import run_offline
 from ev_sim.scenario.scenario import Overrides, Run, load_scenario
-from ev_sim.steering_column.steering_robot import SteeringRobot, SteeringRobotParameters
 
 PERIOD = 0.01
 SCENARIOS = (
@@ -263,92 +255,6 @@ def test_split_friction():
     assert launch["steered_peak_yaw_deviation"] < launch["fixed_steering_peak_yaw_deviation"]
     assert launch["steered_front_left_peak_slip"] > 0.9
     assert launch["steered_front_right_peak_slip"] < 0.2
-
-
-def test_pedals_change_over_at_time_and_speed():
-    feet = Feet(
-        build(
-            FeetParameters,
-            {
-                "pedals.begin": True,
-                "pedals.begin_time": 1.0,
-                "pedals.begin_speed": 10.0,
-                "pedals.time": [0.0, 1.0],
-                "pedals.drive_torque": [0.0, 0.0],
-                "pedals.brake_torque": [0.0, 800.0],
-            },
-        ),
-        PERIOD,
-    )
-    state = FeetState()
-    assert feet.step(0.5, 12.0, state)[1] != 400.0 and state.begun is None
-    feet.step(1.5, 9.0, state)
-    assert state.begun is None
-    assert feet.step(2.0, 11.0, state) == (0.0, 0.0)
-    assert feet.step(2.5, 3.0, state) == (0.0, 400.0)
-
-
-def test_robot_angle_goes_on_at_its_rate_without_jumps():
-    values = {"profile.time": [0.1, 0.2], "profile.angle": [0.0, 5.0], "max_rate": 10.0}
-    robot = SteeringRobot(build(SteeringRobotParameters, values), Vehicle(), PERIOD)
-    (before,) = robot.outputs()
-    for n in range(100):
-        robot.advance(Instant(n * PERIOD))
-        (column,) = robot.outputs()
-        assert column.angle == pytest.approx(before.angle + before.rate * PERIOD, abs=1e-12)
-        assert abs(column.rate) <= 10.0 + 1e-9
-        before = column
-    assert column.angle == pytest.approx(5.0)
-
-
-def test_sine_with_dwell_shape():
-    """0.7 Hz: peak at 0.357 s, second peak from 1.071 s for half a second, back at zero after 1.929 s."""
-    values = {"shape": "sine_with_dwell", "sine_with_dwell.begin": 0.0, "sine_with_dwell.amplitude": 2.0}
-    robot = SteeringRobot(build(SteeringRobotParameters, values), Vehicle(), 1e-3)
-    angles = []
-    for n in range(2500):
-        angles.append(robot.outputs()[0].angle)
-        robot.advance(Instant(n * 1e-3))
-    assert np.argmax(angles) == pytest.approx(357, abs=1)
-    assert max(angles) == pytest.approx(2.0, rel=1e-5)
-    held = [n for n, angle in enumerate(angles) if angle == pytest.approx(-2.0, rel=1e-5)]
-    assert (held[0], held[-1]) == (pytest.approx(1071, abs=3), pytest.approx(1571, abs=3))
-    assert angles[1925] < 0.0 == angles[1930]
-
-
-def test_path_of_arcs_and_its_nearest_point():
-    """A quarter of a circle of 10 m ends at (10, 10); the chords of half a metre stay within 4 mm of it."""
-    arcs = {"shape": "arcs", "length": [5 * math.pi], "curvature": [0.1]}
-    path = Path(build(PathParameters, arcs))
-    assert path.at(5 * math.pi, 0) == pytest.approx((10.0, 10.0), abs=0.02)
-    distance, _ = path.nearest(10 * math.sin(0.5), 10 - 10 * math.cos(0.5), 0)
-    assert distance == pytest.approx(5.0, abs=0.01)
-    assert path.nearest(-3.0, 0.0, 0)[0] == pytest.approx(-3.0, abs=0.1)  # straight on before the beginning
-
-
-@pytest.mark.parametrize("speed", [2.0, -2.0])
-def test_pure_pursuit_comes_back_to_the_path(speed):
-    """A rolling car 1 m beside a straight path, 0.2 rad off its direction, within 5 cm after 30 m, either way."""
-    vehicle = Vehicle()
-    path = Path(build(PathParameters, {"x": [-100.0, 100.0], "y": [0.0, 0.0]}))
-    pursuit = PurePursuit(PurePursuitParameters(), path, vehicle)
-    rear_x, rear_y, heading, leg = 0.0, 1.0, 0.2, 0
-    for _ in range(1500):
-        b = vehicle.centre_of_mass_to_rear_axle
-        pose = BodyPose.at(rear_x + b * math.cos(heading), rear_y + b * math.sin(heading), heading)
-        angle, leg = pursuit.step(pose, speed, leg)
-        heading += speed / vehicle.wheelbase * math.tan(angle) * PERIOD
-        rear_x += speed * math.cos(heading) * PERIOD
-        rear_y += speed * math.sin(heading) * PERIOD
-    assert abs(rear_y) < 0.05
-    assert abs(heading) < 0.02
-
-
-def test_path_follower_turns_the_steering_wheel_towards_the_path():
-    driver = PathFollower(build(find_method("driver", "path_follower").parameters, {}), Vehicle(), PERIOD)
-    column = SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0)
-    right_of_path = driver.step(Instant(0.0), BodyVelocity(5.0, 0.0, 0.0), BodyPose.at(0.0, -1.0, 0.0), column)
-    assert right_of_path.hand_torque > 0.0
 
 
 def test_plant_notes_refused_commands_and_lifted_wheels():

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from ros_graph import PATIENCE, Probe, node_of, ros_domain
 
-from ev_control.electronic_differential.steer_by_wire import SteerByWire, SteerByWireParameters
+from ev_msgs_py.methods import create, find_method
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.signals import (
     DriverCommand,
@@ -73,7 +73,8 @@ def law() -> Iterator[Bench]:
 
 def expected(steps: int) -> list[WheelTorqueRequest]:
     """What the law answers to equal inputs step by step; its integral makes each answer another one."""
-    law = SteerByWire(SteerByWireParameters(), Vehicle(), PERIOD)
+    method = find_method("electronic_differential", "steer_by_wire")
+    law = create(method, method.parameters(), Vehicle(), PERIOD)
     return [law.step(DRIVER, TURNED) for _ in range(steps)]
 
 

@@ -1,38 +1,19 @@
-"""The urban cycle on mixed surfaces: efficiencies by hand, windows, drivers, figures, and the five differentials."""
+"""The urban cycle on mixed surfaces: efficiencies by hand, windows, figures, and the five differentials."""
 
 from __future__ import annotations
 
 import csv
 import dataclasses
 import math
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from urban_runs import CAR, PARAMETERS, driven, parameters_of, scenario
 
-from ev_control.electronic_differential.adaptive import Adaptive
-from ev_control.electronic_differential.adhesion_share import AdhesionShare
-from ev_control.electronic_differential.limited_slip import LimitedSlip
-from ev_control.electronic_differential.limited_slip_variable import LimitedSlipVariable
-from ev_control.electronic_differential.load_proportional import LoadProportional
-from ev_control.electronic_differential.open_differential import OpenDifferential
-from ev_control.wheel_loads import WheelLoads
-from ev_msgs_py.signals import (
-    DriverCommand,
-    InertialMeasurement,
-    SteeringColumnState,
-    TireForces,
-    WheelStates,
-    WheelTorqueRequest,
-)
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
-from ev_sim.driver.cycle_modes import REGENERATION, STOP, TRACTION
-from ev_sim.driver.power_level import PowerLevel, PowerLevelParameters
+from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_sim.profiles.cycle_modes import MODES, TRACTION
 from ev_sim.recording.recording import Recording
 from ev_sim.report import cycle_efficiency as cycle
 from ev_sim.report.cycle_bands import stretches
@@ -40,12 +21,9 @@ from ev_sim.report.metric import NotMeasured
 from ev_sim.report.registry import report_for
 from ev_sim.report.slip_curve import first_passed_peak
 from ev_sim.report.surfaces_under import share_of, surfaces_under
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import Overrides, Scenario, load_scenario
 from ev_sim.surfaces.road import RoadParameters, left_and_right
 
 ROOT = Path(__file__).parents[1]
-DURATION = 95.0  # s: stands, drives, slows down, stands, drives
 DRIVERS = ("tracking", "pulse", "imposed_speed")
 FIGURES = [
     "figure_2_8",
@@ -56,30 +34,7 @@ FIGURES = [
     "figure_5_electrical",
 ]
 PERIOD = 0.005
-LEVEL = PowerLevelParameters()
-
-
-def scenario(driver: str = "pulse") -> Scenario:
-    speed = "imposed" if driver == "imposed_speed" else "free"
-    return load_scenario("urban_mixed", Overrides((), [("driver", "method", driver), ("plant", "speed", speed)]))
-
-
-def parameters_of(loaded: Scenario) -> dict[str, dict]:
-    return {role: configuration.values() for role, configuration in loaded.runs[0].configurations.items()}
-
-
-PARAMETERS = parameters_of(scenario())
-CAR: Vehicle = scenario().runs[0].configurations["plant"].common.vehicle
 INERTIA = CAR.wheel_inertia + CAR.gear_ratio**2 * CAR.motor.rotor_inertia
-
-
-@cache
-def driven(driver: str) -> Recording:
-    return run_offline(scenario(driver).runs[0].configurations, DURATION)
-
-
-def modes(run: Recording) -> np.ndarray:
-    return cycle.modes_over_time(run, PARAMETERS["driver"])
 
 
 # Efficiencies by hand
@@ -96,7 +51,7 @@ def cycle_of(begin: tuple[float, ...], mode: tuple[str, ...]) -> dict[str, objec
     }
 
 
-STEADY = cycle_of((0.0, 1.0, 3.0), (STOP, TRACTION, REGENERATION))
+STEADY = cycle_of((0.0, 1.0, 3.0), MODES)
 TORQUE, FORCE, TURNING, ROLLING = 100.0, 250.0, 20.0, 18.0  # N m, N, rad/s, rad/s
 FORCE_SHARE = FORCE * 0.32 / TORQUE
 
@@ -205,7 +160,7 @@ def test_windows_are_those_of_the_cycle():
     time = np.arange(116001) * PERIOD
     found = stretches(time, cycle.modes_over_time(Recording(time, {}), driver))
     assert [mode for _, _, mode in found] == [mode for _, _, mode in rows]
-    assert sum(end - start for start, end, mode in found if mode == TRACTION) == pytest.approx(355.2, abs=1e-6)
+    assert sum(end - start for start, end, mode in found if mode == MODES[TRACTION]) == pytest.approx(355.2, abs=1e-6)
 
 
 @pytest.mark.parametrize("side", [0, 1])
@@ -236,79 +191,6 @@ def test_every_metric_is_measured(driver):
     for name, metric in found.items():
         if "efficiency" in name or "share" in name:
             assert 0.0 < metric.value < 1.0, name
-
-
-def test_tracking_stays_within_half_a_metre_per_second():
-    """Measured are 0.46 m/s, where a window of traction begins to slow down on asphalt."""
-    run = driven("tracking")
-    error = run.channels["twist.longitudinal"] - cycle.wanted_speed(run, PARAMETERS["driver"])
-    assert np.abs(error).max() < 0.5
-
-
-def test_tracking_never_brakes_in_traction():
-    run = driven("tracking")
-    inside = modes(run) == TRACTION
-    assert run.channels["driver.command.drive_torque"][inside].min() >= 0.0
-    assert run.channels["driver.command.brake_torque"][inside].max() == 0.0
-
-
-def test_imposed_speed_is_the_cycle():
-    run = driven("imposed_speed")
-    wanted = cycle.wanted_speed(run, PARAMETERS["driver"])
-    assert np.abs(run.channels["twist.longitudinal"] - wanted).max() < 1e-6
-
-
-@pytest.mark.parametrize("driver", ["pulse", "imposed_speed"])
-def test_pedal_is_at_the_power_or_released(driver):
-    """In traction windows; imposed speed never releases it."""
-    run = driven(driver)
-    c, level = run.channels, PowerLevel(LEVEL, CAR)
-    speed = np.copysign(np.hypot(c["twist.longitudinal"], c["twist.lateral"]), c["twist.longitudinal"])
-    asked = c["driver.command.drive_torque"]
-    velocity = np.array([c[f"wheel_states.velocity.{wheel}"] for wheel in WHEEL_NAMES]).T
-    inside = np.flatnonzero(modes(run) == TRACTION)
-    expected = np.array(
-        [level.torque(speed[i], WheelStates(NO_WHEELS, Wheels(*velocity[i].tolist()), NO_WHEELS)) for i in inside]
-    )
-    pressed = np.isclose(asked[inside], expected, rtol=1e-12, atol=0.0)
-    assert (pressed | (asked[inside] == 0.0)).all()
-    assert c["driver.command.brake_torque"][inside].max() == 0.0
-    assert pressed.all() if driver == "imposed_speed" else 0.05 < pressed.mean() < 0.95
-
-
-def test_foot_goes_down_below_the_cycle_and_up_above_it():
-    """0.3 m/s on either side (assumption); one period later the car is little faster."""
-    run = driven("pulse")
-    error = run.channels["twist.longitudinal"] - cycle.wanted_speed(run, PARAMETERS["driver"])
-    pressed = run.channels["driver.command.drive_torque"] > 0.0
-    inside = modes(run) == TRACTION
-    turns = np.flatnonzero((pressed[1:] != pressed[:-1]) & inside[1:] & inside[:-1]) + 1
-    assert len(turns) > 20
-    assert np.where(pressed[turns], error[turns], -error[turns]).max() <= -0.3
-    assert np.abs(error[turns]).max() < 0.35
-
-
-def test_power_by_hand():
-    """K (phi + f) W V/(1 - s): half the power at half the speed, less torque where the wheels spin."""
-    load = 2170 * 9.81 * CAR.centre_of_mass_to_rear_axle / CAR.wheelbase
-    level = PowerLevel(LEVEL, CAR)
-    spinning = WheelStates(NO_WHEELS, Wheels.front(40.0, 60.0), NO_WHEELS)
-    power = LEVEL.factor * (0.4022 + 0.083) * load * 8.0 / (1 - 0.0907)
-    assert level.torque(8.0, spinning) == pytest.approx(power / 50.0, rel=1e-12)
-    assert level.torque(4.0, spinning) == pytest.approx(power / 100.0, rel=1e-12)
-    at_rest = WheelStates(NO_WHEELS, NO_WHEELS, NO_WHEELS)
-    assert level.torque(0.0, at_rest) == pytest.approx(power / 8.0 * 0.32, rel=1e-12)
-
-
-@pytest.mark.parametrize("driver", ["tracking", "pulse"])
-def test_car_stands_in_stop_windows(driver):
-    """From one second into the window, for the regeneration before ends with the car at rest: within 1 mm."""
-    run = driven(driver)
-    for start, end in ((0.0, 15.7), (72.9, 89.0)):
-        inside = (run.time >= start + 1.0) & (run.time < end)
-        assert np.ptp(run.channels["pose.x"][inside]) < 1e-3
-        assert run.channels["driver.command.drive_torque"][inside].max() == 0.0
-        assert run.channels["driver.command.brake_torque"][inside][-1] > 0.0
 
 
 # Figures
@@ -381,182 +263,3 @@ def test_fitted_peak_is_that_of_packed_snow(driver):
 def test_tracking_never_passes_the_peak():
     with pytest.raises(NotMeasured, match="never passes the peak"):
         first_passed_peak(driven("tracking"), CAR, "front_left")
-
-
-# The differentials
-
-COLUMN = SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0)
-LEVEL_ROAD = InertialMeasurement(0.0, 0.0, 0.0)
-LOADS = WheelLoads(CAR).at_rest
-SPLITTING = (OpenDifferential, LimitedSlip, LimitedSlipVariable, LoadProportional)
-
-
-def law_of(kind: type, **changed: object):
-    return kind(dataclasses.replace(kind.parameters(), **changed), CAR, PERIOD)
-
-
-def tires(friction: Wheels, load: Wheels = LOADS) -> TireForces:
-    return TireForces(NO_WHEELS, NO_WHEELS, load, NO_WHEELS, NO_WHEELS, friction)
-
-
-def step(law, driver: DriverCommand, velocity: Wheels, imu=LEVEL_ROAD, friction=NO_WHEELS) -> WheelTorqueRequest:
-    wheels = WheelStates(NO_WHEELS, velocity, NO_WHEELS)
-    if isinstance(law, OpenDifferential):
-        return law.step(driver)
-    if isinstance(law, LoadProportional):
-        return law.step(driver, imu)
-    if isinstance(law, AdhesionShare):
-        return law.step(driver, COLUMN, wheels, imu, tires(friction))
-    return law.step(driver, wheels)
-
-
-torques = st.floats(-1000.0, 1000.0)
-speeds = st.floats(-100.0, 100.0)
-frictions = st.floats(0.05, 1.2)
-accelerations = st.floats(-8.0, 8.0)
-
-
-@given(torque=torques, left=speeds, right=speeds, along=accelerations, across=accelerations)
-@settings(max_examples=60, deadline=None)
-@pytest.mark.parametrize("kind", SPLITTING)
-def test_sum_of_torques_is_the_drivers(kind, torque, left, right, along, across):
-    imu = InertialMeasurement(0.0, along, across)
-    drive = step(law_of(kind), DriverCommand(torque, 0.0, 0.0), Wheels.front(left, right), imu).drive
-    assert drive.front_left + drive.front_right == pytest.approx(torque, rel=1e-14, abs=1e-12)
-    assert drive.rear_left == drive.rear_right == 0.0
-
-
-@given(torque=torques, left=speeds, right=speeds, across=accelerations, grip=st.tuples(frictions, frictions))
-@settings(max_examples=60, deadline=None)
-@pytest.mark.parametrize("kind", [*SPLITTING, Adaptive, AdhesionShare])
-def test_left_and_right_mirror_to_the_bit(kind, torque, left, right, across, grip):
-    driver = DriverCommand(torque, 0.0, 0.0)
-    here, there = law_of(kind), law_of(kind)
-    for _ in range(3):  # some remember what they were answered
-        one = step(here, driver, Wheels.front(left, right), InertialMeasurement(0.0, 0.0, across), Wheels.front(*grip))
-        other = step(
-            there, driver, Wheels.front(right, left), InertialMeasurement(0.0, 0.0, -across), Wheels.front(*grip[::-1])
-        )
-        assert (one.drive.front_left, one.drive.front_right) == (other.drive.front_right, other.drive.front_left)
-
-
-@pytest.mark.parametrize("kind", [LimitedSlip, LimitedSlipVariable])
-@pytest.mark.parametrize("torque", [800.0, -800.0])
-@pytest.mark.parametrize("difference", [20.0, -20.0])
-def test_locked_torques_are_as_3_to_2(kind, torque, difference):
-    """K = M_slow/M_fast = 1.5 (section 3.3): 480 and 320 N m. A braking wheel is held back by the faster one."""
-    drive = step(law_of(kind), DriverCommand(torque, 0.0, 0.0), Wheels.front(30.0 + difference, 30.0)).drive
-    fast, slow = drive[:2] if difference > 0 else drive[1::-1]
-    assert (slow, fast) == pytest.approx((480.0, 320.0) if torque > 0 else (-320.0, -480.0), rel=1e-14)
-
-
-@pytest.mark.parametrize(("difference", "ratio"), [(0.0, 1.0), (2.5, 1.25), (4.0, 1.4), (5.0, 1.5), (50.0, 1.5)])
-def test_variable_locking_grows_with_the_speed_difference(difference, ratio):
-    """K = 1..1.5 (section 3.4), linear up to 5 rad/s (assumption)."""
-    law = law_of(LimitedSlipVariable)
-    drive = step(law, DriverCommand(800.0, 0.0, 0.0), Wheels.front(30.0, 30.0 + difference)).drive
-    assert drive.front_left / drive.front_right == pytest.approx(ratio, rel=1e-14)
-
-
-def test_constant_locking_is_smooth_around_equal_speeds():
-    """At 0.5 rad/s tanh(1) of the locking share 0.2: 61 N m of 800 N m move."""
-    drive = step(law_of(LimitedSlip), DriverCommand(800.0, 0.0, 0.0), Wheels.front(30.5, 30.0)).drive
-    assert drive.front_right - 400.0 == pytest.approx(400.0 * 0.2 * math.tanh(1.0), rel=1e-12)
-
-
-def test_open_differential_gives_no_wheel_more_than_its_motor():
-    """360 N m x 7.4 = 2664 N m, and the other wheel gets no more."""
-    drive = step(law_of(OpenDifferential), DriverCommand(9000.0, 0.0, 0.0), NO_WHEELS).drive
-    assert drive == Wheels.front(2664.0, 2664.0)
-
-
-def test_load_proportional_in_a_bend():
-    """3 m/s^2 to the left: the loads m g b/(2 L) -+ k h m a_y/t, and with them the torques."""
-    imu = InertialMeasurement(0.0, 0.0, 3.0)
-    drive = step(law_of(LoadProportional), DriverCommand(1000.0, 0.0, 0.0), NO_WHEELS, imu).drive
-    transfer = CAR.front_roll_share * CAR.centre_of_mass_height * CAR.mass * 3.0 / CAR.front_track
-    left, right = LOADS.front_left - transfer, LOADS.front_right + transfer
-    assert drive.front_left == pytest.approx(1000.0 * left / (left + right), rel=1e-12)
-
-
-def refusing(law: Adaptive, driver: DriverCommand, left: float, right: float, steps: int) -> WheelTorqueRequest:
-    """Torques [N m] that act on the front wheels throughout; the last request."""
-    for _ in range(steps):
-        request = law.step(driver, WheelStates(NO_WHEELS, NO_WHEELS, Wheels.front(left, right)))
-    return request
-
-
-def test_adaptive_offers_what_was_refused():
-    """Share 500 N m, 300 N m act on the left: 200 N m go to the right, at once up to T/(T + tau) = 1/11 of them."""
-    driver = DriverCommand(1000.0, 0.0, 0.0)
-    law = law_of(Adaptive)
-    assert refusing(law, driver, 300.0, 500.0, 1).drive == Wheels.front(500.0, 500.0)  # nothing was asked for before
-    assert refusing(law, driver, 300.0, 500.0, 1).drive == pytest.approx(Wheels.front(500.0, 500.0 + 200.0 / 11))
-    settled = refusing(law, driver, 300.0, 700.0, 1000).drive
-    assert settled == pytest.approx(Wheels.front(500.0, 700.0))
-
-
-def test_adaptive_when_both_refuse_offers_both():
-    settled = refusing(law_of(Adaptive), DriverCommand(1000.0, 0.0, 0.0), 300.0, 400.0, 1000).drive
-    assert settled == pytest.approx(Wheels.front(600.0, 700.0))
-
-
-def test_adaptive_offers_nothing_while_braking_nor_on_the_road():
-    braking = refusing(law_of(Adaptive), DriverCommand(1000.0, 50.0, 0.0), 300.0, 500.0, 1000)
-    assert braking.drive == Wheels.front(500.0, 500.0)
-    road = refusing(law_of(Adaptive, terrain="road"), DriverCommand(1000.0, 0.0, 0.0), 300.0, 500.0, 1000)
-    assert road.drive == Wheels.front(500.0, 500.0)
-
-
-@given(
-    torque=st.floats(1.0, 3000.0),
-    acting=st.lists(st.tuples(st.floats(-500.0, 2000.0), st.floats(-500.0, 2000.0)), min_size=2, max_size=30),
-)
-@settings(max_examples=60, deadline=None)
-def test_adaptive_asks_no_wheel_for_more_than_both_shares(torque, acting):
-    """Whatever acts: from its own share up to that of both wheels."""
-    law, driver = law_of(Adaptive), DriverCommand(torque, 0.0, 0.0)
-    for left, right in acting:
-        drive = refusing(law, driver, left, right, 1).drive
-        assert all(torque / 2 <= m <= torque * (1 + 1e-12) for m in drive[:2])
-
-
-@given(torque=torques, left=frictions, right=frictions, factor=st.floats(0.2, 3.0))
-@settings(max_examples=100, deadline=None)
-def test_adhesion_share_stays_below_the_grip_and_in_proportion(torque, left, right, factor):
-    """M_i <= factor phi_i F_i r (eq 1.2), M_left/M_right = phi_left/phi_right under equal loads."""
-    law = law_of(AdhesionShare, error_factor=factor)
-    drive = step(law, DriverCommand(torque, 0.0, 0.0), NO_WHEELS, friction=Wheels.front(left, right)).drive
-    for place, friction in enumerate((left, right)):
-        assert abs(drive[place]) <= factor * friction * LOADS[place] * 0.32 * (1 + 1e-14)
-    assert drive.front_left * right == pytest.approx(drive.front_right * left, rel=1e-12, abs=1e-12)
-    assert abs(sum(drive)) <= abs(torque) * (1 + 1e-14) + 1e-300  # below that a product keeps few digits
-
-
-def test_adhesion_share_by_hand():
-    """Snow left, asphalt right: all of 1000 N m at 1 : 2; of 9000 N m no more than both wheels can carry."""
-    friction = Wheels.front(0.4, 0.8)
-    drive = step(law_of(AdhesionShare), DriverCommand(1000.0, 0.0, 0.0), NO_WHEELS, friction=friction).drive
-    assert drive == pytest.approx(Wheels.front(1000 / 3, 2000 / 3))
-    grip = 0.32 * LOADS.front_left
-    drive = step(law_of(AdhesionShare), DriverCommand(9000.0, 0.0, 0.0), NO_WHEELS, friction=friction).drive
-    assert drive == pytest.approx(Wheels.front(0.4 * grip, 0.8 * grip))
-    mistaken = law_of(AdhesionShare, error_factor=1.5)
-    drive = step(mistaken, DriverCommand(9000.0, 0.0, 0.0), NO_WHEELS, friction=friction).drive
-    assert drive == pytest.approx(Wheels.front(0.6 * grip, 1.2 * grip))
-
-
-def test_estimated_friction_is_found_by_slipping():
-    """The left wheel slips by a third while the road takes 0.4 F r of it; the right one rolls, and stays at 1.2."""
-    law = law_of(AdhesionShare, friction="estimated")
-    driver = DriverCommand(2000.0, 0.0, 0.0)
-    road = 0.4 * LOADS.front_left * 0.32
-    speeds = np.concatenate((np.full(100, 20.0), np.linspace(20.0, 30.0, 41), np.full(60, 30.0))).tolist()
-    for before, left in pairwise(speeds):
-        effort = Wheels.front(road + INERTIA * (left - before) / PERIOD, road)
-        wheels = WheelStates(NO_WHEELS, Wheels(left, 20.0, 20.0, 20.0), effort)
-        drive = law.step(driver, COLUMN, wheels, LEVEL_ROAD, tires(NO_WHEELS)).drive
-    friction = law.state.estimate.friction
-    assert friction.front_left == pytest.approx(0.4, rel=1e-3)
-    assert friction.front_right == 1.2
-    assert drive.front_left / drive.front_right == pytest.approx(friction.front_left / 1.2)

@@ -13,11 +13,11 @@ from ev_msgs_py.parameters import ParameterError, build
 from ev_msgs_py.signals import InertialMeasurement, SteeringColumnState, TireForces, WheelTorqueCommand
 from ev_msgs_py.vehicle import Battery, Driveline, Motor, Tyre, Vehicle
 from ev_msgs_py.wheels import Wheels
-from ev_sim.driver.profile import Profile
 from ev_sim.plant.planar.body import rates
 from ev_sim.plant.planar.integrator import integrate
 from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
 from ev_sim.plant.planar.state import INTEGRATED_SIZE, index, names
+from ev_sim.profiles.profile import profile_of, value_at
 
 STRONG = Motor(peak_torque=2000.0, nominal_torque=2000.0, peak_power=1e6, generator_torque=2000.0, generator_power=1e6)
 FULL_BATTERY = Battery(discharge_power=1e6, charge_power=1e6, resistance=0.01)
@@ -357,10 +357,10 @@ def test_imposed_speed_follows_its_profile():
     """At every period to rounding, in a bend and whatever the drives do; the accelerometer feels it."""
     parameters, inputs = MANOEUVRES["imposed speed"]
     car = plant(**parameters)
-    profile = Profile(parameters["imposed_speed__time"], parameters["imposed_speed__speed"], "linear")
+    profile = profile_of(parameters["imposed_speed__time"], parameters["imposed_speed__speed"], "linear")
     for n in range(1, 351):
         car.advance(*inputs(n * 0.01))
-        assert car.state[VX] == pytest.approx(profile.at(n * 0.01), abs=1e-12)
+        assert car.state[VX] == pytest.approx(value_at(profile, n * 0.01), abs=1e-12)
         if n == 150:
             imu = next(signal for signal in car.outputs() if isinstance(signal, InertialMeasurement))
             turning = car.state[YAW_RATE] * car.state[VY]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState
+from ev_msgs_py.elementary import cos, sin
 from ev_msgs_py.signals import InertialMeasurement
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
@@ -46,7 +45,7 @@ class ReferenceSpeed:
         `velocity` are wheel speeds [rad/s]. The angle is that of the road wheels [rad], within -pi/2..pi/2.
         """
         r, radius = imu.yaw_rate, self._radius
-        cosine, across = math.cos(road_wheel_angle), self._wheelbase * r * math.sin(road_wheel_angle)
+        cosine, across = cos(road_wheel_angle), self._wheelbase * r * sin(road_wheel_angle)
         speeds = []
         for i in self._wheels:
             along = velocity[i] * radius

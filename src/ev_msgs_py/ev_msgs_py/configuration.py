@@ -14,11 +14,12 @@ from ev_msgs_py.parameters import (
     Entry,
     ParameterError,
     Spec,
-    build,
     entries,
+    entries_by_name,
     flatten,
     group,
     parameter,
+    replaced,
     unknown_name,
 )
 from ev_msgs_py.roles import ROLES
@@ -91,6 +92,11 @@ class Configuration:
 
     def changed(self, values: Mapping[str, Any]) -> Configuration:
         """The same configuration with other values; ParameterError if one is refused, and nothing changes then."""
+        rest = dict(values)
+        common, parameters = _replaced(rest, self.common), _replaced(rest, self.parameters)
+        sensors = _replaced(rest, self.sensors, _SENSORS)
+        if not rest:
+            return _fitting(dataclasses.replace(self, common=common, parameters=parameters, sensors=sensors))
         return configure(self.role, {**self.values(), **values}, type(self.extra) if self.extra is not None else None)
 
 
@@ -123,17 +129,28 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
             known = [_METHOD, *flatten(common), *flatten(parameters), *(flatten(further) if further else ())]
             is_sensor = name.startswith(_SENSORS)  # there are many: listed where one is meant
             raise unknown_name(f"parameter of {role}", name, flatten(sensors, _SENSORS) if is_sensor else known)
+    return _fitting(Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors))
+
+
+def _fitting(configuration: Configuration) -> Configuration:
+    """The configuration with what its files hold; ParameterError if its method does not suit the vehicle."""
+    method, common = configuration.method, configuration.common
     common = dataclasses.replace(common, vehicle=with_map_from_file(common.vehicle))
     load_files = getattr(method.factory, "load_files", None)
-    if load_files is not None:
-        parameters = load_files(parameters)
+    parameters = load_files(configuration.parameters) if load_files is not None else configuration.parameters
     refuse_layout(method, parameters, common.vehicle)
-    return Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors)
+    return dataclasses.replace(configuration, common=common, parameters=parameters)
+
+
+def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:
+    """A parameter dataclass with what a dictionary says about it, and that is taken out of the dictionary."""
+    known = entries_by_name(type(instance), prefix)
+    return replaced(instance, {name: values.pop(name) for name in [*values] if name in known}, prefix)
 
 
 def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
     """Build a parameter dataclass from what a dictionary says about it, and take that out of the dictionary."""
-    return build(of, {name: values.pop(name) for name in flatten(of(), prefix) if name in values}, prefix)
+    return _replaced(values, of(), prefix)
 
 
 def chosen_method(role: str, values: Mapping[str, Any]) -> Method:

@@ -170,15 +170,31 @@ def build(of: type[P], values: Mapping[str, Any], prefix: str = "") -> P:
 
     Raises ParameterError for unknown names and bad values; nothing is built then.
     """
-    known = {entry.name: entry for entry in entries(of, prefix)}
+    return replaced(of(), values, prefix)
+
+
+def replaced(instance: P, values: Mapping[str, Any], prefix: str = "") -> P:
+    """A parameter dataclass with other values by dotted name; what is not named stays as it is.
+
+    Raises ParameterError for unknown names and bad values; nothing is built then.
+    """
+    known = entries_by_name(type(instance), prefix)
     for name in values:
         if name not in known:
             raise unknown_name("parameter", name, known)
     checked = {name: check(known[name], value) for name, value in values.items()}
-    return _replaced(of(), checked, prefix)
+    return _replaced(instance, checked, prefix)
+
+
+@cache
+def entries_by_name(of: type, prefix: str = "") -> Mapping[str, Entry]:
+    """All parameters of a parameter dataclass by their full dotted names."""
+    return {entry.name: entry for entry in entries(of, prefix)}
 
 
 def _replaced(instance: P, checked: Mapping[str, Any], prefix: str) -> P:
+    if not any(name.startswith(prefix) for name in checked):
+        return instance
     changed = {}
     for f in fields(instance):  # type: ignore[arg-type]
         name = prefix + f.name

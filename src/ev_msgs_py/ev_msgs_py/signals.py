@@ -11,6 +11,7 @@ import math
 from typing import Annotated, NamedTuple
 
 from ev_msgs_py.contract.field import Field
+from ev_msgs_py.elementary import atan2, cos, remainder, sin
 from ev_msgs_py.wheels import NO_WHEELS, Wheels
 
 
@@ -122,11 +123,6 @@ class BodyVelocity(NamedTuple):
         float, Field("rad/s", "left positive", "twist.angular.z", sensor="body_yaw_rate", largest=10.0)
     ]
 
-    @property
-    def along_path(self) -> float:
-        """Speed of the centre of mass along its path, negative in reverse [m/s]."""
-        return math.copysign(math.hypot(self.longitudinal, self.lateral), self.longitudinal)
-
 
 class BodyPose(NamedTuple):
     """Position of the centre of mass and heading in the odom frame; the heading as z and w of the quaternion."""
@@ -145,13 +141,13 @@ class BodyPose(NamedTuple):
     @classmethod
     def at(cls, x: float, y: float, heading: float) -> BodyPose:
         """The pose with a heading in radians, counter-clockwise from the x axis of odom."""
-        return cls(x, y, math.sin(heading / 2), math.cos(heading / 2))
+        return cls(x, y, sin(heading / 2), cos(heading / 2))
 
     @property
     def heading(self) -> float:
         """Heading in -pi..pi [rad]."""
-        heading = 2 * math.atan2(self.orientation_z, self.orientation_w)
-        return math.remainder(heading, math.tau)
+        heading = 2 * atan2(self.orientation_z, self.orientation_w)
+        return remainder(heading, math.tau)
 
 
 class BatteryCondition(NamedTuple):

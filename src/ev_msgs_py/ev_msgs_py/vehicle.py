@@ -247,4 +247,4 @@ class Vehicle:
     @property
     def driven_wheel_inertia(self) -> float:
         """Inertia of a driven wheel with its rotor behind the gear, J = J_w + i^2 J_r [kg m^2]."""
-        return self.wheel_inertia + self.gear_ratio**2 * self.motor.rotor_inertia
+        return self.wheel_inertia + self.gear_ratio * self.gear_ratio * self.motor.rotor_inertia

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free_wheels_for
 from ev_control.estimation.slip_curve_fit import SlipCurveFit, add_sample, fitted_curve, forget_samples, is_full
@@ -12,6 +12,7 @@ from ev_control.shared.wheel_dynamics import WheelMotion
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import each_wheel, entry, part
+from ev_msgs_py.elementary import sqrt
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import (

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import tanh
 
 from ev_control.shared.locking import locked, locking_share
 from ev_control.shared.torque_split import BrakeSplitParameters, split
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import tanh
 from ev_msgs_py.layout import any_driven
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter

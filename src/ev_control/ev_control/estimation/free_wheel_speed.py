@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import cos, sin
 from ev_msgs_py.wheels import Wheels
 
 
@@ -19,5 +18,5 @@ def free_wheel_speed(car: Car, wheel_velocity: Wheels, road_wheel_angle: float, 
     u tan(delta) sin(d), 0.1 % at 2 deg each. An assumption of this project, no source has it.
     """
     rolling = car.wheel_radius * (wheel_velocity.front_left + wheel_velocity.front_right) / 2.0
-    turning = car.wheelbase * yaw_rate * math.sin(road_wheel_angle)
-    return (rolling - turning) / math.cos(road_wheel_angle)
+    turning = car.wheelbase * yaw_rate * sin(road_wheel_angle)
+    return (rolling - turning) / cos(road_wheel_angle)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, sin
 from operator import attrgetter
 from typing import Any
 
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
+from ev_msgs_py.elementary import cos, sin
 from ev_msgs_py.layout import Need
 from ev_msgs_py.parameters import parameter
 from ev_msgs_py.signals import InertialMeasurement

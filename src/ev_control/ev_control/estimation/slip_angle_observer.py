@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
+from ev_msgs_py.elementary import atan, cos, sin
 from ev_msgs_py.parameters import parameter
 from ev_msgs_py.signals import DriverCommand, InertialMeasurement, SteeringColumnState, WheelStates
 from ev_msgs_py.wheels import Wheels
@@ -64,7 +64,7 @@ def axle_slip_angles(
     u, b = max(longitudinal, slowest), car.centre_of_mass_to_rear_axle
     a = car.wheelbase - b
     return SlipAngles(
-        road_wheel_angle - math.atan((lateral + a * yaw_rate) / u), -math.atan((lateral - b * yaw_rate) / u)
+        road_wheel_angle - atan((lateral + a * yaw_rate) / u), -atan((lateral - b * yaw_rate) / u)
     )
 
 
@@ -108,7 +108,7 @@ def rolling_speeds(
 ) -> Wheels:
     """Longitudinal velocity of the centre of mass [m/s] as each wheel alone would have it, rolling without slip."""
     ahead = car.wheelbase - car.centre_of_mass_to_rear_axle
-    along, across = math.cos(road_wheel_angle), (lateral_velocity + ahead * yaw_rate) * math.sin(road_wheel_angle)
+    along, across = cos(road_wheel_angle), (lateral_velocity + ahead * yaw_rate) * sin(road_wheel_angle)
     radius, front, rear = car.wheel_radius, car.front_track / 2.0 * yaw_rate, car.rear_track / 2.0 * yaw_rate
     return Wheels(
         (wheel_velocity.front_left * radius - across) / along + front,

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf
 from typing import NamedTuple
 
 from ev_control.shared.compensated_sum import EMPTY_SUM, plus, rounded
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, series
+from ev_msgs_py.elementary import sqrt
 
 CAPACITY = 2000  # samples: 10 s at 5 ms; a window that holds more is cut to it
 

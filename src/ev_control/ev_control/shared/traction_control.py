@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import copysign, inf
+from math import inf
 from typing import Any
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
@@ -12,6 +12,7 @@ from ev_control.shared.wheel_dynamics import WheelMotion
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part, per_wheel
+from ev_msgs_py.elementary import copysign
 from ev_msgs_py.signals import (
     InertialMeasurement,
     SteeringColumnState,

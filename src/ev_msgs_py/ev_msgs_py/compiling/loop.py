@@ -10,6 +10,7 @@ from numba import njit, types
 from numba.extending import intrinsic
 
 from ev_msgs_py.compiling.library import OPTIONS, use_cache
+from ev_msgs_py.contract.frame import TIME
 
 FINISHED, NOT_FINITE, FAILED = range(3)
 
@@ -68,4 +69,28 @@ def run_instants(
                 return FAILED
             if not _is_finite(frames[at], parts[i, 3], parts[i, 4]):
                 return NOT_FINITE
+    return FINISHED
+
+
+@njit(cache=True, nogil=True, **OPTIONS)
+def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answering: int, stopped: np.ndarray) -> int:
+    """Drive a whole run from its start on two frames, that of the instant and the next one; as `run_instants`.
+
+    `times` are those of the instants [s]. The third number in `stopped` says which of the frames is meant.
+    """
+    for i in range(answering, parts.shape[0]):
+        stopped[0], stopped[1], stopped[2] = 0, i, 0
+        if _call(parts[i, 0], 0, frames.ctypes.data, parts[i, 1], parts[i, 2]) != 0:
+            return FAILED
+        if not _is_finite(frames[0], parts[i, 3], parts[i, 4]):
+            return NOT_FINITE
+    last = len(times) - 1
+    for n in range(last + 1):
+        frames[0, TIME] = times[n]
+        status = run_instants(frames, 0, min(last - n, 1), n == last, parts, answering, stopped)
+        if status != FINISHED:
+            stopped[2] = stopped[0]
+            stopped[0] += n
+            return status
+        frames[0] = frames[1]
     return FINISHED

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
@@ -17,10 +17,21 @@ from ev_msgs_py.shape import shape_of
 _CHUNK = 100  # instants between two looks at progress and notes
 
 
+def roles_in_order() -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The roles that answer, each after everything that it reads, and then those that integrate."""
+    return step_order(ROLES), tuple(role for role in ROLES if ROLES[role].kind is RoleKind.INTEGRATES)
+
+
 def written_by(role: str) -> tuple[int, int]:
     """Where what a role writes begins and ends in the frame."""
     places = [frame.PLACES[signal] for signal in ROLES[role].writes]
     return min(place.start for place in places), max(place.stop for place in places)
+
+
+def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
+    """SignalError that names the first number of these signals in a frame that is not finite."""
+    for signal in signals:
+        shape_of(signal).refuse_not_finite(numbers[frame.PLACES[signal]].tolist())
 
 
 class GraphRun:
@@ -32,8 +43,7 @@ class GraphRun:
     def __init__(self, configurations: Mapping[str, Configuration], instants: int) -> None:
         check_graph(configurations)
         period = next(iter(configurations.values())).period
-        integrating = [role for role in configurations if ROLES[role].kind is RoleKind.INTEGRATES]
-        answering = step_order(ROLES)
+        answering, integrating = roles_in_order()
         self.writes = {role: configuration.method.writes for role, configuration in configurations.items()}
         roles = (*answering, *integrating)
         self.parts = [(role, part) for role in roles for part in compiled_parts(configurations[role])]
@@ -48,7 +58,7 @@ class GraphRun:
         function, state, constants = part.addresses()
         if call_part(function, 0, self.frames.ctypes.data, state, constants) != 0:
             raise part.error
-        self._refuse_not_finite(role, 0)
+        refuse_not_finite(self.frames[0], self.writes[role])
 
     def drive(self, progress: Callable[[float], None], note: Callable[[str, str], None]) -> None:
         """Drive all instants; SignalError, and nothing behind it is done, if a number is not finite."""
@@ -61,7 +71,7 @@ class GraphRun:
             if status != FINISHED:
                 role, part = self.parts[stopped[1]]
                 if status == NOT_FINITE:
-                    self._refuse_not_finite(role, stopped[0])
+                    refuse_not_finite(self.frames[stopped[0]], self.writes[role])
                 raise part.error
             for role, part in self.parts:
                 for text in part.notes():
@@ -69,7 +79,3 @@ class GraphRun:
                         said.add((role, text))
                         note(role, text)
             progress(float(self.frames[end, frame.TIME]))
-
-    def _refuse_not_finite(self, role: str, instant: int) -> None:
-        for signal in self.writes[role]:
-            shape_of(signal).refuse_not_finite(self.frames[instant, frame.PLACES[signal]].tolist())

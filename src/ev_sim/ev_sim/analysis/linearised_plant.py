@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.signal import StateSpace
 
+from ev_msgs_py.compiling.object import CompiledObject
+from ev_msgs_py.methods import find_method
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import NO_WHEELS, Wheels
-from ev_sim.plant.planar.body import rates
-from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
-from ev_sim.plant.planar.state import INTEGRATED, INTEGRATED_SIZE, index
-from ev_sim.plant.planar.surroundings import steer
+from ev_sim.plant.planar.equations import Equations
+from ev_sim.plant.planar.parameters import PlanarParameters
+from ev_sim.plant.planar.state import INTEGRATED, INTEGRATED_SIZE, VX, VY, YAW_RATE, index
 from ev_sim.surfaces.road import RoadParameters
 from ev_sim.surfaces.table import REFERENCE
 
@@ -30,6 +30,7 @@ _STATES = (
     "longitudinal_deflection",
     "lateral_deflection",
 )
+_DRIVE = slice(index("mean_drive"), index("mean_drive") + 4)
 _PERIOD = 0.01  # [s]
 _SETTLING = 10.0  # [s], long against every motion of a car but its acceleration
 _STEADY = 1e-6  # largest rate of yaw rate [rad/s^2] and lateral velocity [m/s^2] that counts as none
@@ -85,25 +86,22 @@ def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
     below the speed and is frozen as it passes it, seen from slip angles: since d = (v + a r)/V, their rates have
     -V'/V d besides those of v and r.
     """
-    plant = _brought_to(vehicle, point)
-    car, step = plant.records
-    places = _places()
-    middle = plant.state[:INTEGRATED_SIZE].copy()
+    state = _brought_to(vehicle, point)
+    middle, drive = state[:INTEGRATED_SIZE], state[_DRIVE]
+    equations = Equations(_parameters(point, point.speed), vehicle)
+    equations.look(middle)
+    places = [n for n, place in enumerate(INTEGRATED) if place.name.partition(".")[0] in _STATES]
 
     def rates_at(change: np.ndarray, angle: float) -> np.ndarray:
-        y, dy = middle.copy(), np.zeros(INTEGRATED_SIZE)
-        y[places] += change
-        steer(car, step, angle)
-        rates(y, dy, car, step, True)
-        return dy[places]
+        equations.hold(angle, drive)
+        return equations.rates(_moved(middle, places, change), starts=True)[places]
 
     def outputs_at(change: np.ndarray, angle: float) -> np.ndarray:
-        y = middle.copy()
-        y[places] += change
-        return _outputs(vehicle, y, angle)
+        return _outputs(vehicle, _moved(middle, places, change), angle)
 
     still, size, angle = np.zeros(len(places)), len(places), point.road_wheel_angle
-    rest, acceleration = rates_at(still, angle), _rate_of_speed(plant)
+    rest = rates_at(still, angle)
+    acceleration = float(equations.rates(middle, starts=True)[VX])
     if not point.accelerates and np.abs(rest[:2]).max() > _STEADY:
         raise ValueError(f"no steady motion at {point.speed:g} m/s and {angle:g} rad: the car goes on turning in")
     a, c = np.empty((size, size)), np.empty((len(OUTPUTS), size))
@@ -116,52 +114,53 @@ def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
     d = (outputs_at(still, angle + _STEP) - outputs_at(still, angle - _STEP)) / (2 * _STEP)
     for n in (0, 1):  # lateral velocity and yaw rate
         a[n, n] -= acceleration / point.speed
-    return LinearisedPlant(StateSpace(a, b[:, None], c, d[:, None]), plant.state.copy(), acceleration)
+    return LinearisedPlant(StateSpace(a, b[:, None], c, d[:, None]), state, acceleration)
 
 
-def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> PlanarPlant:
-    """A plant in the motion of the point."""
-    parameters = PlanarParameters(
-        initial_speed=point.speed,
+def _moved(middle: np.ndarray, places: list[int], change: np.ndarray) -> np.ndarray:
+    y = middle.copy()
+    y[places] += change
+    return y
+
+
+def _parameters(point: OperatingPoint, initial_speed: float) -> PlanarParameters:
+    return PlanarParameters(
+        initial_speed=initial_speed,
         speed="free" if point.accelerates else "held",
         road=RoadParameters(left=(point.surface,), right=(point.surface,)),
     )
+
+
+def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> np.ndarray:
+    """The state of a plant in the motion of the point."""
     command = WheelTorqueCommand(point.drive)
     column = SteeringColumnState(0.0, 0.0, 0.0, point.road_wheel_angle, 0.0)
+
+    def plant_from(speed: float) -> CompiledObject:
+        return CompiledObject(find_method("plant", "planar"), _parameters(point, speed), vehicle, _PERIOD)
+
     if not point.accelerates:
-        plant = PlanarPlant(parameters, vehicle, _PERIOD)
+        plant = plant_from(point.speed)
         for _ in range(round(_SETTLING / _PERIOD)):
             plant.advance(command, column)
-        return plant
+        return plant.state
     force = sum(point.drive) / vehicle.wheel_radius
     run_up = force / vehicle.mass  # what a second of the acceleration gains, when wheels and loads have settled [m/s]
     if not 0.0 < run_up < point.speed or point.road_wheel_angle != 0.0:
         raise ValueError("an acceleration is linearised straight ahead, at a speed above that of its first second")
-    plant = PlanarPlant(dataclasses.replace(parameters, initial_speed=point.speed - run_up), vehicle, _PERIOD)
+    plant = plant_from(point.speed - run_up)
     longest = round(10 * _SETTLING / _PERIOD)
-    while plant.outputs()[3].longitudinal < point.speed and longest:
+    while plant.state[VX] < point.speed and longest:
         plant.advance(command, column)
         longest -= 1
     if not longest:
         raise ValueError(f"{sum(point.drive):g} N m do not bring the car to {point.speed:g} m/s")
-    return plant
-
-
-def _rate_of_speed(plant: PlanarPlant) -> float:
-    car, step = plant.records
-    dy = np.zeros(INTEGRATED_SIZE)
-    rates(plant.state[:INTEGRATED_SIZE].copy(), dy, car, step, True)
-    return float(dy[index("longitudinal_velocity")])
-
-
-def _places() -> list[int]:
-    sizes = dict(INTEGRATED)
-    return [index(name) + n for name in _STATES for n in range(sizes[name])]
+    return plant.state
 
 
 def _outputs(vehicle: Vehicle, y: np.ndarray, angle: float) -> np.ndarray:
     """OUTPUTS at a state; slip angles as Zhileykin (2018) counts them, positive in a left turn."""
-    u, v, r = (y[index(name)] for name in ("longitudinal_velocity", "lateral_velocity", "yaw_rate"))
+    u, v, r = y[VX], y[VY], y[YAW_RATE]
     rear_arm = vehicle.centre_of_mass_to_rear_axle
     front_arm = vehicle.wheelbase - rear_arm
     return np.array([v, r, angle - math.atan((v + front_arm * r) / u), -math.atan((v - rear_arm * r) / u)])

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from math import sqrt
-
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import sqrt
 from ev_msgs_py.vehicle import Battery
 
 

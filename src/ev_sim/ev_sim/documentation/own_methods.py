@@ -10,7 +10,7 @@ PACKAGES = ("ev_control", "ev_sim")
 def own_methods(role: str) -> dict[str, Method]:
     """The methods of a role that ev_sim and ev_control bring, by name."""
     found = methods_of(role)
-    return {name: method for name, method in found.items() if method.factory.__module__.split(".")[0] in PACKAGES}
+    return {name: method for name, method in found.items() if method.documented.__module__.split(".")[0] in PACKAGES}
 
 
 def writing_methods(role: str, signal: type) -> list[str]:

@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import cos, hypot, sin
 from ev_msgs_py.parameters import ParameterError, parameter
 
 SHAPES = WAYPOINTS, ARCS = "waypoints", "arcs"
@@ -56,7 +57,7 @@ def path_of(parameters: PathParameters) -> Path:
     legs = []
     start = 0.0
     for (x0, y0), (x1, y1) in pairwise(points):
-        length = math.dist((x0, y0), (x1, y1))
+        length = hypot(x1 - x0, y1 - y0)
         legs.append((x0, y0, (x1 - x0) / length, (y1 - y0) / length, start, length))
         start += length
     return Path(*zip(*legs, strict=True))
@@ -104,9 +105,9 @@ def _along_arcs(p: PathParameters) -> list[tuple[float, float]]:
     for length, curvature in zip(p.length, p.curvature, strict=True):
         chords = math.ceil(length / _ARC_STEP) if curvature else 1
         turn = curvature * length / chords
-        chord = length / chords * (math.sin(turn / 2) / (turn / 2) if turn else 1.0)
+        chord = length / chords * (sin(turn / 2) / (turn / 2) if turn else 1.0)
         for _ in range(chords):
             x, y = points[-1]
-            points.append((x + chord * math.cos(heading + turn / 2), y + chord * math.sin(heading + turn / 2)))
+            points.append((x + chord * cos(heading + turn / 2), y + chord * sin(heading + turn / 2)))
             heading += turn
     return points

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2
 
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.elementary import copysign
+from ev_msgs_py.elementary import atan2, copysign
 from ev_msgs_py.parameters import parameter
 from ev_msgs_py.signals import BodyPose
 from ev_sim.driver.path import Path, nearest, point_at

@@ -1,4 +1,4 @@
 """Registers the plants."""
 
-import ev_sim.plant.kinematic
+import ev_sim.plant.kinematic.plant
 import ev_sim.plant.planar.plant  # noqa: F401

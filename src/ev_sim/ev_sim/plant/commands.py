@@ -6,12 +6,12 @@ keeps its last accepted value. Values out of range go to the nearest end of it; 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, per_wheel
+from ev_msgs_py.elementary import isfinite
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
@@ -83,7 +83,7 @@ def accepted(guard: GuardState, value: float, otherwise: float, low: float, high
     """A value within its range; `otherwise` if it is not finite."""
     if low <= value <= high:
         return value
-    if not math.isfinite(value):
+    if not isfinite(value):
         guard.non_finite += 1.0
         return otherwise
     guard.out_of_range += 1.0

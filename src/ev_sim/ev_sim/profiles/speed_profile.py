@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.parameters import ParameterError, parameter
-from ev_sim.driver.profile import Profile as OldProfile
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of
 
 
@@ -32,18 +31,12 @@ class SpeedProfileParameters:
     def __post_init__(self) -> None:
         check_points("time", self.time, "speed", self.speed)
 
-    def profile(self) -> OldProfile:
-        """The speed over time [m/s]."""
-        return OldProfile(self.time, self.speed, self.interpolation)
-
 
 def wanted_speed(parameters: SpeedProfileParameters, name: str = "speed_profile") -> Profile:
-    """The speed over time [m/s]; ParameterError if the parameters, called `name`, still name a file."""
-    refuse_unread_file(parameters, name)
-    return profile_of(parameters.time, parameters.speed, parameters.interpolation)
+    """The speed over time [m/s].
 
-
-def refuse_unread_file(parameters: SpeedProfileParameters, name: str = "speed_profile") -> None:
-    """ParameterError if the parameters, called `name`, still name a file: whoever made them has to read it."""
+    ParameterError if the parameters, called `name`, still name a file: whoever made them has to read it.
+    """
     if parameters.file:
         raise ParameterError(f"{name}.file: {parameters.file} has not been read into time and speed")
+    return profile_of(parameters.time, parameters.speed, parameters.interpolation)

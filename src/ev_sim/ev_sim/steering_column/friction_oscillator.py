@@ -11,6 +11,7 @@ import math
 from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import atan2, atanh, copysign, cos, exp, expm1, sin, sqrt
 
 # Halvings of a bracket after which the instant of an impact is known to the last bit of a double.
 _HALVINGS = 54
@@ -58,7 +59,7 @@ def oscillator(
     """
     decay = damping / (2 * inertia)
     discriminant = decay * decay - stiffness / inertia
-    split = math.sqrt(abs(discriminant)) or 1e-8 * decay
+    split = sqrt(abs(discriminant)) or 1e-8 * decay
     free = FreeMotion(inertia, stiffness, decay, split, float(discriminant < 0.0))
     return Oscillator(dry_friction, stop, period, free, transition(free, period))
 
@@ -90,11 +91,11 @@ def oscillated(o: Oscillator, angle: float, rate: float, torque: float) -> tuple
 def _direction(o: Oscillator, angle: float, rate: float, torque: float) -> float:
     """+1 or -1 for the phase of motion that begins, 0 for rest: held by dry friction or by a stop."""
     if rate != 0.0:
-        return math.copysign(1.0, rate)
+        return copysign(1.0, rate)
     free_torque = torque - o.free.stiffness * angle
     if abs(free_torque) <= o.dry_friction:
         return 0.0
-    direction = math.copysign(1.0, free_torque)
+    direction = copysign(1.0, free_torque)
     return 0.0 if direction * angle >= o.stop else direction
 
 
@@ -107,9 +108,9 @@ def _time_to_reversal(free: FreeMotion, speed: float, lead: float) -> float:
     slope = lead * free.stiffness / free.inertia - free.decay * speed
     split = free.split
     if free.oscillates == 1.0:
-        return math.atan2(speed * split, -slope) / split
+        return atan2(speed * split, -slope) / split
     if speed * split < -slope:
-        return math.atanh(speed * split / -slope) / split
+        return atanh(speed * split / -slope) / split
     return math.inf
 
 
@@ -141,12 +142,12 @@ def _move(o: Oscillator, angle: float, rate: float, equilibrium: float, duration
 def transition(free: FreeMotion, t: float) -> Transition:
     """The transition matrix of the free motion over the time t [s]."""
     if free.oscillates == 1.0:
-        envelope = math.exp(-free.decay * t)
-        c = envelope * math.cos(free.split * t)
-        s = envelope * math.sin(free.split * t) / free.split
+        envelope = exp(-free.decay * t)
+        c = envelope * cos(free.split * t)
+        s = envelope * sin(free.split * t) / free.split
     else:
         # The slow eigenvalue from the product of both: their difference would cancel in a stiff system.
-        slow = math.exp(-free.stiffness / free.inertia / (free.decay + free.split) * t)
-        c = slow * (1 + math.exp(-2 * free.split * t)) / 2
-        s = slow * -math.expm1(-2 * free.split * t) / (2 * free.split)
+        slow = exp(-free.stiffness / free.inertia / (free.decay + free.split) * t)
+        c = slow * (1 + exp(-2 * free.split * t)) / 2
+        s = slow * -expm1(-2 * free.split * t) / (2 * free.split)
     return Transition(c + free.decay * s, s, -free.stiffness / free.inertia * s, c - free.decay * s)

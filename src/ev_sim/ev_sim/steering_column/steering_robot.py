@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
+from ev_msgs_py.elementary import sin
 from ev_msgs_py.methods import method
 from ev_msgs_py.parameters import group, parameter
 from ev_msgs_py.signals import Instant, SteeringColumnState
@@ -122,7 +123,7 @@ def sine_with_dwell(p: SineWithDwellParameters, t: float) -> float:
     since -= min(max(since - second_peak, 0.0), p.dwell)
     if not 0.0 < since < 1 / p.frequency:
         return 0.0
-    return p.amplitude * math.sin(math.tau * p.frequency * since)
+    return p.amplitude * sin(math.tau * p.frequency * since)
 
 
 @compilable

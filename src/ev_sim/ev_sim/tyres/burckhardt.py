@@ -1,8 +1,9 @@
 """The friction curve of Burckhardt."""
 
-from math import exp
+from __future__ import annotations
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import exp
 
 
 @compilable

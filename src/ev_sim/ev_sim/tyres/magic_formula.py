@@ -1,8 +1,9 @@
 """The Magic Formula."""
 
-from math import atan, sin
+from __future__ import annotations
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import atan, sin
 
 
 @compilable

@@ -40,7 +40,7 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
     front_stiffness = 2 * tyre.front_cornering_stiffness / max(front_load, 1.0)
     rear_stiffness = 2 * tyre.rear_cornering_stiffness / max(rear_load, 1.0)
     x, y = wheel_places(v)
-    rotor = v.motor.rotor_inertia * v.gear_ratio**2
+    rotor = v.motor.rotor_inertia * (v.gear_ratio * v.gear_ratio)
     return BodyConstants(
         wheel_x=list(x),
         wheel_y=list(y),

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from math import asin, cos, sin
-
 import numpy as np
 
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import asin, cos, sin
 from ev_msgs_py.signals import (
     BatteryCondition,
     BodyPose,

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from math import cos, sin
-
 import numpy as np
 
 from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import cos, sin
 from ev_msgs_py.methods import method
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_sim.plant.commands import guarded_steering, guarded_torques

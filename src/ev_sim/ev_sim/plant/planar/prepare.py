@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from ev_msgs_py.elementary import expm1
 from ev_msgs_py.parameters import ParameterError
 from ev_msgs_py.vehicle import Vehicle
 from ev_sim.drives.drive import DRIVES
@@ -67,10 +68,10 @@ def lags_over(h: float, vehicle: Vehicle) -> Lags:
     """What each lag closes over a step of h [s]."""
     motor = vehicle.motor
     return Lags(
-        torque=-math.expm1(-h / motor.torque_lag),
-        torque_mean=1.0 + math.expm1(-h / motor.torque_lag) * motor.torque_lag / h,
-        clutch=-math.expm1(-h / vehicle.driveline.clutch_lag),
-        heat=-math.expm1(-h / motor.overload_time),
+        torque=-expm1(-h / motor.torque_lag),
+        torque_mean=1.0 + expm1(-h / motor.torque_lag) * motor.torque_lag / h,
+        clutch=-expm1(-h / vehicle.driveline.clutch_lag),
+        heat=-expm1(-h / motor.overload_time),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ev_msgs_py.elementary import sqrt
 from ev_msgs_py.parameters import ParameterError
 from ev_msgs_py.vehicle import Vehicle
 from ev_sim.drives.motor import MotorParameters, torque_constant
@@ -23,9 +24,10 @@ def longest_step(vehicle: Vehicle) -> float:
     would be below `SHORTEST_STEP`.
     """
     tyre = vehicle.tyre
-    squared_lever = vehicle.wheelbase**2 + max(vehicle.front_track, vehicle.rear_track) ** 2
+    widest = max(vehicle.front_track, vehicle.rear_track)
+    squared_lever = vehicle.wheelbase * vehicle.wheelbase + widest * widest
     body = min(vehicle.mass / 4.0, vehicle.yaw_inertia / (4.0 * squared_lever))
-    wheel = min(vehicle.wheel_inertia / vehicle.wheel_radius**2, body)
+    wheel = min(vehicle.wheel_inertia / (vehicle.wheel_radius * vehicle.wheel_radius), body)
     fastest = max(
         _fastest(tyre.longitudinal_stiffness, tyre.longitudinal_damping_time, wheel),
         _fastest(tyre.lateral_stiffness, tyre.lateral_damping_time, body),
@@ -46,9 +48,9 @@ def longest_brushless_step(vehicle: Vehicle, motor: MotorParameters) -> float:
     gear ratio n.
     """
     constant = vehicle.gear_ratio * torque_constant(motor)
-    return BRUSHLESS_PRODUCT / constant * (2.0 * motor.inductance * vehicle.wheel_inertia) ** 0.5
+    return BRUSHLESS_PRODUCT / constant * sqrt(2.0 * motor.inductance * vehicle.wheel_inertia)
 
 
 def _fastest(stiffness: float, damping_time: float, mass: float) -> float:
     squared = stiffness / mass
-    return max(squared**0.5, squared * damping_time, 1.0 / damping_time)
+    return max(sqrt(squared), squared * damping_time, 1.0 / damping_time)

@@ -10,26 +10,24 @@ Everywhere: delta is the mean road-wheel angle, left positive [rad], |delta| < p
 
 from __future__ import annotations
 
-import math
-
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.elementary import hypot
+from ev_msgs_py.elementary import atan2, cos, hypot, sin
 from ev_msgs_py.wheels import Wheels
 
 
 @compilable
 def front_wheel_angles(road_wheel_angle: float, wheelbase: float, front_track: float) -> tuple[float, float]:
     """Angles of the left and the right front wheel, left positive [rad] (eq 8)."""
-    ahead = wheelbase * math.sin(road_wheel_angle)
-    to_centre = wheelbase * math.cos(road_wheel_angle)
-    offset = math.sin(road_wheel_angle) * front_track / 2.0
-    return math.atan2(ahead, to_centre - offset), math.atan2(ahead, to_centre + offset)
+    ahead = wheelbase * sin(road_wheel_angle)
+    to_centre = wheelbase * cos(road_wheel_angle)
+    offset = sin(road_wheel_angle) * front_track / 2.0
+    return atan2(ahead, to_centre - offset), atan2(ahead, to_centre + offset)
 
 
 @compilable
 def path_curvature(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float) -> float:
     """Curvature 1/R of the path of the centre of mass, positive to the left [1/m] (eq 11 with the sign of delta)."""
-    return math.sin(road_wheel_angle) / _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle)
+    return sin(road_wheel_angle) / _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle)
 
 
 @compilable
@@ -38,7 +36,7 @@ def course_offset(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_r
 
     It is the sideslip angle of a car that rolls forwards.
     """
-    return math.atan2(centre_of_mass_to_rear_axle * math.sin(road_wheel_angle), wheelbase * math.cos(road_wheel_angle))
+    return atan2(centre_of_mass_to_rear_axle * sin(road_wheel_angle), wheelbase * cos(road_wheel_angle))
 
 
 @compilable
@@ -54,10 +52,10 @@ def wheel_speed_ratios(
     The rear wheels roll on radii L/tan(delta) -+ d/2; the inner one rolls backwards where the centre of the turn lies
     between them.
     """
-    ahead = wheelbase * math.sin(road_wheel_angle)
-    to_centre = wheelbase * math.cos(road_wheel_angle)
-    front_offset = math.sin(road_wheel_angle) * front_track / 2.0
-    rear_offset = math.sin(road_wheel_angle) * rear_track / 2.0
+    ahead = wheelbase * sin(road_wheel_angle)
+    to_centre = wheelbase * cos(road_wheel_angle)
+    front_offset = sin(road_wheel_angle) * front_track / 2.0
+    rear_offset = sin(road_wheel_angle) * rear_track / 2.0
     radius = _scaled_radius(road_wheel_angle, wheelbase, centre_of_mass_to_rear_axle)
     return Wheels(
         hypot(ahead, to_centre - front_offset) / radius,
@@ -70,4 +68,4 @@ def wheel_speed_ratios(
 @compilable
 def _scaled_radius(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_rear_axle: float) -> float:
     """|R sin(delta)|, which stays finite in straight running [m] (eq 11)."""
-    return hypot(wheelbase * math.cos(road_wheel_angle), centre_of_mass_to_rear_axle * math.sin(road_wheel_angle))
+    return hypot(wheelbase * cos(road_wheel_angle), centre_of_mass_to_rear_axle * sin(road_wheel_angle))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import copysign
 
 
 @compilable
@@ -18,7 +17,7 @@ def move_with_dry_friction(
     """
     distance = 0.0
     if speed != 0.0:
-        acceleration = (force - math.copysign(friction, speed)) / mass
+        acceleration = (force - copysign(friction, speed)) / mass
         stops = speed * acceleration < 0.0 and -speed / acceleration <= duration
         if not stops:
             return speed + acceleration * duration, (speed + acceleration * duration / 2.0) * duration
@@ -26,5 +25,5 @@ def move_with_dry_friction(
         duration += speed / acceleration
     if abs(force) <= friction:
         return 0.0, distance
-    acceleration = (force - math.copysign(friction, force)) / mass
+    acceleration = (force - copysign(friction, force)) / mass
     return acceleration * duration, distance + acceleration * duration * duration / 2.0

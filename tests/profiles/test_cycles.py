@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from ev_sim.driver.profile_file import with_profile_from_file
-from ev_sim.driver.speed_control import SpeedProfileParameters
+from ev_sim.profiles.profile_file import with_profile_from_file
+from ev_sim.profiles.speed_profile import SpeedProfileParameters
 
-CYCLES = Path(__file__).parents[1] / "config" / "cycles"
+CYCLES = Path(__file__).parents[2] / "config" / "cycles"
 
 
 def points(name: str) -> list[tuple[float, float]]:

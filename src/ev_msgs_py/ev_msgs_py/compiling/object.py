@@ -1,0 +1,65 @@
+"""A compiled law stepped from Python, as `lockstep.law.LawObject` is one in plain Python."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.compiling.loop import call_part
+from ev_msgs_py.compiling.part import CompiledPart
+from ev_msgs_py.contract import frame
+from ev_msgs_py.methods import Method
+from ev_msgs_py.shape import shape_of
+from ev_msgs_py.signals import Instant
+
+
+class CompiledObject:
+    """`step` of a role that answers, `advance` and `outputs` of one that integrates."""
+
+    def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
+        self._part = CompiledPart(method, parameters, vehicle, period)
+        self._here, self._there = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
+        self._reads = [(_place(kind), shape_of(kind).per_wheel) for kind in method.reads]
+        self._writes = [(frame.PLACES[kind], shape_of(kind)) for kind in method.writes]
+
+    def step(self, *signals: Any) -> Any:
+        """The answer to the signals of an instant."""
+        self.advance(*signals)
+        return self._said()[0]
+
+    def advance(self, *signals: Any) -> None:
+        """Integrate to the next instant; what is not finite is let through to the law, as in plain Python."""
+        for (place, per_wheel), signal in zip(self._reads, signals, strict=True):
+            self._here[place] = sum(signal, ()) if per_wheel else signal
+        self._call(self._here.ctypes.data)
+
+    def outputs(self) -> tuple[Any, ...]:
+        """Everything that it writes, at the instant of its state."""
+        self._call(0)
+        return self._said()
+
+    def reports(self) -> tuple[str, ...]:
+        """What is worth knowing about the run so far."""
+        return self._part.notes()
+
+    @property
+    def state(self) -> np.ndarray:
+        """All that lasts between steps, the row itself; may be set to that of another object of the law."""
+        return self._part.state
+
+    @state.setter
+    def state(self, row: Sequence[float]) -> None:
+        self._part.state[:] = row
+
+    def _call(self, now: int) -> None:
+        function, state, constants = self._part.addresses()
+        call_part(function, now, self._there.ctypes.data, state, constants)
+
+    def _said(self) -> tuple[Any, ...]:
+        return tuple([shape.signal_of(self._there[place].tolist()) for place, shape in self._writes])
+
+
+def _place(kind: type) -> slice:
+    return slice(frame.TIME, frame.TIME + 1) if kind is Instant else frame.PLACES[kind]

@@ -1,0 +1,106 @@
+"""The runs of a batch as memory that compiled code works on: parts, states, constants and what is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ev_msgs_py.compiling.loop import FINISHED, run_through
+from ev_msgs_py.compiling.part import CompiledPart
+from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.contract import frame
+from ev_msgs_py.lockstep.run import part_of, refuse_not_finite, roles_in_order, written_by
+from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.sensors.part import SensorPart
+from ev_msgs_py.shape import SignalError
+from ev_sim.batch.observer import Observation
+from ev_sim.batch.variation import Variation
+
+
+class _Placed(NamedTuple):
+    """A part of a role, which runs may share, and a state of a run's own."""
+
+    role: str
+    part: CompiledPart | SensorPart
+    state: np.ndarray
+
+    @property
+    def row(self) -> tuple[int, ...]:
+        """What the compiled loop has to know (`compiling.loop`)."""
+        function, _, constants = self.part.addresses()
+        return function, self.state.ctypes.data, constants, *written_by(self.role)
+
+
+class Runs:
+    """Drives single runs of a batch, on any thread; a method whose parameters are the same in all is prepared once.
+
+    `initial_states` have by role a row for each run. ParameterError for a method that does not run compiled, for a
+    refused value of a parameter, and for states of another size.
+    """
+
+    def __init__(
+        self,
+        configurations: Mapping[str, Configuration],
+        variation: Variation,
+        initial_states: Mapping[str, np.ndarray],
+        observation: Observation,
+        times: np.ndarray,
+    ) -> None:
+        for role, configuration in configurations.items():
+            _refuse_interpreted(role, configuration)
+        self._base, self._initial_states = configurations, initial_states
+        self._observation, self._times = observation, times
+        self._varied = {role: variation.configurations(role) for role in configurations}
+        first = {role: self._varied[role][0] if self._varied[role] else configurations[role] for role in configurations}
+        made = {role: part_of(configuration) for role, configuration in first.items()}
+        self._shared = {role: part for role, part in made.items() if not variation.concerns_method(role)}
+        for role, states in initial_states.items():
+            _refuse_states(role, states, made[role].state.size)
+
+    def drive(self, run: int) -> str:
+        """Drive one run; where a number is not finite it stops, and the result says when and which one."""
+        answering, integrating = roles_in_order()
+        before = [placed for role in answering for placed in self._placed(role, run)]
+        behind = [placed for role in integrating for placed in self._placed(role, run)]
+        observer = (*self._observation.addresses(run), 0, 0)
+        rows = np.array([*(p.row for p in before), observer, *(p.row for p in behind)], np.int64)
+        frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
+        if run_through(frames, self._times, rows, len(before) + 1, stopped) == FINISHED:
+            return ""
+        instant, place, which = stopped.tolist()
+        role = [*before, None, *behind][place].role
+        try:
+            refuse_not_finite(frames[which], self._base[role].method.writes)
+        except SignalError as error:
+            return f"at {self._times[instant]:g} s {error}"
+        raise AssertionError(f"{role} stopped, but all its numbers are finite")
+
+    def _placed(self, role: str, run: int) -> list[_Placed]:
+        """The parts that play a role in a run, at their start."""
+        varied = self._varied[role]
+        configuration = varied[run] if varied else self._base[role]
+        part = self._shared.get(role) or part_of(configuration)
+        state = self._initial_states[role][run] if role in self._initial_states else part.state
+        placed = [_Placed(role, part, state.copy())]
+        if not configuration.is_ideal:
+            sensors = SensorPart(configuration.sensors, configuration.common.seed)
+            placed.append(_Placed(role, sensors, sensors.state))
+        return placed
+
+
+def _refuse_interpreted(role: str, configuration: Configuration) -> None:
+    law = configuration.method.law
+    if law is None or not law.is_compilable:
+        raise ParameterError(
+            f"{role} method {configuration.method.name} runs in plain Python, allowed in a batch are methods that "
+            "run compiled"
+        )
+
+
+def _refuse_states(role: str, states: np.ndarray, size: int) -> None:
+    if states.shape[1] != size:
+        raise ParameterError(f"initial_states of {role} have {states.shape[1]} numbers, allowed are {size}")
+    for run in np.flatnonzero(~np.isfinite(states).all(axis=1)):
+        raise ParameterError(f"initial_states of {role} are not finite in run {run}")

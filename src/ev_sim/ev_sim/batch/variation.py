@@ -1,0 +1,79 @@
+"""The configurations of the runs of a batch: one is given, and by name the values that differ from run to run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.parameters import ParameterError, entries_by_name, unknown_name
+
+EVERY_ROLE = "*"
+_VEHICLE, _SENSORS = "vehicle.", "sensors."
+_OF_ALL_RUNS = ("method", "control_period", "mode")
+
+
+class Variation:
+    """What differs from run to run; names are ROLE.PARAMETER, or *.PARAMETER for all roles.
+
+    `runs` is their number by role where initial states say it. ParameterError for unknown names, for what cannot
+    differ, and if the numbers of values are not the same.
+    """
+
+    def __init__(
+        self, configurations: Mapping[str, Configuration], vary: Mapping[str, Iterable[Any]], runs: Mapping[str, int]
+    ) -> None:
+        self._configurations = configurations
+        columns = {name: _column(values) for name, values in vary.items()}
+        lengths = {name: len(column) for name, column in columns.items()}
+        lengths.update({f"initial_states of {role}": count for role, count in runs.items()})
+        if len(set(lengths.values())) > 1:
+            said = ", ".join(f"{name} {length}" for name, length in lengths.items())
+            raise ParameterError(f"numbers of runs differ: {said}; allowed is one number of values for all")
+        self.runs = next(iter(lengths.values()), 1)
+        self._by_role: dict[str, dict[str, Sequence[Any]]] = {role: {} for role in configurations}
+        for name, column in columns.items():
+            role, _, parameter = name.partition(".")
+            if role != EVERY_ROLE and role not in configurations:
+                raise unknown_name("role", role, [EVERY_ROLE, *configurations])
+            for each in configurations if role == EVERY_ROLE else (role,):
+                self._refuse(name, parameter, each, role == EVERY_ROLE)
+                self._by_role[each][parameter] = column
+
+    def _refuse(self, name: str, parameter: str, role: str, for_all: bool) -> None:
+        configuration = self._configurations[role]
+        fixed = (*_OF_ALL_RUNS, *(entries_by_name(type(configuration.extra)) if configuration.extra else ()))
+        if parameter in fixed:
+            raise ParameterError(f"{name} is refused: all runs of a batch have the same {parameter}")
+        known = configuration.values()
+        if parameter not in known:
+            raise unknown_name(f"parameter of {role}", parameter, known)
+        if parameter.startswith(_VEHICLE) and not for_all:
+            raise ParameterError(f"{name} is refused: allowed is {EVERY_ROLE}.{parameter}, one for all roles")
+
+    def configurations(self, role: str) -> list[Configuration] | None:
+        """Those of a role in all runs, None if they are the same; ParameterError if a value is refused."""
+        if not self._by_role[role]:
+            return None
+        found = []
+        for run in range(self.runs):
+            values = {name: column[run] for name, column in self._by_role[role].items()}
+            try:
+                found.append(self._configurations[role].changed(values))
+            except ParameterError as error:
+                raise ParameterError(f"run {run}: {role}: {error}") from None
+        return found
+
+    def concerns_method(self, role: str) -> bool:
+        """Whether anything differs that the method of a role knows of, and not its sensors alone."""
+        return any(name != "seed" and not name.startswith(_SENSORS) for name in self._by_role[role])
+
+
+def _column(values: Iterable[Any]) -> list[Any]:
+    return values.tolist() if isinstance(values, np.ndarray) else [_plain(value) for value in values]
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value

@@ -1,0 +1,50 @@
+"""Steering columns do the same compiled and in plain Python, to the bit."""
+
+from __future__ import annotations
+
+import pytest
+
+from ev_msgs_py.check.bits import differing_bits
+from ev_msgs_py.configuration import configure
+from ev_msgs_py.methods import methods_of
+from ev_sim.scenario.scenario import load_scenario, scenario_names
+
+CHOICES = {
+    "sticks and meets its stops": {"method": "manual", "dry_friction": 20.0, "max_angle": 0.3},
+    "overdamped": {"method": "manual", "damping": 100.0, "dry_friction": 1.0},
+    "wheels with inertia": {"method": "powered", "wheel_inertia": 0.5, "dry_friction": 5.0},
+    "on another car": {"method": "powered", "vehicle.steering_ratio": 12.0, "vehicle.front_track": 1.6},
+    "by wire between stops": {"method": "by_wire", "max_angle": 0.1, "steering_wheel.dry_friction": 0.5},
+    "by wire, overdamped": {"method": "by_wire", "damping": 200.0, "steering_wheel.damping": 2.0},
+    "sine": {
+        "method": "steering_robot",
+        "shape": "sine_with_dwell",
+        "sine_with_dwell.begin": 0.2,
+        "sine_with_dwell.amplitude": 3.0,
+        "max_rate": 5.0,
+    },
+    "angles in steps": {
+        "method": "steering_robot",
+        "profile.time": [0.0, 1.0, 2.0],
+        "profile.angle": [0.5, 3.0, -1.0],
+        "profile.interpolation": "step",
+    },
+}
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("method", methods_of("steering_column"))
+def test_defaults(method, seed):
+    assert differing_bits(configure("steering_column", {"method": method}), 500, seed) == ""
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5])
+@pytest.mark.parametrize("choice", CHOICES)
+def test_choices(choice, seed):
+    assert differing_bits(configure("steering_column", CHOICES[choice]), 500, seed) == ""
+
+
+@pytest.mark.parametrize("scenario", scenario_names())
+def test_scenarios(scenario):
+    for seed, run in enumerate(load_scenario(scenario).runs):
+        assert differing_bits(run.configurations["steering_column"], 300, seed) == "", run.name

@@ -1,0 +1,94 @@
+"""Drivers do the same compiled and in plain Python, to the bit."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from ev_msgs_py.check.bits import differing_bits
+from ev_msgs_py.configuration import Configuration, configure
+from ev_msgs_py.methods import methods_of
+from ev_sim.scenario.scenario import load_scenario, scenario_names
+
+# Long enough for 400 steps to see 100 s of every profile.
+PERIOD = 0.25
+CHOICES = {
+    "step by step": {
+        "method": "speed_profile",
+        "speed_profile.interpolation": "step",
+        "steering.mode": "hand_torque",
+        "steering.hand_torque.time": [0.0, 20.0, 50.0],
+        "steering.hand_torque.torque": [0.5, -3.0, 2.0],
+        "steering.hand_torque.interpolation": "linear",
+    },
+    "angle over time": {
+        "method": "speed_profile",
+        "steering.wanted_angle.time": [0.0, 30.0, 60.0],
+        "steering.wanted_angle.angle": [0.1, -0.3, 0.2],
+        "steering.wanted_angle.interpolation": "linear",
+    },
+    "pedals from a speed on": {
+        "method": "manoeuvre",
+        "pedals.begin": True,
+        "pedals.begin_time": 10.0,
+        "pedals.begin_speed": 15.0,
+        "pedals.time": [0.0, 1.0, 30.0],
+        "pedals.drive_torque": [0.0, 500.0, -100.0],
+        "pedals.brake_torque": [0.0, 0.0, 800.0],
+    },
+    "arcs": {
+        "method": "path_follower",
+        "path.shape": "arcs",
+        "path.length": [20.0, 15.0, 30.0],
+        "path.curvature": [0.05, 0.0, -0.1],
+        "path.start_heading": 0.3,
+        "pursuit.preview_time": 1.5,
+    },
+    "modes by the slope of the cycle": {
+        "method": "pulse",
+        "speed_profile.time": [0.0, 5.0, 30.0, 50.0, 60.0, 90.0],
+        "speed_profile.speed": [0.0, 0.0, 20.0, 5.0, 0.0, 10.0],
+        "band": 3.0,
+        "vehicle.driven_wheels": ["rear_left", "rear_right"],
+    },
+    "windows": {
+        "method": "tracking",
+        "speed_profile.time": [0.0, 20.0, 80.0],
+        "speed_profile.speed": [0.0, 15.0, 0.0],
+        "modes.begin": [5.0, 40.0, 90.0],
+        "modes.mode": ["traction", "regen", "stop"],
+        "path.x": [0.0, 10.0, 20.0, 10.0],
+        "path.y": [0.0, 5.0, -5.0, -10.0],
+    },
+    "a power on four wheels": {
+        "method": "imposed_speed",
+        "speed_profile.time": [0.0, 100.0],
+        "speed_profile.speed": [1.0, 20.0],
+        "level.factor": 2.0,
+        "vehicle.driven_wheels": ["front_left", "front_right", "rear_left", "rear_right"],
+    },
+}
+
+
+def slow(configuration: Configuration) -> Configuration:
+    """The same driver, asked rarely."""
+    return dataclasses.replace(configuration, common=dataclasses.replace(configuration.common, control_period=PERIOD))
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("method", methods_of("driver"))
+def test_defaults(method, seed):
+    assert differing_bits(slow(configure("driver", {"method": method})), 400, seed) == ""
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5])
+@pytest.mark.parametrize("choice", CHOICES)
+def test_choices(choice, seed):
+    assert differing_bits(slow(configure("driver", CHOICES[choice])), 400, seed) == ""
+
+
+@pytest.mark.parametrize("scenario", scenario_names())
+def test_scenarios(scenario):
+    for seed, run in enumerate(load_scenario(scenario).runs):
+        assert differing_bits(slow(run.configurations["driver"]), 400, seed) == "", run.name

@@ -1,0 +1,57 @@
+"""Every electronic differential compiled and in plain Python: the same bits, step by step."""
+
+from __future__ import annotations
+
+import pytest
+from differentials import REAR, ROLE
+
+from ev_msgs_py.check.bits import differing_bits
+from ev_msgs_py.configuration import configure
+from ev_msgs_py.methods import methods_of
+from ev_msgs_py.wheels import WHEEL_NAMES
+
+STEPS = 200
+ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
+REAR_DRIVEN = {"vehicle.driven_wheels": list(REAR)}
+NEEDED = {"axle_redistribution": ALL_DRIVEN, "slip_target": REAR_DRIVEN}
+CHOICES: dict[str, tuple[dict, ...]] = {
+    "adaptive": ({"terrain": "road"}, {"filter_time": 0.0, "control_period": 0.005}, ALL_DRIVEN),
+    "adhesion_share": (
+        {"friction": "estimated"},
+        {"friction": "estimated", "estimate.learning_slip": 0.05, "error_factor": 1.5, **REAR_DRIVEN},
+        {"friction": "estimated", "estimate.filter_time": 0.0, **ALL_DRIVEN},
+        {"friction": "estimated", "estimate.reference.source": "observer"},
+    ),
+    "axle_redistribution": (
+        {"source": "estimated", "k": 0.5, "first_branch": "rear"},
+        {"source": "estimated", "observer.kinematic_share": 0.3, "slip_angle_deadband": 0.0},
+        {"acceleration_deadband": 5.0, "largest_front_share": 0.9},
+    ),
+    "drive_by_wire": ({"gain": 20.0, "brake.front_share": 0.3}, ALL_DRIVEN),
+    "equal_torque": ({"vehicle.driven_wheels": ["rear_left"]}, ALL_DRIVEN),
+    "limited_slip": ({"locking_ratio": 3.0, "locking_speed": 20.0}, ALL_DRIVEN),
+    "limited_slip_variable": ({"largest_locking_ratio": 3.0, "full_locking_speed": 50.0}, ALL_DRIVEN),
+    "load_proportional": ({"rolling_resistance": [1.0, 2.0, 3.0, 4.0], **ALL_DRIVEN}, REAR_DRIVEN),
+    "open_differential": ({"vehicle.motor.peak_torque": 50.0}, ALL_DRIVEN),
+    "power_steering": ({"gamma": 1.0, "k_ck": 1.0}, ALL_DRIVEN),
+    "slip_target": (
+        {"source": "estimated"},
+        {"reading": "offset", "boundary_layer": False},
+        {"reading": "increment", "layer_width": 0.5, "largest_correction": 1.0},
+    ),
+    "steer_by_wire": ({"disturbance_rate": 0.0}, {"max_torque_difference": 5.0, "damping_ratio": 0.3}),
+    "steering_correction": ({"axle": "rear", **ALL_DRIVEN}, REAR_DRIVEN, {"gain": 10.0, "largest_correction": 0.2}),
+}
+
+
+def test_every_law_has_choices():
+    assert set(CHOICES) == set(methods_of(ROLE))
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"), [(name, changed) for name, choices in CHOICES.items() for changed in ({}, *choices)]
+)
+def test_compiled_and_interpreted_agree_to_the_bit(name, changed):
+    configuration = configure(ROLE, {"method": name, **NEEDED.get(name, {}), **changed})
+    for seed in (1, 2, 3):
+        assert differing_bits(configuration, STEPS, seed) == ""
