@@ -1,7 +1,7 @@
 """The planar plant as one system of differential equations, for a solver with error control.
 
-The physics is that of the compiled functions: tyres, body, wheels, motor limits, driveline, battery, road. What the
-fused loop does once a step is here the differential equation behind it: the lags of motor torque, clutches and motor
+The physics is that of the plant's own functions: tyres, body, wheels, motor limits, driveline, battery, road. What the
+plant does once a step is here the differential equation behind it: the lags of motor torque, clutches and motor
 heat, the energies, the charge, the position. Coulomb friction at the wheels (brakes and rolling resistance) is solved
 by events: between them every wheel turns one way or is held, at them it stops, turns back or breaks loose. Taken from
 the run are its commands, which are held over a control period, and the road-wheel angle, which is linear within it.
@@ -14,30 +14,35 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ev_sim.compiled import compiled
-from ev_sim.plant.planar.body import HEADING, VX, VY, WHEEL_SPEED, rates
-from ev_sim.plant.planar.plant import PlanarPlant
-from ev_sim.plant.planar.powertrain import (
-    AUXILIARY_WORK,
-    BATTERY_POWER,
-    BATTERY_WORK,
-    DRIVE_WORK,
-    DRIVELINE_LOSS,
-    MOTOR_HEAT,
-    MOTOR_LOSS,
-    MOTOR_TORQUE,
-    STATE_OF_CHARGE,
-    TORQUE_SHARE,
-    account,
-    apply_drives,
-)
-from ev_sim.plant.planar.state import SIZE, X, Y, index
-from ev_sim.plant.planar.surroundings import find_road, steer
+from ev_msgs_py.car import car_numbers
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.function import compiled, in_memory
+from ev_msgs_py.compiling.object import CompiledObject
+from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.parameters import number_tree
+from ev_msgs_py.shape import shape_of
+from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.topics import TOPICS
+from ev_sim.plant.commands import GuardState, guarded_steering, guarded_torques
+from ev_sim.plant.planar.body import rates
+from ev_sim.plant.planar.drive_torques import Lags, apply_drives
+from ev_sim.plant.planar.energy import account
+from ev_sim.plant.planar.memory import Step
+from ev_sim.plant.planar.prepare import prepare
+from ev_sim.plant.planar.road_under_wheels import find_road
+from ev_sim.plant.planar.state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, PlanarState, index
+from ev_sim.plant.planar.steering import steer
+from ev_sim.recording.recording import Recording
 
+SIZE = index("drives.front_left.torque")  # what comes before is advanced by differential equations
+X, Y = index("x"), index("y")
+MOTOR_TORQUE, MOTOR_HEAT, TORQUE_SHARE = index("motor_torque"), index("motor_heat"), index("torque_share")
+STATE_OF_CHARGE, BATTERY_POWER, BATTERY_WORK = index("state_of_charge"), index("battery_power"), index("battery_work")
+MOTOR_LOSS, DRIVELINE_LOSS, DRIVE_WORK = index("motor_loss"), index("driveline_loss"), index("drive_work")
+AUXILIARY_WORK = index("auxiliary_work")
 # Lags of a step that is long against all of them, with the torque at its beginning: the powertrain then applies the
 # torque of the state and leaves behind the values that its lagged quantities go for.
-NO_LAGS = (1.0, 0.0, 1.0, 1.0)
-WORKS = (BATTERY_WORK, MOTOR_LOSS, DRIVELINE_LOSS, AUXILIARY_WORK, DRIVE_WORK)
+NO_LAGS = Lags(torque=1.0, torque_mean=0.0, clutch=1.0, heat=1.0)
 RELATIVE_TOLERANCE = 1e-9
 # Nanometres, nanonewton metres and so on; of the carcasses' deflections, micronewtons.
 ABSOLUTE_TOLERANCE = np.full(SIZE, 1e-9)
@@ -62,29 +67,39 @@ class Span(NamedTuple):
         return self[1:3] == other[1:3] and self.rate == other.rate and abs(there - other.angle) < 1e-14
 
 
-class RecordedPlant(PlanarPlant):
-    """A planar plant that keeps its state at the start and the commands that it accepted."""
+class DrivenPlant:
+    """A configured plant that was driven as in a recording: its state at the start and at the end, and its commands."""
 
-    def __init__(self, *arguments) -> None:
-        super().__init__(*arguments)
-        self.start = self.state.copy()
+    def __init__(self, configuration: Configuration, recording: Recording) -> None:
+        self.parameters, self.vehicle = configuration.parameters, configuration.common.vehicle
+        self.period = configuration.common.control_period
+        plant = CompiledObject(configuration.method, self.parameters, self.vehicle, self.period)
+        self.start = plant.state.copy()
         self.spans: list[Span] = []
+        limits, guard = prepare(self.parameters, self.vehicle, self.period).limits, GuardState()
+        commands, columns = (_signals(recording, kind) for kind in (WheelTorqueCommand, SteeringColumnState))
+        for command, column in zip(commands[:-1], columns[:-1], strict=True):
+            plant.advance(command, column)
+            torques = guarded_torques(limits, guard, command)
+            self._note(Span(self.period, *torques, *guarded_steering(limits, guard, column, self.period)))
+        self.state = plant.state
 
-    def advance(self, command, column) -> None:
-        super().advance(command, column)
-        step = self._step[0]
-        drive, brake = tuple(step["drive_command"].tolist()), tuple(step["brake_command"].tolist())
-        span = Span(self.period, drive, brake, float(step["steering_angle"]), float(step["steering_rate"]))
+    def _note(self, span: Span) -> None:
         if self.spans and self.spans[-1].goes_on_as(span):
             self.spans[-1] = self.spans[-1]._replace(duration=self.spans[-1].duration + span.duration)
         else:
             self.spans.append(span)
 
 
-def end_of_run(plant: RecordedPlant) -> np.ndarray:
-    """The state at the end of the recorded run, shape (SIZE,), by DOP853 at a relative tolerance of 1e-9."""
-    assert plant._car[0]["brushless"] == 0  # the commutation of brushless drives is no differential equation
-    equations, state, width = _Equations(plant), plant.start.copy(), 1e-3
+def _signals(recording: Recording, kind: type) -> list:
+    rows = np.array([recording.channels[name] for name in TOPICS[kind].channels]).T
+    return [shape_of(kind).signal_of(tuple(row)) for row in rows.tolist()]
+
+
+def end_of_run(plant: DrivenPlant) -> np.ndarray:
+    """The state at the end of the run, shape (SIZE,), by DOP853 at a relative tolerance of 1e-9."""
+    assert plant.parameters.drive == "torque_controlled"  # commutation of brushless drives is no differential equation
+    equations, state, width = _Equations(plant), plant.start[:SIZE].copy(), 1e-3
     for span in plant.spans:
         time = 0.0
         while time < span.duration:
@@ -109,36 +124,40 @@ def end_of_run(plant: RecordedPlant) -> np.ndarray:
 class _Equations:
     """Right-hand side and events in the form that the solver calls."""
 
-    def __init__(self, plant: RecordedPlant) -> None:
+    def __init__(self, plant: DrivenPlant) -> None:
         vehicle = plant.vehicle
-        self._step = plant._step.copy()
+        c = prepare(plant.parameters, vehicle, plant.period)
+        lags = (vehicle.motor.torque_lag, vehicle.motor.overload_time, vehicle.driveline.clutch_lag)
+        self._step, self._margins = in_memory(Step()), np.zeros(4)
         self._model = (
-            plant._car,
+            in_memory(number_tree(plant.parameters)),
+            in_memory(car_numbers(vehicle)),
+            in_memory(c.body),
+            _in_arrays(c.road),
+            _in_arrays(c.power),
+            lags,
+            in_memory(PlanarState()),
             self._step,
-            plant._road,
-            plant._maps,
-            plant._voltages,
-            (vehicle.motor.torque_lag, vehicle.motor.overload_time, vehicle.driveline.clutch_lag),
-            (plant._record["drives"][0], plant._record["drive_parameters"][0]),
         )
-        self._scratch, self._work, self._margins = np.zeros(SIZE), np.zeros((5, 4)), np.zeros(4)
+        self._slopes, self._decide = compiled(slopes_of), compiled(decide)
         self.events = [self._event(i) for i in range(4)]
 
     def begin(self, span: Span, time: float, state: np.ndarray) -> None:
         """Take the commands of a span and decide at a time of it which wheels turn or are held."""
-        step = self._step[0]
+        step = self._step
         step["drive_command"], step["brake_command"] = span.drive, span.brake
-        step["steering_angle"], step["steering_rate"] = span.angle, span.rate
+        self._steering = (span.angle, span.rate)
         wheels = state[WHEEL_SPEED : WHEEL_SPEED + 4]
         wheels[np.abs(wheels) <= TOUCH] = 0.0
         step["motion"], step["held"] = np.sign(wheels), 0.0
         self.slopes(time, state)
-        _decide(state, *self._model[:2])
+        self._decide(state, self._model[1], step)
 
     def slopes(self, time: float, state: np.ndarray) -> np.ndarray:
         """Time derivative of the whole state."""
         slope = np.empty(SIZE)
-        _slopes(time, state, slope, *self._model, self._scratch, self._work, self._margins)
+        angle, rate = self._steering
+        self._slopes(state, slope, self._margins, angle + rate * time, *self._model)
         return slope
 
     def _event(self, wheel: int):
@@ -150,47 +169,58 @@ class _Equations:
         return margin
 
 
-@compiled
-def _dry_friction(car, step, i: int, vx: float) -> tuple[float, float]:
+def _in_arrays(c):
+    """Tables as arrays."""
+    if hasattr(c, "_fields"):
+        return type(c)(*map(_in_arrays, c))
+    return np.array(c, float) if isinstance(c, tuple) else c
+
+
+@compilable
+def dry_friction(car, step, i, vx):
     """The torque of drive and tyre on wheel i, and the largest one of dry friction [N m]."""
-    rolling = car.rolling + car.rolling_speed * vx * vx + step.tyre[i, 4]
-    return step.drive[i] - car.radius * step.force_x[i], step.brake[i] + car.radius * step.load[i] * rolling
+    rolling = car.rolling_resistance + car.rolling_resistance_speed * vx * vx + step.tyre[i].rolling_resistance
+    torque = step.drive[i] - car.wheel_radius * step.force_x[i]
+    return torque, step.brake[i] + car.wheel_radius * step.load[i] * rolling
 
 
-@compiled
-def _decide(state, car_record, step_record):
+@compilable
+def decide(state, car, step):
     """A wheel at rest breaks loose if the torque on it is as large as the dry friction, else it is held."""
-    car, step = car_record[0], step_record[0]
     for i in range(4):
         if state[WHEEL_SPEED + i] == 0.0:
-            torque, dry = _dry_friction(car, step, i, state[VX])
+            torque, dry = dry_friction(car, step, i, state[VX])
             loose = abs(torque) >= dry - TOUCH
             step.held[i] = 0.0 if loose else 1.0
             step.motion[i] = np.sign(torque) if loose else 0.0
 
 
-@compiled
-def _slopes(time, state, slope, car_record, step_record, road, maps, voltages, lags, brushless, scratch, work, margins):
+@compilable
+def slopes_of(state, slope, margins, angle, p, car, body, road, power, lags, s, step):
     """Derivative of the state into `slope`, and into `margins` how far each wheel is from its next event."""
-    car, step = car_record[0], step_record[0]
     torque_lag, overload_time, clutch_lag = lags
-    find_road(state, car, step, road)
-    steer(car, step, step.steering_angle + step.steering_rate * time)
-    scratch[:] = state
-    apply_drives(scratch, car, step, maps, voltages, NO_LAGS, brushless, 1.0, work)
-    rates(state, slope, car, step, False)
+    for n in range(INTEGRATED_SIZE):
+        s.motion[n] = state[n]
     for i in range(4):
-        for place, lag in ((MOTOR_TORQUE, torque_lag), (MOTOR_HEAT, overload_time), (TORQUE_SHARE, clutch_lag)):
-            slope[place + i] = (scratch[place + i] - state[place + i]) / lag
-        torque, dry = _dry_friction(car, step, i, state[VX])
+        s.motor_torque[i], s.motor_heat[i] = state[MOTOR_TORQUE + i], state[MOTOR_HEAT + i]
+        s.torque_share[i] = state[TORQUE_SHARE + i]
+    s.state_of_charge, s.battery_power = state[STATE_OF_CHARGE], state[BATTERY_POWER]
+    s.battery_work = s.motor_loss = s.driveline_loss = s.auxiliary_work = s.drive_work = 0.0
+    find_road(s.motion, body, step, road, True)
+    steer(car, step, angle)
+    apply_drives(s, p, car, power, NO_LAGS, step, 1.0)
+    rates(state, slope, p, car, body, step, False)
+    for i in range(4):
+        slope[MOTOR_TORQUE + i] = (s.motor_torque[i] - state[MOTOR_TORQUE + i]) / torque_lag
+        slope[MOTOR_HEAT + i] = (s.motor_heat[i] - state[MOTOR_HEAT + i]) / overload_time
+        slope[TORQUE_SHARE + i] = (s.torque_share[i] - state[TORQUE_SHARE + i]) / clutch_lag
+        torque, dry = dry_friction(car, step, i, state[VX])
         margins[i] = dry - abs(torque) if step.held[i] == 1.0 else step.motion[i] * state[WHEEL_SPEED + i]
-        work[4, i] = state[WHEEL_SPEED + i]
-    for place in WORKS:
-        scratch[place] = 0.0
-    account(scratch, car, step, maps, voltages, brushless, work[4], 1.0, work)
-    for place in WORKS:
-        slope[place] = scratch[place]
-    slope[STATE_OF_CHARGE] = scratch[STATE_OF_CHARGE] - state[STATE_OF_CHARGE]
+        step.turned[i] = state[WHEEL_SPEED + i]
+    account(s, p, car, power, step, 1.0)
+    slope[BATTERY_WORK], slope[MOTOR_LOSS], slope[DRIVELINE_LOSS] = s.battery_work, s.motor_loss, s.driveline_loss
+    slope[AUXILIARY_WORK], slope[DRIVE_WORK] = s.auxiliary_work, s.drive_work
+    slope[STATE_OF_CHARGE] = s.state_of_charge - state[STATE_OF_CHARGE]
     slope[BATTERY_POWER] = 0.0  # no state of its own: the mean over the last step
     cosine, sine = np.cos(state[HEADING]), np.sin(state[HEADING])
     slope[X] = state[VX] * cosine - state[VY] * sine

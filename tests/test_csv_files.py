@@ -6,23 +6,22 @@ import dataclasses
 from pathlib import Path
 
 import pytest
+from plant.planar.car import STRAIGHT, plant
 
 from ev_msgs_py.configuration import configure
 from ev_msgs_py.csv_file import find_file
 from ev_msgs_py.efficiency_map import with_map_from_file
 from ev_msgs_py.parameters import ParameterError
 from ev_msgs_py.roles import ROLES
-from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.signals import WheelTorqueCommand
 from ev_msgs_py.vehicle import Motor, Vehicle
 from ev_msgs_py.wheels import Wheels
 from ev_sim.drives.losses import loss_power
-from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
 from ev_sim.plant.planar.state import index
 from ev_sim.scenario.parameter_file import ParameterFile
 
 ROOT = Path(__file__).parents[1]
 HEADER = "speed_rpm,torque_nm,efficiency\n"
-STRAIGHT = SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def vehicle_with(file: Path | str) -> Vehicle:
@@ -88,20 +87,18 @@ def test_bad_maps_are_refused_in_one_line(tmp_path, text, message):
 
 def test_the_plant_opens_no_files(tmp_path):
     with pytest.raises(ParameterError, match=r"^vehicle.motor.map_file: map.csv has not been read into the map$"):
-        PlanarPlant(PlanarParameters(), vehicle_with("map.csv"), 0.01)
+        plant(vehicle_with("map.csv"))
 
 
 def test_the_example_map_is_that_of_the_loss_model(monkeypatch):
     """As its header says; it is written with four digits."""
     monkeypatch.setenv("EV_STACK_CONFIG", str(ROOT / "config"))
     motor = class_b(map_file="efficiency_maps/yasa_400.csv").motor
-    of_iron = (motor.iron_loss, motor.eddy_loss)
-    coefficients = (motor.copper_loss, *of_iron, motor.inverter_loss, motor.inverter_torque_loss)
     efficiency = iter(motor.map_efficiency)
     for speed in motor.map_speed:
         for torque in motor.map_torque:
             power = speed * torque
-            expected = power / (power + loss_power(torque, speed, *coefficients))
+            expected = power / (power + loss_power(motor, torque, speed))
             assert next(efficiency) == pytest.approx(expected, abs=0.51e-4)
     assert motor.map_speed[-1] == pytest.approx(motor.maximum_speed, rel=1e-6)
     assert motor.map_torque[-1] == motor.peak_torque
@@ -114,10 +111,10 @@ def test_a_drive_takes_the_same_energy_with_the_map_as_with_the_loss_model(monke
     monkeypatch.setenv("EV_STACK_CONFIG", str(ROOT / "config"))
     loss = {}
     for file in ("", "efficiency_maps/yasa_400.csv"):
-        plant = PlanarPlant(PlanarParameters(initial_speed=initial_speed), class_b(map_file=file), 0.01)
+        car = plant(class_b(map_file=file), initial_speed=initial_speed)
         for torque in [900.0] * 500 + [-500.0] * 300:
-            plant.advance(WheelTorqueCommand(Wheels.front(torque, torque)), STRAIGHT)
-        loss[file] = plant.state[index("motor_loss")]
+            car.advance(WheelTorqueCommand(Wheels.front(torque, torque)), STRAIGHT)
+        loss[file] = car.state[index("motor_loss")]
     by_model, by_map = loss.values()
     assert by_map == pytest.approx(by_model, rel=0.01)
     assert by_model > 1e4  # J

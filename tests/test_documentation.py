@@ -130,21 +130,25 @@ def test_own_node_replaces_the_built_in_one(tmp_path: Path):
     assert np.max(limited.channels["torque_command.drive.front_left"]) == LIMIT
 
 
-def test_own_method_is_found_by_its_entry_point(built_in: Path, tmp_path: Path):
+@pytest.mark.parametrize(
+    ("module", "method"),
+    [("own_method", "limit"), ("own_law", "limit_in_python"), ("own_law", "limit_compiled")],
+)
+def test_own_method_is_found_by_its_entry_point(built_in: Path, tmp_path: Path, module: str, method: str):
     """As installed: a folder on the path with the module and its metadata."""
-    package = tmp_path / "own_method-1.0.dist-info"
+    package = tmp_path / f"{module}-1.0.dist-info"
     package.mkdir()
-    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: own-method\nVersion: 1.0\n")
-    (package / "entry_points.txt").write_text("[ev_stack.methods]\nasr = own_method\n")
-    (tmp_path / "own_method.py").write_text((EXAMPLES / "own_method.py").read_text())
+    (package / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\n")
+    (package / "entry_points.txt").write_text(f"[ev_stack.methods]\nasr = {module}\n")
+    (tmp_path / f"{module}.py").write_text((EXAMPLES / f"{module}.py").read_text())
     environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
 
     def run(*options: str) -> str:
         command = [sys.executable, "-c", "from ev_sim.run_scenario import main; main()", *options]
         return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
 
-    assert "Limit the drive torque of every wheel." in run("--list")
-    short = ("shchur2019", "--offline", "--no-record", "--duration", str(DURATION), "--method", "asr=limit")
+    assert "Limit the drive torque of every wheel" in run("--list")
+    short = ("shchur2019", "--offline", "--no-record", "--duration", str(DURATION), "--method", f"asr={method}")
     run(*short, "--set", f"asr.limit={LIMIT}", "--out", str(tmp_path / "limited"))
     assert np.max(load(tmp_path / "limited" / "signals.npz").channels["wheel_states.effort.front_left"]) == LIMIT
     run(*short, "--out", str(tmp_path / "equal"))

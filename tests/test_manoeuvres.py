@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from functools import cache
 
 import numpy as np
 import pytest
-from adaptive_reference import RecordedPlant, end_of_run
+from adaptive_reference import DrivenPlant, end_of_run
+from plant.planar.car import kinetic_energy
 
 from ev_msgs_py.vehicle import Vehicle
-from ev_sim.plant.planar.plant import PlanarPlant
+from ev_sim.plant.planar.prepare import number_of_steps
 from ev_sim.plant.planar.state import index
 from ev_sim.recording.recording import Recording
 from ev_sim.report.motion import lateral_acceleration_on_path
@@ -34,25 +34,16 @@ CASES = [(scenario, run.name) for scenario in SCENARIOS for run in load_scenario
 
 
 @cache
-def driven(scenario: str, name: str, halved: bool = False) -> tuple[Recording, RecordedPlant]:
+def driven(scenario: str, name: str, halved: bool = False) -> tuple[Recording, DrivenPlant]:
     """The signals of a run and its plant at the end."""
     step = [("plant", "step", 0.5e-3)] if halved else []
     run = next(r for r in load_scenario(scenario, Overrides((), step)).runs if r.name == name)
     return drive(run)
 
 
-def drive(run: Run) -> tuple[Recording, RecordedPlant]:
-    plants = []
-
-    class Kept(RecordedPlant):
-        def __init__(self, *arguments) -> None:
-            super().__init__(*arguments)
-            plants.append(self)
-
-    plant = run.configurations["plant"]
-    kept = dataclasses.replace(plant, method=dataclasses.replace(plant.method, factory=Kept))
-    recording = run_offline({**run.configurations, "plant": kept}, run.duration)
-    return recording, plants[-1]
+def drive(run: Run) -> tuple[Recording, DrivenPlant]:
+    recording = run_offline(run.configurations, run.duration)
+    return recording, DrivenPlant(run.configurations["plant"], recording)
 
 
 @cache
@@ -87,7 +78,8 @@ def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
     """Less than 0.1 % of the way and of the largest speeds at its end; measured is 8e-6 at most, in a spin."""
     recording, coarse = driven(scenario, name)
     _, fine = driven(scenario, name, halved=True)
-    assert fine.steps == 2 * coarse.steps
+    steps_of = [number_of_steps(plant.parameters, plant.vehicle, plant.period) for plant in (coarse, fine)]
+    assert steps_of[1] == 2 * steps_of[0]
     found = deviations(recording, coarse.state, fine.state)
     assert max(found.values()) < 1e-3, found
 
@@ -108,8 +100,6 @@ def test_an_adaptive_solver_ends_the_run_alike(scenario, name):
 @pytest.mark.parametrize(("scenario", "name"), CASES)
 def test_power_balance_closes(scenario, name):
     """Battery work = losses + drive work, drive work = kinetic energy + tyres + resistance, within 0.1 %."""
-    run = next(r for r in load_scenario(scenario).runs if r.name == name)
-    start = run.configurations["plant"].create()
     _, end = driven(scenario, name)
 
     def work(entry: str) -> float:
@@ -117,18 +107,10 @@ def test_power_balance_closes(scenario, name):
 
     battery = work("motor_loss") + work("driveline_loss") + work("auxiliary_work") + work("drive_work")
     sinks = [work(f"{kind}_work") for kind in ("tyre", "friction", "drag", "gravity")]
-    gain = kinetic_energy(end) - kinetic_energy(start)
+    gain = kinetic_energy(end.state, end.vehicle) - kinetic_energy(end.start, end.vehicle)
     flow = max(abs(gain), abs(work("drive_work")), *map(abs, sinks))
     assert work("battery_work") == pytest.approx(battery, rel=1e-3, abs=1e-3 * flow)
     assert work("drive_work") == pytest.approx(gain + sum(sinks), rel=0, abs=1e-3 * flow)
-
-
-def kinetic_energy(plant: PlanarPlant) -> float:
-    s, car = plant.state, plant._car[0]
-    place = index("wheel_speed")
-    wheels = float(np.sum(car["wheel_inertia"] * s[place : place + 4] ** 2))
-    along, across = s[index("longitudinal_velocity")], s[index("lateral_velocity")]
-    return 0.5 * float(car["mass"] * (along**2 + across**2) + car["yaw_inertia"] * s[index("yaw_rate")] ** 2 + wheels)
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)

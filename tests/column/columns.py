@@ -5,8 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from compiled import Compiled
-
+from ev_msgs_py.compiling.object import CompiledObject
 from ev_msgs_py.methods import find_method
 from ev_msgs_py.signals import DriverCommand, SteeringColumnState, WheelStates
 from ev_msgs_py.vehicle import Vehicle
@@ -33,7 +32,7 @@ class Column:
     def __init__(self, name: str, period: float = 0.001, **changed: Any) -> None:
         method = find_method("steering_column", name)
         self._reads = method.reads
-        self._column = Compiled(method, dataclasses.replace(method.parameters(), **changed), CAR, period)
+        self._column = CompiledObject(method, dataclasses.replace(method.parameters(), **changed), CAR, period)
 
     def advance(self, hand_torque: float = 0.0, wheels: WheelStates | None = None) -> SteeringColumnState:
         """The state after one more period."""

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 import scipy.linalg
 from column.columns import B, J, K
-from compiled import fast
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ev_msgs_py.compiling.function import compiled
 from ev_sim.steering_column.friction_oscillator import oscillated, oscillator
 
 FAR = 1e6  # an end stop that is never reached [rad]
 
-advance = fast(oscillated)
+advance = compiled(oscillated)
 
 
 def energy(angle: float, rate: float) -> float:

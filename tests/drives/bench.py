@@ -3,8 +3,8 @@
 from types import SimpleNamespace
 
 import numpy as np
-from compiled import fast, in_memory
 
+from ev_msgs_py.compiling.function import compiled, in_memory
 from ev_msgs_py.parameters import build, number_tree
 from ev_sim.drives import drive
 from ev_sim.drives.drive import DriveParameters
@@ -17,7 +17,7 @@ RESISTANCE = 0.15
 CONTROLS = ({"drive": "averaged"}, {"drive": "switched"}, {"drive": "switched", "switched.current_control": "pwm"})
 SWITCHED = CONTROLS[1:]
 
-advance_drive = fast(drive.advance_drive)
+advance_drive = compiled(drive.advance_drive)
 
 
 def name_of(changes):

@@ -3,8 +3,7 @@
 import math
 from dataclasses import replace
 
-from compiled import Compiled
-
+from ev_msgs_py.compiling.object import CompiledObject
 from ev_msgs_py.methods import find_method
 from ev_msgs_py.parameters import build
 from ev_msgs_py.signals import BodyVelocity, SteeringColumnState, WheelTorqueCommand
@@ -24,7 +23,7 @@ class Car:
     """A plant with its outputs by signal type."""
 
     def __init__(self, vehicle=AUDI, **parameters):
-        self.plant = Compiled(KINEMATIC, build(KINEMATIC.parameters, parameters), vehicle, PERIOD)
+        self.plant = CompiledObject(KINEMATIC, build(KINEMATIC.parameters, parameters), vehicle, PERIOD)
 
     def drive(self, command=COAST, *, degrees=0.0, steps=1):
         column = SteeringColumnState(0.0, 0.0, 0.0, math.radians(degrees), 0.0)
@@ -33,7 +32,7 @@ class Car:
         return self
 
     def __getitem__(self, signal):
-        return dict(zip(self.plant.writes, self.plant.outputs(), strict=True))[signal]
+        return dict(zip(KINEMATIC.writes, self.plant.outputs(), strict=True))[signal]
 
     @property
     def speed(self):

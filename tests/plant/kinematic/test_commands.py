@@ -5,8 +5,10 @@ import math
 import pytest
 from plant.kinematic.car import COAST, Car
 
+from ev_msgs_py.contract.record import names
 from ev_msgs_py.signals import WheelTorqueCommand
 from ev_msgs_py.wheels import NO_WHEELS, Wheels
+from ev_sim.plant.kinematic.state import KinematicPlantState
 
 
 def brake_of(**wheels):
@@ -16,7 +18,8 @@ def brake_of(**wheels):
 def moved(command):
     """The outputs of a rolling car a period later, and what it counted."""
     plant = Car(initial_speed=5.0).drive(command).plant
-    return plant.outputs(), (plant.state["guard.non_finite"], plant.state["guard.out_of_range"])
+    kept = dict(zip(names(KinematicPlantState()), plant.state, strict=True))
+    return plant.outputs(), (kept["guard.non_finite"], kept["guard.out_of_range"])
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, make_dataclass
-from functools import cache
+from functools import cache, cached_property
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.parameters import group
@@ -47,7 +47,7 @@ class Quantity:
         """The parameter dataclass of its sensor."""
         return sensor_parameters(self.unit, self.largest)
 
-    @property
+    @cached_property
     def places(self) -> tuple[int, ...]:
         """Where its fields stand in the frame, and then the whole; numbers stand one after the other."""
         channels = shape_of(self.signal).channels

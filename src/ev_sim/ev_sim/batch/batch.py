@@ -66,6 +66,8 @@ def batch(
         raise ParameterError(f"every: {every!r} is refused, allowed is a whole number of periods, at least 1")
     period = next(iter(configurations.values())).period
     times = np.array([stamps.to_seconds(n * period) for n in range(stamps.from_seconds(duration) // period + 1)])
+    if not len(times):
+        raise ParameterError(f"duration: {duration!r} is refused, allowed is 0 s or more")
     observation = Observation(signals, every, tuple(metrics.values()), variation.runs, len(times))
     runs = Runs(configurations, variation, states, observation, times)
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:

@@ -50,6 +50,7 @@ class Runs:
     ) -> None:
         for role, configuration in configurations.items():
             _refuse_interpreted(role, configuration)
+        self._answering, self._integrating = roles_in_order()
         self._base, self._initial_states = configurations, initial_states
         self._observation, self._times = observation, times
         self._varied = {role: variation.configurations(role) for role in configurations}
@@ -61,9 +62,8 @@ class Runs:
 
     def drive(self, run: int) -> str:
         """Drive one run; where a number is not finite it stops, and the result says when and which one."""
-        answering, integrating = roles_in_order()
-        before = [placed for role in answering for placed in self._placed(role, run)]
-        behind = [placed for role in integrating for placed in self._placed(role, run)]
+        before = [placed for role in self._answering for placed in self._placed(role, run)]
+        behind = [placed for role in self._integrating for placed in self._placed(role, run)]
         observer = (*self._observation.addresses(run), 0, 0)
         rows = np.array([*(p.row for p in before), observer, *(p.row for p in behind)], np.int64)
         frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)

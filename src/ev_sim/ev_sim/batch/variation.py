@@ -49,7 +49,9 @@ class Variation:
             raise ParameterError(f"{name} is refused: all runs of a batch have the same {parameter}")
         known = configuration.values()
         if parameter not in known:
-            raise unknown_name(f"parameter of {role}", parameter, known)
+            is_sensor = parameter.startswith(_SENSORS)  # there are many: listed where one is meant
+            listed = [each for each in known if each not in fixed and each.startswith(_SENSORS) == is_sensor]
+            raise unknown_name(f"parameter of {role}", parameter, listed)
         if parameter.startswith(_VEHICLE) and not for_all:
             raise ParameterError(f"{name} is refused: allowed is {EVERY_ROLE}.{parameter}, one for all roles")
 

@@ -8,23 +8,29 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from plant.planar.car import STRAIGHT, command, outputs, plant
 
-from ev_msgs_py.parameters import build
-from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.car import Car, car_numbers
+from ev_msgs_py.lockstep.law import namespace
+from ev_msgs_py.signals import TireForces
 from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import Wheels
 from ev_sim.plant.planar.loads import wheel_loads
-from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
 from ev_sim.plant.planar.steering import front_wheels
 
 NORMAL = 2500.0 * 9.81
-GE_NI = (0.82, 1.72, 1.12, 1.12)  # b, L, B, B
+GE_NI = {"centre_of_mass_to_rear_axle": 0.82, "wheelbase": 1.72, "front_track": 1.12, "rear_track": 1.12}
+SQUARE = {"centre_of_mass_to_rear_axle": 1.0, "wheelbase": 2.0, "front_track": 1.5, "rear_track": 1.5}
+
+
+def numbers_of(**values) -> Car:
+    """A car as laws see it."""
+    return namespace(car_numbers(Vehicle(**values)))
 
 
 def test_lateral_transfer_of_ge_and_ni():
     """N_1,2 = b/(2L) (m g -+ 2 h F_c/B), N_3,4 = a/(2L) (m g -+ 2 h F_c/B), with the left wheels inside."""
     moment = 0.6 * 2500.0 * 2.0
-    loads = wheel_loads(NORMAL, 0.0, moment, *GE_NI, 0.0, 0.82 / 1.72)
+    loads = wheel_loads(numbers_of(**GE_NI, front_roll_share=0.82 / 1.72), NORMAL, 0.0, moment)
     front, rear = 0.82 / (2 * 1.72), 0.90 / (2 * 1.72)
     left, right = NORMAL - 2 * moment / 1.12, NORMAL + 2 * moment / 1.12
     assert loads == pytest.approx((front * left, front * right, rear * left, rear * right))
@@ -32,13 +38,13 @@ def test_lateral_transfer_of_ge_and_ni():
 
 def test_centre_of_mass_off_the_middle():
     """The left wheels carry 1/2 + offset/track of their axle."""
-    loads = wheel_loads(1000.0, 0.0, 0.0, 1.0, 2.0, 1.5, 1.5, 0.15, 0.5)
+    loads = wheel_loads(numbers_of(**SQUARE, centre_of_mass_offset=0.15), 1000.0, 0.0, 0.0)
     assert loads == pytest.approx((300.0, 200.0, 300.0, 200.0))
 
 
 def test_what_a_lifted_wheel_cannot_take_goes_to_the_other_axle():
     """The front axle takes all of a roll moment until its inner wheel lifts; moment balance holds nevertheless."""
-    loads = wheel_loads(1000.0, 0.0, 500.0, 1.0, 2.0, 1.5, 1.5, 0.0, 1.0)
+    loads = wheel_loads(numbers_of(**SQUARE, front_roll_share=1.0), 1000.0, 0.0, 500.0)
     assert loads[0] == 0.0
     assert 0.75 * ((loads[1] - loads[0]) + (loads[3] - loads[2])) == pytest.approx(500.0)
 
@@ -47,7 +53,8 @@ def test_what_a_lifted_wheel_cannot_take_goes_to_the_other_axle():
     st.floats(-3e4, 3e4), st.floats(-5e4, 5e4), st.floats(0.0, 1.72), st.floats(-0.5, 0.5), st.floats(0.0, 1.0)
 )  # fmt: skip
 def test_loads_are_never_negative_and_always_carry_the_car(pitch, roll, rear_arm, offset, share):
-    loads = wheel_loads(NORMAL, pitch, roll, rear_arm, 1.72, 1.12, 1.12, offset, share)
+    layout = {**GE_NI, "centre_of_mass_to_rear_axle": rear_arm, "centre_of_mass_offset": offset}
+    loads = wheel_loads(numbers_of(**layout, front_roll_share=share), NORMAL, pitch, roll)
     assert min(loads) >= 0.0
     assert sum(loads) == pytest.approx(NORMAL)
 
@@ -55,19 +62,19 @@ def test_loads_are_never_negative_and_always_carry_the_car(pitch, roll, rear_arm
 def test_lifted_wheels_are_reported():
     """A tall narrow car on a side slope of 45 %: its right wheels carry it."""
     tall = Vehicle(centre_of_mass_height=2.0)
-    car = PlanarPlant(build(PlanarParameters, {"road.side_slope": (0.45,)}), tall, 0.01)
+    car = plant(tall, road__side_slope=(0.45,))
     for _ in range(100):
-        car.advance(WheelTorqueCommand(Wheels.all(0.0), Wheels.all(2000.0)), SteeringColumnState(0, 0, 0, 0, 0))
-    loads = car.outputs()[-1].load
+        car.advance(command(brake=(2000.0,) * 4), STRAIGHT)
+    loads = outputs(car)[TireForces].load
     assert loads.front_left == loads.rear_left == 0.0
-    assert car.diagnostics["lifted_wheels"] == 2
+    assert car.reports() == ("front_left wheel left the ground", "rear_left wheel left the ground")
     assert np.isfinite(car.state).all()
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.2, -0.2, 0.5])
 def test_ackermann(angle):
     """The axes of both front wheels meet on the rear axle (Shchur, eq 8)."""
-    cos_left, sin_left, cos_right, sin_right = front_wheels(angle, 2.405, 1.462, 0.0)
+    cos_left, sin_left, cos_right, sin_right = front_wheels(numbers_of(), angle)
     assert math.hypot(cos_left, sin_left) == pytest.approx(1.0)
     if angle == 0.0:
         assert sin_left == sin_right == 0.0
@@ -75,4 +82,5 @@ def test_ackermann(angle):
     middle = 2.405 / math.tan(angle)
     assert 2.405 * cos_left / sin_left == pytest.approx(middle - 0.731)
     assert 2.405 * cos_right / sin_right == pytest.approx(middle + 0.731)
-    assert front_wheels(angle, 2.405, 1.462, 1.0)[1] == front_wheels(angle, 2.405, 1.462, 1.0)[3]
+    parallel = front_wheels(numbers_of(steering_geometry="parallel"), angle)
+    assert parallel[1] == parallel[3]

@@ -8,11 +8,21 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ev_sim.surfaces.table import SURFACES, coefficients
+from ev_msgs_py.lockstep.law import namespace
+from ev_msgs_py.parameters import number_tree
+from ev_msgs_py.vehicle import Tyre
+from ev_sim.surfaces.table import SURFACES, tyre_on_road
 from ev_sim.tyres import burckhardt, magic_formula, rational, two_exponential
 from ev_sim.tyres.carcass import force_and_rate
 from ev_sim.tyres.combined import slip_vector, uncoupled
-from ev_sim.tyres.curve import CURVES, peak, secant
+from ev_sim.tyres.curve import CURVES, Coefficients, friction, peak, peak_slip, secant
+
+TYRES = {
+    "rational": (0.8, 0.2, 0.0, 0.0),
+    "two_exponential": (0.35, 0.05, 0.15, 0.0),
+    "magic_formula": (10.0, 1.6, 0.9, 0.5),
+    "linear": (20.0, 0.0, 0.0, 0.0),
+}
 
 
 @pytest.mark.parametrize(
@@ -50,23 +60,19 @@ def test_magic_formula_slope():
 
 @pytest.mark.parametrize("curve", CURVES)
 def test_secant_is_finite_and_never_negative(curve):
-    tyre = {
-        "rational": (0.8, 0.2, 0.0, 0.0),
-        "two_exponential": (0.35, 0.05, 0.15, 0.0),
-        "magic_formula": (10.0, 1.6, 0.9, 0.5),
-        "linear": (20.0, 0.0, 0.0, 0.0),
-    }.get(curve, (0.0, 0.0, 0.0, 0.0))
+    tyre = TYRES.get(curve, (0.0,) * 4)
     for surface in SURFACES:
-        c = coefficients(curve, tyre, surface)
-        values = [secant(CURVES.index(curve), slip, *c[:4]) for slip in (0.0, 1e-12, 1e-3, 0.1, 1.0, 2.0, 3.0)]
+        c = tyre_on_road(curve, tyre, surface)
+        values = [secant(CURVES.index(curve), slip, c) for slip in (0.0, 1e-12, 1e-3, 0.1, 1.0, 2.0, 3.0)]
         assert all(math.isfinite(value) and value >= 0.0 for value in values)
 
 
 def test_slip_vector_stays_on_the_friction_circle_and_uncoupled_does_not():
-    c = coefficients("burckhardt", (0.0,) * 4, "dry_asphalt")[:4]
-    x, y = slip_vector(0, 1.0, 1.0, 10.0, 1.0, *c)
+    c = Coefficients(*tyre_on_road("burckhardt", (0.0,) * 4, "dry_asphalt")[:4])
+    tyre = namespace(number_tree(Tyre()))
+    x, y = slip_vector(tyre, c, 1.0, 1.0, 10.0)
     assert math.hypot(x * 0.1, y * 0.1) == pytest.approx(burckhardt.friction(math.hypot(0.1, 0.1), *c))
-    x, y = uncoupled(0, 1.0, 1.0, 10.0, 10.0, 1.0, *c)
+    x, y = uncoupled(tyre, c, 1.0, 1.0, 10.0, 10.0)
     assert x * 0.1 == y * 0.1 == pytest.approx(burckhardt.friction(0.1, *c))
 
 
@@ -92,3 +98,14 @@ def test_relaxation_length():
         distance += 1e-5 * speed
     steady = secant_stiffness * 0.02 / speed / stiffness
     assert deflection / steady == pytest.approx(1.0 - math.exp(-1.0), rel=1e-3)
+
+
+@pytest.mark.parametrize("curve", CURVES)
+def test_peak_is_the_highest_of_all_points_of_the_grid(curve):
+    """As a search through all 10001 of them finds it, on every surface."""
+    tyre = TYRES.get(curve, (0.0,) * 4)
+    for surface in SURFACES:
+        c = Coefficients(*tyre_on_road(curve, tyre, surface)[:4])
+        use = [friction(CURVES.index(curve), n * 1e-4, c) for n in range(10001)]
+        assert peak(curve, tuple(c)) == max(use)
+        assert peak_slip(curve, tuple(c)) == use.index(max(use)) * 1e-4

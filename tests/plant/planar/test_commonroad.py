@@ -6,12 +6,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from plant.planar.car import plant, steered
 from scipy.integrate import solve_ivp
 
-from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.signals import WheelTorqueCommand
 from ev_msgs_py.vehicle import Motor, Tyre, Vehicle
 from ev_msgs_py.wheels import Wheels
-from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
 
 PERIOD, DURATION = 0.01, 2.0  # s
 GRAVITY = 9.81  # m/s^2, as in both models
@@ -59,11 +59,11 @@ COMMONROAD_CAR = SimpleNamespace(
 
 def of_planar_plant(speed: float, angle: float) -> np.ndarray:
     """Yaw rate [rad/s] and sideslip angle [rad] at the ends of the periods, the speed held by the drives."""
-    car = PlanarPlant(PlanarParameters(initial_speed=speed), CAR, PERIOD)
+    car = plant(CAR, PERIOD, initial_speed=speed)
     rows = []
     for _ in range(round(DURATION / PERIOD)):
         torque = 2000.0 * (speed - float(car.state[0]))
-        car.advance(WheelTorqueCommand(Wheels.rear(torque, torque)), SteeringColumnState(0, 0, 0, angle, 0))
+        car.advance(WheelTorqueCommand(Wheels.rear(torque, torque)), steered(angle))
         vx, vy, yaw_rate = car.state[:3]
         rows.append((yaw_rate, np.arctan2(vy, vx)))
     return np.array(rows)

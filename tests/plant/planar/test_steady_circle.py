@@ -7,11 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 import scipy.signal
+from plant.planar.car import outputs, plant, steered
 
-from ev_msgs_py.signals import BodyVelocity, InertialMeasurement, SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.signals import BodyVelocity, InertialMeasurement, WheelTorqueCommand
 from ev_msgs_py.vehicle import Motor, Tyre, Vehicle
 from ev_msgs_py.wheels import Wheels
-from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
 
 FRONT, REAR = 55e3, 65e3
 CAR = Vehicle(
@@ -38,20 +38,20 @@ def test_steady_circle(speed, angle):
     r = V delta / (L + m V^2 (b/C_f - a/C_r)/L), beta = r (b - m a V^2/(L C_r))/V, with C of whole axles (for example
     Gillespie, Fundamentals of Vehicle Dynamics, 1992, chapter 6).
     """
-    car = PlanarPlant(PlanarParameters(initial_speed=speed), CAR, 0.01)
+    car = plant(CAR, initial_speed=speed)
     held = 0.0
     for _ in range(1500):
         error = speed - float(car.state[0])
         held += 5.0 * error
         torque = 500.0 * error + held
-        car.advance(WheelTorqueCommand(Wheels.rear(torque, torque)), SteeringColumnState(0, 0, 0, angle, 0))
+        car.advance(WheelTorqueCommand(Wheels.rear(torque, torque)), steered(angle))
     mass, wheelbase, b = CAR.mass, CAR.wheelbase, CAR.centre_of_mass_to_rear_axle
     a = wheelbase - b
     front, rear = 2 * FRONT, 2 * REAR
     yaw_rate = speed * angle / (wheelbase + mass * speed**2 * (b / front - a / rear) / wheelbase)
     sideslip = yaw_rate / speed * (b - mass * a * speed**2 / (wheelbase * rear))
-    outputs = {type(signal): signal for signal in car.outputs()}
-    body, imu = outputs[BodyVelocity], outputs[InertialMeasurement]
+    seen = outputs(car)
+    body, imu = seen[BodyVelocity], seen[InertialMeasurement]
     assert imu.yaw_rate == pytest.approx(yaw_rate, rel=5e-3)
     assert body.lateral / body.longitudinal == pytest.approx(sideslip, rel=5e-3)
     assert imu.lateral_acceleration == pytest.approx(speed * yaw_rate, rel=5e-3)
@@ -67,11 +67,11 @@ def test_step_steer(speed):
     tyre = dataclasses.replace(CAR.tyre, lateral_stiffness=1e7, lateral_damping_time=0.001)
     vehicle = dataclasses.replace(CAR, tyre=tyre)
     angle, period = 0.01, 0.01
-    car = PlanarPlant(PlanarParameters(initial_speed=speed), vehicle, period)
+    car = plant(vehicle, period, initial_speed=speed)
     yaw_rate, sideslip = [0.0], [0.0]
     for _ in range(200):
         torque = 2000.0 * (speed - float(car.state[0]))
-        car.advance(WheelTorqueCommand(Wheels.rear(torque, torque)), SteeringColumnState(0, 0, 0, angle, 0))
+        car.advance(WheelTorqueCommand(Wheels.rear(torque, torque)), steered(angle))
         yaw_rate.append(car.state[2])
         sideslip.append(car.state[1] / car.state[0])
     m, jz, b, front, rear = CAR.mass, CAR.yaw_inertia, CAR.centre_of_mass_to_rear_axle, 2 * FRONT, 2 * REAR

@@ -7,14 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from plant.planar.car import PLANAR, STRAIGHT, outputs, plant, steered
 
+from ev_msgs_py.compiling.object import CompiledObject
 from ev_msgs_py.parameters import build
-from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.signals import TireForces, WheelTorqueCommand
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
-from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
+from ev_sim.plant.planar.parameters import PlanarParameters
+from ev_sim.plant.planar.state import index
 
-CONFIG = Path(__file__).parents[2] / "config"
+CONFIG = Path(__file__).parents[3] / "config"
 VEHICLES = sorted((CONFIG / "vehicles").glob("*.yaml"))
 ROADS = sorted((CONFIG / "surfaces").glob("*.yaml"))
 
@@ -38,28 +41,28 @@ def test_vehicle_drives(path):
     """From rest with the torque of 0.5 m/s^2 more than it needs, then a turn, then to rest again."""
     car = vehicle(path)
     assert car.name == path.stem
-    plant = PlanarPlant(PlanarParameters(), car, 0.01)
+    driven = plant(car)
     share = 0.8 * car.mass * car.wheel_radius / len(car.driven_wheels)
     drive = Wheels(*(share if name in car.driven_wheels else 0.0 for name in WHEEL_NAMES))
     for _ in range(500):
-        plant.advance(WheelTorqueCommand(drive), SteeringColumnState(0, 0, 0, 0.02, 0))
-    assert 1.0 < plant.state[0] < 5.0
-    assert plant.state[2] > 0.0
+        driven.advance(WheelTorqueCommand(drive), steered(0.02))
+    assert 1.0 < driven.state[0] < 5.0
+    assert driven.state[2] > 0.0
     brake = Wheels.all(0.5 * car.mass * car.wheel_radius)
     for _ in range(800):
-        plant.advance(WheelTorqueCommand(Wheels.all(0.0), brake), SteeringColumnState(0, 0, 0, 0.02, 0))
-    assert abs(plant.state[0]) < 1e-3
-    assert plant.diagnostics["non_finite_commands"] == plant.diagnostics["out_of_range_commands"] == 0
+        driven.advance(WheelTorqueCommand(Wheels.all(0.0), brake), steered(0.02))
+    assert abs(driven.state[0]) < 1e-3
+    assert driven.state[index("guard.non_finite")] == driven.state[index("guard.out_of_range")] == 0
 
 
 @pytest.mark.parametrize("path", ROADS, ids=lambda path: path.stem)
 def test_road_drives(path):
     road = flat(yaml.safe_load(path.read_text())["/**/plant"]["ros__parameters"])
-    car = PlanarPlant(build(PlanarParameters, {**road, "initial_speed": 15.0}), Vehicle(), 0.01)
+    car = CompiledObject(PLANAR, build(PlanarParameters, {**road, "initial_speed": 15.0}), Vehicle(), 0.01)
     friction = []
     for _ in range(500):
-        car.advance(WheelTorqueCommand(Wheels.front(80.0, 80.0)), SteeringColumnState(0, 0, 0, 0, 0))
-        friction.append(car.outputs()[-1].friction_coefficient)
+        car.advance(WheelTorqueCommand(Wheels.front(80.0, 80.0)), STRAIGHT)
+        friction.append(outputs(car)[TireForces].friction_coefficient)
     assert np.isfinite(car.state).all()
     values = np.unique(np.round(friction, 6))
     if path.stem in ("jump_dry_ice_dry", "checkerboard", "dissertation_mixed"):

@@ -1,0 +1,101 @@
+"""A thousand double lane changes in one call on all cores, beside the plant alone, measured in one run.
+
+    python benchmarks/batch.py [--json FILE] [--runs N]
+
+Each run has 10 s with a speed and a seed of its own, and noise in the sensors that a yaw-rate control reads: driver,
+steering column, laws and sensors every 10 ms, the plant every 1 ms. The plant alone is one object that is advanced over
+seconds at a time, with fixed torques and wheels: nothing but its fused loop, on one core.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import time
+from pathlib import Path
+
+import numpy as np
+
+from ev_msgs_py.compiling.loop import call_part
+from ev_msgs_py.compiling.part import CompiledPart
+from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.contract import frame
+from ev_msgs_py.roles import MASTER
+from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_sim.batch.batch import batch
+from ev_sim.batch.reductions import largest_magnitude, root_mean_square
+from ev_sim.scenario.scenario import Overrides, load_scenario
+
+DURATION = 10.0  # [s]
+FUSED_STEPS = 3000
+SENSORS = {"imu_yaw_rate": 0.002, "imu_acceleration": 0.05, "wheel_speed": 0.03}  # noise [rad/s], [m/s^2], [rad/s]
+METRICS = {
+    "lateral_velocity": largest_magnitude("twist.lateral"),
+    "lateral_acceleration": largest_magnitude("imu.lateral_acceleration"),
+    "yaw_rate": root_mean_square("twist.yaw_rate"),
+}
+
+
+def fused_loop_rate(plant: Configuration) -> float:
+    """Steps per second of the plant alone on one core; the best of some, because others only ever take time."""
+    step = plant.parameters.step
+    part = CompiledPart(plant.method, plant.parameters, plant.common.vehicle, FUSED_STEPS * step)
+    now, then = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
+    now[frame.PLACES[WheelTorqueCommand]][:2] = 120.0
+    now[frame.PLACES[SteeringColumnState]] = 0.0, 0.0, 0.0, 0.02, 0.0
+    function, state, constants = part.addresses()
+    start, best = part.state.copy(), 0.0
+    for _ in range(15):
+        part.state[:] = start
+        begin = time.perf_counter()
+        call_part(function, now.ctypes.data, then.ctypes.data, state, constants)
+        best = max(best, FUSED_STEPS / (time.perf_counter() - begin))
+    return best
+
+
+def main() -> None:
+    """Print both rates and their ratio and, if asked for, write them as JSON."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--json", type=Path, help="write the result to this file")
+    parser.add_argument("--runs", type=int, default=1000)
+    given = parser.parse_args()
+    cores = len(os.sched_getaffinity(0))
+    values = [(MASTER, f"sensors.{name}.noise", noise) for name, noise in SENSORS.items()]
+    configurations = load_scenario("double_lane_change", Overrides(values=values)).runs[0].configurations
+    plant = configurations[MASTER]
+
+    def drive(runs: int) -> None:
+        vary = {"plant.initial_speed": np.linspace(18.0, 23.0, runs), "*.seed": range(runs)}
+        failed = batch(configurations, DURATION, vary, signals=("pose.y",), every=10, metrics=METRICS).failed
+        assert not failed, failed
+
+    drive(cores)  # compiles
+    alone = fused_loop_rate(plant)
+    begin = time.perf_counter()
+    drive(given.runs)
+    seconds = time.perf_counter() - begin
+    alone = max(alone, fused_loop_rate(plant))
+    rate = given.runs * DURATION / plant.parameters.step / seconds
+    share = rate / (cores * alone)
+    print(f"{given.runs} double lane changes of {DURATION:g} s on {cores} cores   {seconds:.2f} s")
+    print(f"whole graph   {rate:12.0f} car steps of 1 ms per second")
+    print(f"plant alone   {alone:12.0f} on one core")
+    print(f"share of the fused loop {share:.2f}")
+    if given.json:
+        document = {
+            "machine": platform.processor() or platform.machine(),
+            "python": platform.python_version(),
+            "cores": cores,
+            "runs": given.runs,
+            "seconds": seconds,
+            "car_steps_per_second": rate,
+            "fused_loop_steps_per_second": alone,
+            "share_of_fused_loop": share,
+        }
+        given.json.write_text(json.dumps(document, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()

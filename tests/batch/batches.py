@@ -1,0 +1,45 @@
+"""A batch to be held against its runs one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from ev_msgs_py.configuration import Configuration
+from ev_sim.recording.recording import Recording
+from ev_sim.scenario.offline import run_offline
+from ev_sim.scenario.scenario import Overrides, load_scenario
+
+DURATION = 3.0
+RUNS = 5
+SENSORS = {"imu_yaw_rate": "noise", "wheel_speed": "noise", "body_velocity": "dropout", "body_heading": "delay"}
+
+
+@cache
+def lane_change() -> Mapping[str, Configuration]:
+    """The planar car in a double lane change, some of its sensors far from ideal."""
+    errors = {"noise": 0.05, "dropout": 0.3, "delay": 2}
+    values = [("plant", f"sensors.{name}.{error}", errors[error]) for name, error in SENSORS.items()]
+    return load_scenario("double_lane_change", Overrides(values=values)).runs[0].configurations
+
+
+def vary() -> dict[str, list[Any]]:
+    """Values of every kind: of a method, of all roles, of a sensor, an array, and of the car."""
+    return {
+        "plant.initial_speed": [18.0 + run for run in range(RUNS)],
+        "*.seed": list(range(RUNS)),
+        "*.vehicle.mass": [1100.0 + 10.0 * run for run in range(RUNS)],
+        "plant.sensors.wheel_speed.bias": [0.1 * run for run in range(RUNS)],
+        "driver.speed_profile.speed": [[18.0 + run] for run in range(RUNS)],
+    }
+
+
+def alone(run: int, duration: float = DURATION) -> Recording:
+    """The recording of one run of the batch, driven as ever."""
+    configurations = dict(lane_change())
+    for name, values in vary().items():
+        role, _, parameter = name.partition(".")
+        for each in configurations if role == "*" else (role,):
+            configurations[each] = configurations[each].changed({parameter: values[run]})
+    return run_offline(configurations, duration)

@@ -1,0 +1,47 @@
+"""The battery in the car: limits, regeneration, blended brakes."""
+
+from __future__ import annotations
+
+import pytest
+from plant.planar.car import drive, outputs, plant
+
+from ev_msgs_py.signals import BatteryCondition
+from ev_msgs_py.vehicle import Battery, Vehicle
+from ev_msgs_py.wheels import Wheels
+from ev_sim.plant.planar.state import index
+
+
+def test_battery_limits_hold():
+    """Neither drive nor braking torque asks the battery for more than it may give or take."""
+    battery = Battery(discharge_power=15e3, charge_power=5e3)
+    moved = plant(Vehicle(battery=battery), initial_speed=20.0)
+    power = index("battery_power")
+    for torque, low, high in ((600.0, 0.0, 15e3), (-300.0, -5e3, 0.0)):
+        drive(moved, 1.0, Wheels.front(torque, torque))
+        assert low - 1e-3 * 5e3 <= moved.state[power] <= high + 1e-3 * 15e3
+    empty = Battery(state_of_charge=0.0)
+    moved = plant(Vehicle(battery=empty), initial_speed=20.0)
+    drive(moved, 1.0, Wheels.front(300.0, 300.0))
+    assert moved.state[index("drive_work")] <= 1e-6
+
+
+def test_regeneration_charges():
+    moved = plant(Vehicle(), initial_speed=20.0)
+    before = outputs(moved)[BatteryCondition]
+    out = drive(moved, 1.0, Wheels.front(-200.0, -200.0))
+    assert out[BatteryCondition].current > 0.0
+    assert out[BatteryCondition].charge > before.charge
+    assert out[BatteryCondition].voltage > before.voltage
+
+
+def test_blended_braking_stops_the_car_alike_and_gains_energy():
+    """The motors take their part of the brake torque as far as they can, the friction brakes the rest, down to rest."""
+    distance, energy = {}, {}
+    for blended in (False, True):
+        moved = plant(Vehicle(blend_brakes=blended), initial_speed=20.0)
+        drive(moved, 10.0, Wheels.all(0.0), brake=350.0)
+        assert abs(moved.state[0]) < 1e-6
+        distance[blended] = moved.state[index("body_distance")]
+        energy[blended] = moved.state[index("battery_work")]
+    assert distance[True] == pytest.approx(distance[False], rel=5e-3)
+    assert energy[True] < energy[False] - 1e4
