@@ -79,3 +79,8 @@ class GraphRun:
                         said.add((role, text))
                         note(role, text)
             progress(float(self.frames[end, frame.TIME]))
+
+    def drive_alone(self, role: str) -> None:
+        """Drive the parts of one role that integrates through all instants; what it reads is in the frames already."""
+        rows = np.array([row for row, (of, _) in zip(self._rows, self.parts, strict=True) if of == role])
+        run_instants(self.frames, 0, len(self.frames) - 1, False, rows, 0, np.zeros(2, np.int64))
