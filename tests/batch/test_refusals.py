@@ -73,3 +73,10 @@ def test_a_method_that_only_python_runs():
         ParameterError, match="method toy runs in plain Python, allowed in a batch are methods that run"
     ):
         batch(toy_graph(), 1.0)
+
+
+def test_values_that_do_not_fit_together():
+    """Each is in its range, but the plant cannot step so stiff tyres; the error says in which run."""
+    vary = {"*.vehicle.tyre.longitudinal_stiffness": [3e5, 1e7], "*.vehicle.wheel_inertia": [1.0, 0.01]}
+    with pytest.raises(ParameterError, match=r"^run 1: plant: vehicle.tyre: stiffness and damping_time need steps of"):
+        batch(lane_change(), 1.0, vary)

@@ -85,7 +85,10 @@ class Runs:
         """The parts that play a role in a run, at their start."""
         varied = self._varied[role]
         configuration = varied[run] if varied else self._base[role]
-        part = self._shared.get(role) or part_of(configuration)
+        try:
+            part = self._shared.get(role) or part_of(configuration)
+        except ParameterError as error:  # values that are allowed one by one and do not fit together
+            raise ParameterError(f"run {run}: {role}: {error}") from None
         state = self._initial_states[role][run] if role in self._initial_states else part.state
         placed = [_Placed(role, part, state.copy())]
         if not configuration.is_ideal:
