@@ -6,6 +6,7 @@ import argparse
 import math
 
 import pytest
+from traction import METHODS
 
 from ev_sim.report.metric import Metric
 from ev_sim.study import asr_shootout
@@ -26,8 +27,8 @@ def test_all_cases_are_driven(results):
 
 def test_every_control_on_every_road_by_default():
     names = [case.name for case in asr_shootout.cases(argparse.Namespace())]
-    assert len(names) == len(set(names)) == len(asr_shootout.SITUATIONS) * len(asr_shootout.controls())
-    assert asr_shootout.controls()[0] == "off" and "least_squares" in asr_shootout.controls()
+    assert len(names) == len(set(names)) == len(asr_shootout.SITUATIONS) * len(asr_shootout.controls()) == 90
+    assert asr_shootout.controls() == ["off", *METHODS]
 
 
 def test_control_wins_on_snow(results):
@@ -72,4 +73,19 @@ def test_a_refused_case_leaves_gaps(results):
     broken = {**results, "snow: off": CaseResult("snow: off", {}, refused="no road")}
     assert set(asr_shootout.rows(None, broken)[0][2:]) == {"–"}
     assert asr_shootout.metrics(GIVEN, broken)["distance_off"].value is None
-    assert asr_shootout.figures(GIVEN, broken)
+    assert drawn_in(asr_shootout.figures(GIVEN, broken)["slip"]) == {"least_squares": 401}
+
+
+def test_figure_shows_the_slip_of_every_control(results):
+    """On snow, the only one of the roads given that is drawn: 8 s in steps of 0.02 s."""
+    figures = asr_shootout.figures(GIVEN, results)
+    assert list(figures) == ["slip"]
+    assert drawn_in(figures["slip"]) == {"off": 401, "least_squares": 401}
+    (axes,) = figures["slip"].axes
+    assert axes.get_title(loc="left") == "snow: slip of the front left wheel"
+
+
+def drawn_in(figure) -> dict[str, int]:
+    """By name of a curve in the only axes of a figure the number of its points."""
+    (axes,) = figure.axes
+    return {line.get_label(): len(line.get_xdata()) for line in axes.get_lines()}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from batch.batches import DURATION, RUNS, alone, lane_change, vary
 
-from ev_msgs_py.lockstep.run import part_of
+from ev_msgs_py.lockstep.parts import method_part
 from ev_sim.batch import runs
 from ev_sim.batch.batch import batch
 from ev_sim.batch.reductions import largest_magnitude, last, maximum, mean, minimum, root_mean_square
@@ -57,7 +57,7 @@ def test_neighbours_and_order_do_not_matter():
 def test_states_to_begin_with():
     """That of a car at 20 and 24 m/s, as the parameter `initial_speed` makes it."""
     speeds = (20.0, 24.0)
-    rows = [part_of(lane_change()["plant"].changed({"initial_speed": speed})).state for speed in speeds]
+    rows = [method_part(lane_change()["plant"].changed({"initial_speed": speed}), compiled=True).state for speed in speeds]
     by_state = batch(lane_change(), 1.0, initial_states={"plant": rows}, signals=SIGNALS)
     by_parameter = batch(lane_change(), 1.0, {"plant.initial_speed": np.array(speeds)}, signals=SIGNALS)
     for name in SIGNALS:
@@ -74,7 +74,7 @@ def test_a_batch_of_nothing_else_is_the_run_itself():
 
 def test_a_run_that_is_not_finite_stops_alone():
     """A lateral velocity of 1e300 m/s is infinite when it is squared; the neighbours do not notice."""
-    rows = np.repeat(part_of(lane_change()["plant"]).state[None], 3, axis=0)
+    rows = np.repeat(method_part(lane_change()["plant"], compiled=True).state[None], 3, axis=0)
     good = batch(lane_change(), 1.0, initial_states={"plant": rows}, signals=SIGNALS, metrics=METRICS)
     rows[1, 1] = 1e300
     found = batch(lane_change(), 1.0, initial_states={"plant": rows}, signals=SIGNALS, metrics=METRICS)
@@ -93,9 +93,9 @@ def test_only_what_differs_is_prepared_anew(monkeypatch):
 
     def counted(configuration):
         made.append(configuration.role)
-        return part_of(configuration)
+        return method_part(configuration, compiled)
 
-    monkeypatch.setattr(runs, "part_of", counted)
+    monkeypatch.setattr(runs, "method_part", counted)
     batch(lane_change(), 0.1, {"*.seed": range(20)})
     assert sorted(made) == sorted(lane_change())
     made.clear()

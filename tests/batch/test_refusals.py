@@ -7,7 +7,7 @@ import pytest
 from batch.batches import lane_change
 from toy_methods import toy_graph
 
-from ev_msgs_py.lockstep.run import part_of
+from ev_msgs_py.lockstep.parts import method_part
 from ev_msgs_py.parameters import ParameterError
 from ev_sim.batch.batch import batch
 from ev_sim.batch.reductions import mean
@@ -62,7 +62,7 @@ def test_a_negative_duration():
 
 
 def test_states_that_are_not_finite():
-    rows = np.repeat(part_of(lane_change()["plant"]).state[None], 2, axis=0)
+    rows = np.repeat(method_part(lane_change()["plant"], compiled=True).state[None], 2, axis=0)
     rows[1, 2] = np.nan
     with pytest.raises(ParameterError, match="initial_states of plant are not finite in run 1"):
         batch(lane_change(), 1.0, initial_states={"plant": rows})
@@ -73,3 +73,10 @@ def test_a_method_that_only_python_runs():
         ParameterError, match="method toy runs in plain Python, allowed in a batch are methods that run"
     ):
         batch(toy_graph(), 1.0)
+
+
+def test_values_that_do_not_fit_together():
+    """Each is in its range, but the plant cannot step so stiff tyres; the error says in which run."""
+    vary = {"*.vehicle.tyre.longitudinal_stiffness": [3e5, 1e7], "*.vehicle.wheel_inertia": [1.0, 0.01]}
+    with pytest.raises(ParameterError, match=r"^run 1: plant: vehicle.tyre: stiffness and damping_time need steps of"):
+        batch(lane_change(), 1.0, vary)

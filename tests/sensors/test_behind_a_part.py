@@ -9,7 +9,7 @@ from sensors.rows import EVERYTHING
 from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.configuration import configure
 from ev_msgs_py.contract import frame
-from ev_msgs_py.lockstep.run import parts_of
+from ev_msgs_py.lockstep.parts import compiled_parts
 from ev_msgs_py.roles import ROLES
 from ev_msgs_py.sensors.measuring import HEADING
 from ev_msgs_py.sensors.quantities import QUANTITIES
@@ -21,7 +21,7 @@ PLANT = [quantity.name for quantity in QUANTITIES if quantity.signal is not Stee
 def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> np.ndarray:
     """What a role and its sensors (quantity.error) write at the start and after steps with wheel torques."""
     values = {f"sensors.{name}": value for name, value in errors.items()}
-    parts = parts_of(configure(role, {"method": method, **values}))
+    parts = compiled_parts(configure(role, {"method": method, **values}))
     said = np.zeros((steps + 1, frame.SIZE))
     for k in range(steps + 1):
         for part in parts:
@@ -49,8 +49,8 @@ def test_a_bias_shows_in_its_own_numbers_and_nowhere_else(quantity):
 
 def test_ideal_sensors_are_not_there():
     """So they cost nothing; a seed alone makes no noise."""
-    assert len(parts_of(configure("plant", {"seed": 3}))) == 1
-    assert len(parts_of(configure("plant", {"sensors.wheel_speed.delay": 1}))) == 2
+    assert len(compiled_parts(configure("plant", {"seed": 3}))) == 1
+    assert len(compiled_parts(configure("plant", {"sensors.wheel_speed.delay": 1}))) == 2
 
 
 def test_sensors_do_not_touch_what_is_integrated():

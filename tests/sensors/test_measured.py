@@ -1,47 +1,69 @@
-"""An object behind its sensors, as nodes have it."""
+"""A part behind its sensors, as nodes have it."""
 
 from __future__ import annotations
 
+from typing import Any
+
 from ev_msgs_py.configuration import configure
-from ev_msgs_py.sensors.measured import Measured
-from ev_msgs_py.signals import InertialMeasurement, SteeringColumnState, WheelTorqueCommand
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
+from ev_msgs_py.lockstep.parts import hand_over, part_of
+from ev_msgs_py.sensors.sensed import Sensed
+from ev_msgs_py.signals import InertialMeasurement, WheelTorqueCommand
 
-STRAIGHT = SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0)
 
-
-def behind(**values: object) -> object:
+def behind(**values: object) -> Any:
     """A new planar plant behind sensors; double underscores stand for dots."""
     sensors = {f"sensors.{name.replace('__', '.')}": value for name, value in values.items()}
-    return configure("plant", {"method": "planar", **sensors}).create()
+    return part_of(configure("plant", {"method": "planar", **sensors}), compiled=False)
 
 
-def yaw_rate(plant: object) -> float:
-    return next(signal.yaw_rate for signal in plant.outputs() if isinstance(signal, InertialMeasurement))
+def driven(left: float, right: float) -> Frame:
+    """The frame in which the front wheels are driven [N m]."""
+    here = Frame()
+    here.numbers[PLACES[WheelTorqueCommand]] = numbers_of([left, right, *[0.0] * 6])
+    return here
+
+
+def yaw_rate(there: Frame) -> float:
+    return there.numbers[PLACES[InertialMeasurement].start]
 
 
 def test_ideal_sensors_are_not_there():
-    assert not isinstance(behind(), Measured)
-    assert isinstance(behind(wheel_speed__delay=1), Measured)
+    assert not isinstance(behind(), Sensed)
+    assert isinstance(behind(wheel_speed__delay=1), Sensed)
 
 
-def test_outputs_are_measured_once_per_period():
-    plant = behind(imu_yaw_rate__noise=1.0)
-    first = plant.outputs()
-    assert plant.outputs() == first
-    plant.advance(WheelTorqueCommand(Wheels.all(0.0)), STRAIGHT)
-    assert plant.outputs() != first
+def test_outputs_are_measured_in_every_period():
+    plant, first, second = behind(imu_yaw_rate__noise=1.0), Frame(), Frame()
+    plant.start(first)
+    plant.step(driven(0.0, 0.0), second)
+    assert yaw_rate(first) != 0.0
+    assert yaw_rate(second) not in (0.0, yaw_rate(first))
 
 
-def test_a_successor_of_a_running_object_goes_on_with_its_state():
+def test_a_successor_of_a_running_part_goes_on_with_its_state():
     """As when a parameter is set while the node runs: on, changed, off; the first value is a present one."""
-    plant = behind()
+    plant, there = behind(), Frame()
+    plant.start(there)
     for sensors in ({"imu_yaw_rate__delay": 2}, {"imu_yaw_rate__delay": 4, "wheel_speed__bias": 0.5}, {}):
         for _ in range(10):
-            plant.advance(WheelTorqueCommand(Wheels.front(100.0, 300.0)), STRAIGHT)
-            plant.outputs()
+            plant.step(driven(100.0, 300.0), there)
         successor = behind(**sensors)
-        successor.state = plant.state
+        hand_over(plant, successor)
         plant = successor
-        plant.advance(WheelTorqueCommand(Wheels.front(100.0, 300.0)), STRAIGHT)
-        assert yaw_rate(plant) == plant.state[2] != 0.0
+        plant.step(driven(100.0, 300.0), there)
+        assert yaw_rate(there) == plant.state[2] != 0.0
+
+
+def test_the_same_sensors_go_on_where_they_were():
+    """Another parameter of the plant changes: what is under way in a delay line stays under way."""
+    first, second = behind(imu_yaw_rate__delay=3), behind(imu_yaw_rate__delay=3)
+    there, other = Frame(), Frame()
+    first.start(there)
+    for _ in range(20):
+        first.step(driven(100.0, 300.0), there)
+    hand_over(first, second)
+    for _ in range(5):
+        first.step(driven(0.0, 0.0), there)
+        second.step(driven(0.0, 0.0), other)
+        assert there.raw == other.raw

@@ -96,7 +96,9 @@ class Configuration:
         common, parameters = _replaced(rest, self.common), _replaced(rest, self.parameters)
         sensors = _replaced(rest, self.sensors, _SENSORS)
         if not rest:
-            return _fitting(dataclasses.replace(self, common=common, parameters=parameters, sensors=sensors))
+            made = dataclasses.replace(self, common=common, parameters=parameters, sensors=sensors)
+            fits = parameters is self.parameters and common.vehicle is self.common.vehicle
+            return made if fits else _fitting(made)
         return configure(self.role, {**self.values(), **values}, type(self.extra) if self.extra is not None else None)
 
 

@@ -11,7 +11,7 @@ from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, series
 from ev_msgs_py.elementary import sqrt
 
-CAPACITY = 2000  # samples: 10 s at 5 ms; a window that holds more is cut to it
+CAPACITY = 1000  # samples: 5 s at 5 ms, 2 s at 2 ms; a window that would hold more is cut to it
 
 
 @dataclass(slots=True)

@@ -15,7 +15,7 @@ def part_of(configuration: Configuration, compiled: bool) -> Part:
     `compiled` asks for compiled code where the method can be compiled. A node does not ask for it, because loading the
     compiler takes longer than what it would save; laws that are too heavy for plain Python are compiled all the same.
     """
-    part = _method_part(configuration, compiled)
+    part = method_part(configuration, compiled)
     if configuration.is_ideal:
         return part
     return Sensed(part, configuration.sensors, configuration.common.seed)
@@ -23,7 +23,7 @@ def part_of(configuration: Configuration, compiled: bool) -> Part:
 
 def compiled_parts(configuration: Configuration) -> list[Any]:
     """The same for the compiled loop, which calls one behind the other: the method's part, and its sensors'."""
-    parts = [_method_part(configuration, compiled=True)]
+    parts = [method_part(configuration, compiled=True)]
     if not configuration.is_ideal:
         from ev_msgs_py.sensors.part import SensorPart
 
@@ -31,7 +31,8 @@ def compiled_parts(configuration: Configuration) -> list[Any]:
     return parts
 
 
-def _method_part(configuration: Configuration, compiled: bool) -> Any:
+def method_part(configuration: Configuration, compiled: bool) -> Any:
+    """The part of the method alone, without sensors."""
     method, common = configuration.method, configuration.common
     law = method.law
     if law is None or not law.is_compilable or not (compiled or law.heavy):
@@ -39,3 +40,14 @@ def _method_part(configuration: Configuration, compiled: bool) -> Any:
     from ev_msgs_py.compiling.part import CompiledPart
 
     return CompiledPart(method, configuration.parameters, common.vehicle, common.control_period)
+
+
+def hand_over(before: Part, after: Part) -> None:
+    """Let a part go on with the state of another one of its method; sensors go on too where both have the same."""
+    _bare(after).state = _bare(before).state
+    if isinstance(before, Sensed) and isinstance(after, Sensed):
+        after.sensors.go_on_from(before.sensors)
+
+
+def _bare(part: Part) -> Any:
+    return part.part if isinstance(part, Sensed) else part

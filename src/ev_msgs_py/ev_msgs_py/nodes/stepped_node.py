@@ -11,7 +11,7 @@ from ev_msgs_py import stamps
 from ev_msgs_py.configuration import Configuration, configure
 from ev_msgs_py.lockstep.inbox import Arrival
 from ev_msgs_py.lockstep.part import Part
-from ev_msgs_py.lockstep.parts import part_of
+from ev_msgs_py.lockstep.parts import hand_over, part_of
 from ev_msgs_py.lockstep.stepper import Answer, Stepper, arrival_place
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.live_parameters import LiveParameters
@@ -74,7 +74,7 @@ class SteppedNode(Node):
         """Go on with other parameters; the state lasts."""
         after = self.configuration
         if (after.parameters, after.sensors) != (before.parameters, before.sensors):
-            part.state = self.stepper.part.state
+            hand_over(self.stepper.part, part)
             self.stepper.part = part
             self.reports.warn(f"parameters changed to {given}: the run is not reproducible")
         self.reconfigured()

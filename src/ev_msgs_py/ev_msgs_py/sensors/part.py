@@ -29,7 +29,7 @@ def step(now, next, state, constants):
 
 
 @cache
-def _function() -> int:
+def function() -> int:
     """The address of the one function of all sensors."""
     return compiled_function("sensors", _TEXT, {"FLOAT": np.float64, "measure": measure}).address
 
@@ -43,7 +43,7 @@ class SensorPart:
 
     def addresses(self) -> tuple[int, int, int]:
         """Of the function, the state and the constants."""
-        return _function(), self.state.ctypes.data, self.constants.ctypes.data
+        return function(), self.state.ctypes.data, self.constants.ctypes.data
 
     def notes(self) -> tuple[str, ...]:
         """Nothing: what sensors do stands in their parameters."""

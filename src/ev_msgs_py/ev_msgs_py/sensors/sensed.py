@@ -11,39 +11,38 @@ from ev_msgs_py.sensors.row import SensorRow
 class Sensed:
     """Steps a part, and lets its sensors put what they show into the place of the true numbers.
 
-    The part never sees what they show. Its state is that of the part and then that of the sensors.
+    The part never sees what they show. The state is that of the part, then that of the sensors.
     """
 
-    def __init__(self, part: Any, sensors: Any, seed: int) -> None:
-        self._part = part
-        self._sensors = SensorRow(sensors, seed)
+    def __init__(self, part: Any, parameters: Any, seed: int) -> None:
+        self.part = part
+        self.sensors = SensorRow(parameters, seed)
 
     @property
-    def state(self) -> tuple[Any, list[float]]:
-        """What lasts of the part, and of its sensors."""
-        return self._part.state, self._sensors.state
+    def state(self) -> list[float]:
+        """The numbers of the part, and those of its sensors."""
+        return [*self.part.state, *self.sensors.state]
 
     @state.setter
-    def state(self, state: tuple[Any, list[float]]) -> None:
-        self._part.state, sensors = state
-        if len(sensors) == len(self._sensors.state):  # other delays: what is under way is not theirs
-            self._sensors.state = list(sensors)
+    def state(self, row: list[float]) -> None:
+        count = len(self.part.state)
+        self.part.state, self.sensors.state = row[:count], list(row[count:])
 
     def start(self, there: Frame) -> None:
         """Write what the sensors show of the initial outputs."""
-        self._part.start(there)
-        self._sensors.start()
+        self.part.start(there)
+        self.sensors.start()
         self._measure(there)
 
     def step(self, here: Frame, there: Frame) -> None:
         """One step of the part, and of its sensors."""
-        self._part.step(here, there)
+        self.part.step(here, there)
         self._measure(there)
 
     def _measure(self, there: Frame) -> None:
-        self._sensors.step(there.numbers)
-        self._part.refuse_not_finite(there)
+        self.sensors.step(there.numbers)
+        self.part.refuse_not_finite(there)
 
     def notes(self) -> tuple[str, ...]:
         """What the part notes."""
-        return self._part.notes()
+        return self.part.notes()

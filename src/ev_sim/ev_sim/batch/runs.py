@@ -11,11 +11,12 @@ from ev_msgs_py.compiling.loop import FINISHED, run_through
 from ev_msgs_py.compiling.part import CompiledPart
 from ev_msgs_py.configuration import Configuration
 from ev_msgs_py.contract import frame
-from ev_msgs_py.lockstep.run import part_of, refuse_not_finite, roles_in_order, written_by
+from ev_msgs_py.lockstep.parts import method_part
+from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order, written_by
 from ev_msgs_py.parameters import ParameterError
-from ev_msgs_py.sensors.part import SensorPart
+from ev_msgs_py.sensors import part as sensors
 from ev_msgs_py.shape import SignalError
-from ev_sim.batch.observer import Observation
+from ev_sim.batch import observer
 from ev_sim.batch.variation import Variation
 
 
@@ -23,7 +24,7 @@ class _Placed(NamedTuple):
     """A part of a role, which runs may share, and a state of a run's own."""
 
     role: str
-    part: CompiledPart | SensorPart
+    part: CompiledPart | sensors.SensorPart
     state: np.ndarray
 
     @property
@@ -45,7 +46,7 @@ class Runs:
         configurations: Mapping[str, Configuration],
         variation: Variation,
         initial_states: Mapping[str, np.ndarray],
-        observation: Observation,
+        observation: observer.Observation,
         times: np.ndarray,
     ) -> None:
         for role, configuration in configurations.items():
@@ -55,8 +56,12 @@ class Runs:
         self._observation, self._times = observation, times
         self._varied = {role: variation.configurations(role) for role in configurations}
         first = {role: self._varied[role][0] if self._varied[role] else configurations[role] for role in configurations}
-        made = {role: part_of(configuration) for role, configuration in first.items()}
+        made = {role: method_part(configuration, compiled=True) for role, configuration in first.items()}
         self._shared = {role: part for role, part in made.items() if not variation.concerns_method(role)}
+        # What is compiled is compiled here, and not by several threads at once.
+        observer.function()
+        if any(variation.concerns_sensors(role) or not each.is_ideal for role, each in configurations.items()):
+            sensors.function()
         for role, states in initial_states.items():
             _refuse_states(role, states, made[role].state.size)
 
@@ -64,8 +69,8 @@ class Runs:
         """Drive one run; where a number is not finite it stops, and the result says when and which one."""
         before = [placed for role in self._answering for placed in self._placed(role, run)]
         behind = [placed for role in self._integrating for placed in self._placed(role, run)]
-        observer = (*self._observation.addresses(run), 0, 0)
-        rows = np.array([*(p.row for p in before), observer, *(p.row for p in behind)], np.int64)
+        observing = (*self._observation.addresses(run), 0, 0)
+        rows = np.array([*(p.row for p in before), observing, *(p.row for p in behind)], np.int64)
         frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
         if run_through(frames, self._times, rows, len(before) + 1, stopped) == FINISHED:
             return ""
@@ -81,12 +86,15 @@ class Runs:
         """The parts that play a role in a run, at their start."""
         varied = self._varied[role]
         configuration = varied[run] if varied else self._base[role]
-        part = self._shared.get(role) or part_of(configuration)
+        try:
+            part = self._shared.get(role) or method_part(configuration, compiled=True)
+        except ParameterError as error:  # values that are allowed one by one and do not fit together
+            raise ParameterError(f"run {run}: {role}: {error}") from None
         state = self._initial_states[role][run] if role in self._initial_states else part.state
         placed = [_Placed(role, part, state.copy())]
         if not configuration.is_ideal:
-            sensors = SensorPart(configuration.sensors, configuration.common.seed)
-            placed.append(_Placed(role, sensors, sensors.state))
+            measuring = sensors.SensorPart(configuration.sensors, configuration.common.seed)
+            placed.append(_Placed(role, measuring, measuring.state))
         return placed
 
 

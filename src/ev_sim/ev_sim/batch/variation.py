@@ -68,6 +68,10 @@ class Variation:
                 raise ParameterError(f"run {run}: {role}: {error}") from None
         return found
 
+    def concerns_sensors(self, role: str) -> bool:
+        """Whether errors of sensors differ."""
+        return any(name.startswith(_SENSORS) for name in self._by_role[role])
+
     def concerns_method(self, role: str) -> bool:
         """Whether anything differs that the method of a role knows of, and not its sensors alone."""
         return any(name != "seed" and not name.startswith(_SENSORS) for name in self._by_role[role])

@@ -1,0 +1,179 @@
+"""The speed that slip is counted against, by hand; and that free wheels are asked for where there are some."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import os
+import subprocess
+
+import pytest
+from traction import METHODS, PERIOD, ROLE, Control, car_of, in_regulator, numbers_of
+
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
+from ev_msgs_py.configuration import configure
+from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.signals import InertialMeasurement
+from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_sim.scenario.processes import command
+from ev_sim.scenario.scenario import Overrides, load_scenario
+
+REAR = ("rear_left", "rear_right")
+CAR = Vehicle(wheelbase=2.7, front_track=1.5, rear_track=1.6, wheel_radius=0.32)
+
+
+class Reference:
+    """The estimate, interpreted, with its state."""
+
+    def __init__(self, driven: tuple[str, ...], **changed) -> None:
+        self._p = numbers_of(ReferenceSpeedParameters(**changed))
+        self._car = car_of(dataclasses.replace(CAR, driven_wheels=driven))
+        self.state = ReferenceSpeedState()
+
+    def rolling(self, velocity: Wheels, angle: float, imu: InertialMeasurement, direction: float) -> Wheels:
+        return rolling_speeds(self._p, self._car, self.state, PERIOD, velocity, angle, imu, direction)
+
+
+def observer(**changed) -> Reference:
+    return Reference(WHEEL_NAMES, source="observer", **changed)
+
+
+def rolling(u: float, r: float, delta: float) -> Wheels:
+    """Wheel speeds of a car whose rear axle moves straight ahead, by the velocity of each contact point [rad/s]."""
+    speeds = []
+    for name in WHEEL_NAMES:
+        front = name.startswith("front")
+        y = (CAR.front_track if front else CAR.rear_track) / 2 * (1 if name.endswith("left") else -1)
+        angle = delta if front else 0.0
+        along = (u - r * y) * math.cos(angle) + (CAR.wheelbase * r if front else 0.0) * math.sin(angle)
+        speeds.append(along / CAR.wheel_radius)
+    return Wheels(*speeds)
+
+
+@pytest.mark.parametrize("driven", [("front_left", "front_right"), REAR, ("front_left",)])
+@pytest.mark.parametrize(("u", "r", "delta"), [(5.0, 0.0, 0.0), (5.0, 0.6, 0.3), (-3.0, 0.4, -0.35), (0.0, 0.0, 0.5)])
+def test_free_wheels_give_the_rolling_speed_of_every_wheel(driven, u, r, delta):
+    """In a bend, at rest and in reverse; whatever the driven wheels do."""
+    reference = Reference(driven)
+    expected = rolling(u, r, delta)
+    spinning = Wheels(*(99.0 if name in driven else w for name, w in zip(WHEEL_NAMES, expected, strict=True)))
+    found = reference.rolling(spinning, delta, InertialMeasurement(r, 0.0, 0.0), 1.0)
+    assert found == pytest.approx(expected, rel=1e-12, abs=1e-12)
+    assert reference.state.speed == pytest.approx(u, abs=1e-12)
+
+
+@pytest.mark.parametrize(("u", "r", "delta"), [(5.0, 0.0, 0.0), (5.0, 0.6, 0.3), (-3.0, 0.4, -0.35)])
+def test_observer_of_a_car_that_rolls_shows_how_it_rolls(u, r, delta):
+    """All wheels say the same then, so that the estimate is left where it is."""
+    reference = observer()
+    reference.state.speed = u
+    expected = rolling(u, r, delta)
+    found = reference.rolling(expected, delta, InertialMeasurement(r, 0.0, 0.0), math.copysign(1.0, u))
+    assert found == pytest.approx(expected, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("source", ["automatic", "observer"])
+def test_without_free_wheels_automatic_is_the_observer(source):
+    """It goes by the accelerometer, not by the mean of the wheels."""
+    reference = Reference(WHEEL_NAMES, source=source, slipping_rate=0.0)
+    reference.rolling(Wheels.all(40.0), 0.0, InertialMeasurement(0.0, 2.0, 0.0), 1.0)
+    assert reference.state.speed == 2.0 * PERIOD
+
+
+@pytest.mark.parametrize("ahead", [1.0, -1.0])
+def test_observer_follows_the_car_while_all_wheels_spin(ahead):
+    """All four wheels spin up at 30 m/s^2, the car at 1: after 2 s 2 m/s, and what 0.5 1/s draws it to the wheels.
+
+    The wheels lead by 29 t m/s, so e' = 0.5 (29 t - e): e = 29 (t - 2 (1 - exp(-t/2))) = 21.3 m/s. Without the
+    drawing the estimate is exact, so the test takes 0.02 1/s and 1.2 m/s.
+    """
+    exact, drawn = observer(slipping_rate=0.0), observer(slipping_rate=0.02)
+    for n in range(1, 401):
+        imu, speed = InertialMeasurement(0.0, ahead, 0.0), ahead * 30.0 * n * PERIOD / 0.32
+        for reference in (exact, drawn):
+            reference.rolling(Wheels.all(speed), 0.0, imu, ahead)
+    assert exact.state.speed == pytest.approx(2.0 * ahead, rel=1e-12)
+    excess = 29.0 * (2.0 - 50.0 * (1.0 - math.exp(-0.04)))
+    assert drawn.state.speed == pytest.approx((2.0 + excess) * ahead, rel=0.01)
+
+
+def test_observer_believes_the_slowest_wheel_at_once():
+    """A wheel that rolls at 4 m/s under an estimate of 6: the error decays with 20 1/s, to 1.9 % in 0.2 s."""
+    reference = observer()
+    reference.state.speed = 6.0
+    for _ in range(40):
+        reference.rolling(Wheels(30.0, 30.0, 12.5, 40.0), 0.0, InertialMeasurement(0.0, 0.0, 0.0), 1.0)
+    assert reference.state.speed == pytest.approx(4.0 + 2.0 * 0.9**40, rel=1e-9)
+
+
+def test_observer_believes_the_fastest_wheel_when_braking():
+    reference = observer()
+    reference.state.speed = 3.0
+    for _ in range(40):
+        reference.rolling(Wheels(0.0, 5.0, 12.5, 0.0), 0.0, InertialMeasurement(0.0, 0.0, 0.0), -1.0)
+    assert reference.state.speed == pytest.approx(4.0 - 0.9**40, rel=1e-9)
+
+
+def test_an_offset_of_the_accelerometer_stays_bounded():
+    """At 10 m/s with an offset of 0.2 m/s^2: too low by at most 0.2/0.5 = 0.4 m/s, too high by 0.2/20 = 0.01 m/s."""
+    for offset, low, high in ((-0.2, 9.6, 10.0), (0.2, 10.0, 10.01)):
+        reference = observer()
+        reference.state.speed = 10.0
+        for _ in range(4000):
+            reference.rolling(Wheels.all(10.0 / 0.32), 0.0, InertialMeasurement(0.0, offset, 0.0), 1.0)
+        assert low - 1e-3 <= reference.state.speed <= high + 1e-3
+
+
+# Free wheels are refused where there are none, in one line, before anything is made
+
+
+def refusal(name: str) -> str:
+    source = in_regulator(name, "reference.source")
+    return (
+        f"asr method {name} needs a wheel without a motor for {source} free_wheels, vehicle all_wheels drives "
+        "front_left, front_right, rear_left, rear_right"
+    )
+
+
+def free_wheels_of(name: str) -> dict:
+    return {"method": name, in_regulator(name, "reference.source"): "free_wheels", "vehicle.name": "all_wheels"}
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_free_wheels_are_refused_by_the_configuration_where_there_are_none(name):
+    values = free_wheels_of(name)
+    configure(ROLE, values)
+    all_driven = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
+    with pytest.raises(ParameterError) as error:
+        configure(ROLE, {**values, **all_driven})
+    assert str(error.value) == refusal(name)
+    automatic = {in_regulator(name, "reference.source"): "automatic"}
+    accepted = configure(ROLE, {**values, **all_driven, **automatic})
+    with pytest.raises(ParameterError) as error:  # a live change is the same question
+        accepted.changed({in_regulator(name, "reference.source"): "free_wheels"})
+    assert str(error.value) == refusal(name)
+
+
+@pytest.mark.parametrize("name", ["pi_slip", "least_squares"])
+def test_a_run_that_asks_for_them_is_refused_before_it_begins(name):
+    values = [(ROLE, key, value) for key, value in free_wheels_of(name).items() if not key.startswith("vehicle.")]
+    values += [("*", "vehicle.driven_wheels", list(WHEEL_NAMES)), ("*", "vehicle.name", "all_wheels")]
+    with pytest.raises(ParameterError) as error:
+        load_scenario("launch_split_mu", Overrides((), values))
+    assert refusal(name) in str(error.value)
+
+
+def test_a_node_that_asks_for_them_ends_with_the_same_line():
+    words = [f"{key}:={value}" for key, value in free_wheels_of("pi_slip").items()]
+    words.append(f"vehicle.driven_wheels:=[{', '.join(WHEEL_NAMES)}]")
+    given = [word for assignment in words for word in ("-p", assignment)]
+    ended = subprocess.run(
+        [*command(ROLE), "--ros-args", *given], capture_output=True, text=True, env={**os.environ}, check=False
+    )
+    assert ended.returncode == 1
+    assert (ended.stdout + ended.stderr).strip().splitlines() == [f"{ROLE}: {refusal('pi_slip')}"]
+
+
+def test_free_wheels_are_taken_where_there_are_some():
+    assert Control("pi_slip", **{"regulator.reference.source": "free_wheels"}).limits() == [math.inf] * 4

@@ -1,0 +1,83 @@
+"""Every traction control compiled and in plain Python: the same bits, step by step."""
+
+from __future__ import annotations
+
+import pytest
+from traction import METHODS, ROLE, RandomLaunches, configured
+
+from ev_msgs_py.check import bits
+from ev_msgs_py.methods import create
+from ev_msgs_py.wheels import WHEEL_NAMES
+
+SEED = 1
+STEPS = 600
+FEWER_STEPS = 200  # of the laws whose state is long, for every number of it is looked at in every step
+ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
+REAR_DRIVEN = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}
+ONE_DRIVEN = {"vehicle.driven_wheels": ["front_left"]}
+CHOICES: dict[str, tuple[dict, ...]] = {
+    "acceleration_ratio": ({"threshold": 0.3, "filter_time": 0.0, "reference.source": "observer"}, ALL_DRIVEN),
+    "adhesion_limit": (
+        {"learning_slip": 0.05, "use": 0.8, "vehicle.front_roll_share": 0.3, "vehicle.rear_track": 1.3},
+        {"reference.source": "observer", "filter_time": 0.0, **REAR_DRIVEN},
+        ALL_DRIVEN,
+    ),
+    "feedback_linearisation": (
+        {"rate": 60.0, "road_filter": 0.0, "regulator.slip.observer": "corrected_derivative"},
+        {"regulator.target": 0.05, **ALL_DRIVEN},
+    ),
+    "fuzzy": (
+        {"filter_time": 0.0, "error_width": 0.02, "regulator.slip.observer": "derivative"},
+        {"rate_width": 0.5, "regulator.release": 0.0, **REAR_DRIVEN},
+    ),
+    "least_squares": (
+        {"window": 0.05, "use": 0.8, "hits": 1, "spread": 0.5, "hold": 0.0, "probe": 10.0},
+        {"offset": 0.01, "backstop": 0.1, "reference.source": "observer", **REAR_DRIVEN},
+        {"control_period": 0.01, "window": 2.0, **ALL_DRIVEN},
+    ),
+    "least_squares_literal": ({"samples": 5}, {"samples": 2, **REAR_DRIVEN}, {"samples": 60, **ALL_DRIVEN}),
+    "maximum_transmissible_torque": ({"relaxation": 0.5, "filter_time": 0.0}, {"margin": 0.0, **ALL_DRIVEN}),
+    "pi_slip": (
+        {"regulator.slip.observer": "derivative", "regulator.target": 0.05},
+        {"regulator.slip.observer": "corrected_derivative", "regulator.slip.correction": 0.5, **ALL_DRIVEN},
+        {"regulator.slip.observer": "disturbance", "regulator.slip.filter_time": 0.0, **ONE_DRIVEN},
+        {"natural_frequency": 50.0, "damping_ratio": 0.3, "regulator.reference.gripping_rate": 100.0, **ALL_DRIVEN},
+    ),
+    "slip_window": ({"low": 0.05, "high": 0.05, "trend": 0.0}, {"slowest": 10.0, "rise": 1e5, **ALL_DRIVEN}),
+}
+CASES = [(name, changed) for name, choices in CHOICES.items() for changed in ({}, *choices)]
+
+
+def steps_of(name: str) -> int:
+    return FEWER_STEPS if name.startswith("least_squares") else STEPS
+
+
+def test_every_law_has_choices():
+    assert set(CHOICES) == set(METHODS)
+
+
+@pytest.mark.parametrize(("name", "changed"), CASES)
+def test_compiled_and_interpreted_agree_to_the_bit(name, changed, monkeypatch):
+    """With random signals, and in launches, which last long enough to fill windows and to limit wheels."""
+    configuration = configured(name, **changed)
+    assert bits.differing_bits(configuration, 50, 1) == ""
+    monkeypatch.setattr(bits, "RandomInputs", RandomLaunches)
+    assert bits.differing_bits(configuration, steps_of(name), SEED) == ""
+
+
+@pytest.mark.parametrize(("name", "changed"), CASES)
+def test_launches_are_limited(name, changed):
+    """The launches of the test above reach the law: it takes torque from a wheel in at least 20 of their steps."""
+    c = configured(name, **changed)
+    law = create(c.method, c.parameters, c.common.vehicle, c.common.control_period)
+    launches = RandomLaunches(c.method.reads, SEED, c.common.control_period)
+    limited = 0
+    for _ in range(steps_of(name)):
+        request, *others = launches.next()
+        limited += law.step(request, *others).drive != request.drive
+    assert limited >= 20
+
+
+def test_off_agrees_as_well():
+    assert bits.differing_bits(configured("off"), STEPS, 1) == ""
+    assert configured("off").role == ROLE

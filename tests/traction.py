@@ -1,0 +1,248 @@
+"""Traction controls as the tests drive them: all that a law is told, mirrored and reversed cars, random drives."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import random
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+
+from ev_msgs_py.car import car_numbers
+from ev_msgs_py.configuration import configure
+from ev_msgs_py.contract.record import names
+from ev_msgs_py.lockstep.law import namespace
+from ev_msgs_py.methods import create, find_method, methods_of
+from ev_msgs_py.parameters import build, number_tree
+from ev_msgs_py.signals import InertialMeasurement, SteeringColumnState, WheelStates, WheelTorqueRequest
+from ev_msgs_py.vehicle import Motor, Vehicle
+from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+
+ROLE = "asr"
+PERIOD = 0.005
+METHODS = tuple(name for name in methods_of(ROLE) if name not in ("off", "limit"))
+CONTROLS = tuple(name for name in METHODS if name != "least_squares_literal")  # those that take torque away
+FRONT, REAR = ("front_left", "front_right"), ("rear_left", "rear_right")
+CAR = Vehicle(
+    mass=2170.0,
+    wheel_radius=0.32,
+    gear_ratio=7.4,
+    wheel_inertia=1.658,
+    motor=Motor(rotor_inertia=0.02, nominal_torque=250.0),
+)
+INERTIA = 1.658 + 7.4**2 * 0.02  # kg m^2, J of a driven wheel
+
+
+def numbers_of(parameters: Any) -> SimpleNamespace:
+    """Parameters as a law is given them."""
+    return namespace(number_tree(parameters))
+
+
+def car_of(vehicle: Vehicle) -> SimpleNamespace:
+    """A vehicle as a law is given it."""
+    return namespace(car_numbers(vehicle))
+
+
+def on(driven: tuple[str, ...]) -> Vehicle:
+    """The car with other driven wheels."""
+    return dataclasses.replace(CAR, driven_wheels=driven)
+
+
+def in_regulator(name: str, parameter: str) -> str:
+    """The full name of a parameter that some laws have in the group `regulator`."""
+    return f"regulator.{parameter}" if hasattr(find_method(ROLE, name).parameters(), "regulator") else parameter
+
+
+def swapped(wheels: Wheels) -> Wheels:
+    return Wheels(wheels[1], wheels[0], wheels[3], wheels[2])
+
+
+@dataclasses.dataclass(frozen=True)
+class Measured:
+    """All that a law is told in a step."""
+
+    drive: Wheels = NO_WHEELS
+    brake: Wheels = NO_WHEELS
+    speed: Wheels = NO_WHEELS
+    torque: Wheels = NO_WHEELS
+    angle: float = 0.0
+    yaw_rate: float = 0.0
+    a_x: float = 0.0
+    a_y: float = 0.0
+
+    def mirrored(self) -> Measured:
+        sides = {name: swapped(getattr(self, name)) for name in ("drive", "brake", "speed", "torque")}
+        return Measured(**sides, angle=-self.angle, yaw_rate=-self.yaw_rate, a_x=self.a_x, a_y=-self.a_y)
+
+    def reversed(self) -> Measured:
+        """The same drive backwards: what turns, pushes or yaws changes its sign, what holds in the bend does not."""
+        turned = {name: Wheels(*(-x for x in getattr(self, name))) for name in ("drive", "speed", "torque")}
+        return Measured(
+            **turned, brake=self.brake, angle=self.angle, yaw_rate=-self.yaw_rate, a_x=-self.a_x, a_y=self.a_y
+        )
+
+    def signals(self) -> tuple[WheelTorqueRequest, SteeringColumnState, WheelStates, InertialMeasurement]:
+        return (
+            WheelTorqueRequest(self.drive, self.brake),
+            SteeringColumnState(0.0, 0.0, 0.0, self.angle, 0.0),
+            WheelStates(NO_WHEELS, self.speed, self.torque),
+            InertialMeasurement(self.yaw_rate, self.a_x, self.a_y),
+        )
+
+
+class Control:
+    """A traction control, interpreted."""
+
+    def __init__(self, name: str, car: Vehicle = CAR, period: float = PERIOD, **changed: Any) -> None:
+        method = find_method(ROLE, name)
+        self.law = create(method, build(method.parameters, changed), car, period)
+        self.names = names(method.law.state())
+
+    def step(self, m: Measured) -> Wheels:
+        """The drive torques that it lets through [N m]."""
+        return self.law.step(*m.signals()).drive
+
+    def state(self) -> dict[str, float]:
+        return dict(zip(self.names, self.law.state, strict=True))
+
+    def of_wheel(self, wheel: str = "front_left") -> dict[str, float]:
+        """The state of one wheel."""
+        begin = f"wheels.{wheel}."
+        return {name.removeprefix(begin): value for name, value in self.state().items() if name.startswith(begin)}
+
+    def limits(self) -> list[float]:
+        state = self.state()
+        return [state[f"wheels.{wheel}.limit"] for wheel in WHEEL_NAMES]
+
+
+SPINNING = Measured(
+    Wheels.front(1500.0, 1500.0), speed=Wheels(30.0, 30.0, 10.0, 10.0), torque=Wheels.front(1500.0, 1500.0), a_x=1.0
+)
+
+
+def spinning_at(left: float, right: float) -> Measured:
+    """Front wheels at these speeds [rad/s] over a car that rolls at 10 rad/s."""
+    return dataclasses.replace(SPINNING, speed=Wheels(left, right, 10.0, 10.0))
+
+
+def spun_up(name: str) -> Control:
+    """A law that has seen both front wheels spin up from rolling to 30 rad/s in 0.2 s, at 10 rad/s of the others."""
+    law = Control(name)
+    for speed in np.linspace(10.0, 30.0, 40).tolist():
+        law.step(spinning_at(speed, speed))
+    return law
+
+
+# Random drives for hypothesis
+
+
+def per_wheel(low: float, high: float) -> Any:
+    return st.builds(Wheels, *[st.floats(low, high)] * 4)
+
+
+drives = per_wheel(-3000.0, 3000.0) | st.floats(-3000.0, 3000.0).map(Wheels.all)
+driven = st.builds(
+    Measured,
+    drive=drives,
+    brake=st.sampled_from((NO_WHEELS, NO_WHEELS, NO_WHEELS, Wheels.all(100.0))),
+    speed=per_wheel(-10.0, 100.0),
+    torque=drives,
+    angle=st.floats(-0.6, 0.6),
+    yaw_rate=st.floats(-1.0, 1.0),
+    a_x=st.floats(-8.0, 8.0),
+    a_y=st.floats(-8.0, 8.0),
+)
+any_number = st.floats(allow_nan=False, allow_infinity=False)
+any_wheels = st.builds(Wheels, *[any_number] * 4)
+anything = st.builds(
+    Measured,
+    drive=any_wheels,
+    brake=st.just(NO_WHEELS),
+    speed=any_wheels,
+    torque=any_wheels,
+    angle=any_number,
+    yaw_rate=any_number,
+    a_x=any_number,
+    a_y=any_number,
+)
+# A constant request and random motion for a while is what fills windows and starts interventions.
+launches = st.tuples(drives, st.lists(driven, min_size=1, max_size=12)).map(
+    lambda told: [dataclasses.replace(m, drive=told[0], brake=NO_WHEELS) for m in told[1] * 4]
+)
+sequences = launches | st.lists(driven, min_size=1, max_size=30)
+cars = st.sampled_from([on(layout) for layout in (FRONT, REAR, WHEEL_NAMES)])
+
+
+class RandomLaunches:
+    """Launches, one after the other, in which the pedal goes down and wheels spin up and grip again.
+
+    In place of `check.inputs.RandomInputs`, which brakes nearly always and shows wheels that jump.
+    """
+
+    def __init__(self, reads: Sequence[type], seed: int, period: float) -> None:
+        self._reads = tuple(reads)
+        self._random = random.Random(seed)
+        self._period = period
+        self._left = 0
+
+    def _begin(self) -> None:
+        r = self._random
+        self._left = r.randint(40, 160)
+        self._ahead = r.choice((1.0, 1.0, -1.0))
+        self._asked = [self._ahead * r.uniform(200.0, 1800.0) for _ in range(4)]
+        self._pressed, self._braked = 0.0, r.random() < 0.15
+        self._speed = r.choice((0.0, 0.0, r.uniform(0.0, 15.0)))  # of the car [m/s]
+        self._pull = r.uniform(0.2, 4.0)  # [m/s^2]
+        self._slip = [0.0] * 4
+        spins = r.choice(((1.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 1.0), (1.0, 1.0, 1.0, 1.0)))
+        self._growth = [spin * r.uniform(0.1, 1.5) for spin in spins]  # [1/s]
+        self._angle, self._yaw_rate = r.choice((0.0, r.uniform(-0.4, 0.4))), r.choice((0.0, r.uniform(-0.6, 0.6)))
+
+    def next(self) -> tuple[Any, ...]:
+        """The signals of the next step, in the order of the types."""
+        r, dt = self._random, self._period
+        if self._left == 0:
+            self._begin()
+        self._left -= 1
+        self._speed += self._pull * dt
+        if r.random() < 0.02:
+            self._growth[r.randrange(4)] *= -1.0
+        self._slip = [min(max(s + g * dt, 0.0), 0.9) for s, g in zip(self._slip, self._growth, strict=True)]
+        rolling = self._ahead * self._speed / CAR.wheel_radius
+        speed = Wheels(*(rolling / (1.0 - s) + r.gauss(0.0, 0.03) for s in self._slip))
+        torque = Wheels(
+            *(t * math.sqrt(s / 0.1 + 0.01) / (1.0 + s / 0.1) for t, s in zip(self._asked, self._slip, strict=True))
+        )
+        self._pressed = 0.0 if r.random() < 0.003 else min(self._pressed + 0.01, 1.0)
+        if r.random() < 0.003:
+            speed = Wheels.all(1e5)  # no measurement of a road vehicle
+        m = Measured(
+            Wheels(*(self._pressed * t for t in self._asked)),
+            Wheels.all(200.0) if self._braked else NO_WHEELS,
+            speed,
+            torque,
+            self._angle,
+            self._yaw_rate,
+            self._ahead * self._pull + r.gauss(0.0, 0.05),
+            r.gauss(0.0, 1.0),
+        )
+        by_type = {type(signal): signal for signal in m.signals()}
+        return tuple(by_type[kind] for kind in self._reads)
+
+
+def configured(name: str, **changed: Any) -> Any:
+    """The configuration of a control on the car of the tests, at their period."""
+    vehicle = {
+        "vehicle.mass": CAR.mass,
+        "vehicle.wheel_radius": CAR.wheel_radius,
+        "vehicle.gear_ratio": CAR.gear_ratio,
+        "vehicle.wheel_inertia": CAR.wheel_inertia,
+        "vehicle.motor.rotor_inertia": CAR.motor.rotor_inertia,
+        "vehicle.motor.nominal_torque": CAR.motor.nominal_torque,
+        "vehicle.driven_wheels": list(CAR.driven_wheels),
+    }
+    return configure(ROLE, {"method": name, "control_period": PERIOD, **vehicle, **changed})
