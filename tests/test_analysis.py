@@ -243,7 +243,8 @@ def test_linearised_plant_moves_as_the_nonlinear_one():
     """A step of 1e-4 rad about steady cornering, half a second of both, to 1 % of the change of yaw rate."""
     angle, step = 0.05, 1e-4
     found = linearised(ICE, OperatingPoint(CAR.speed, angle))
-    plant = CompiledObject(find_method("plant", "planar"), PlanarParameters(initial_speed=CAR.speed, speed="held"), ICE, 0.01)
+    parameters = PlanarParameters(initial_speed=CAR.speed, speed="held")
+    plant = CompiledObject(find_method("plant", "planar"), parameters, ICE, 0.01)
     nothing = WheelTorqueCommand(NO_WHEELS)
     for _ in range(1000):
         plant.advance(nothing, SteeringColumnState(0.0, 0.0, 0.0, angle, 0.0))

@@ -57,7 +57,8 @@ def test_neighbours_and_order_do_not_matter():
 def test_states_to_begin_with():
     """That of a car at 20 and 24 m/s, as the parameter `initial_speed` makes it."""
     speeds = (20.0, 24.0)
-    rows = [method_part(lane_change()["plant"].changed({"initial_speed": speed}), compiled=True).state for speed in speeds]
+    plants = [lane_change()["plant"].changed({"initial_speed": speed}) for speed in speeds]
+    rows = [method_part(plant, compiled=True).state for plant in plants]
     by_state = batch(lane_change(), 1.0, initial_states={"plant": rows}, signals=SIGNALS)
     by_parameter = batch(lane_change(), 1.0, {"plant.initial_speed": np.array(speeds)}, signals=SIGNALS)
     for name in SIGNALS:
@@ -91,7 +92,7 @@ def test_only_what_differs_is_prepared_anew(monkeypatch):
     """Seeds concern sensors only; a parameter of the plant only the plant."""
     made = []
 
-    def counted(configuration):
+    def counted(configuration, compiled):
         made.append(configuration.role)
         return method_part(configuration, compiled)
 

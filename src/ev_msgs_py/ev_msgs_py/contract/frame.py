@@ -16,6 +16,7 @@ import numpy as np
 from ev_msgs_py import stamps
 from ev_msgs_py.roles import RECORDED
 from ev_msgs_py.shape import shape_of
+from ev_msgs_py.topics import TOPICS
 
 _DOUBLE = 8  # bytes of a number
 
@@ -31,6 +32,13 @@ SIZE = _ENDS[-1]
 def places(signal: type) -> range:
     """The places of the numbers of a signal, one by one."""
     return range(PLACES[signal].start, PLACES[signal].stop)
+
+
+def channels() -> dict[str, int]:
+    """The place of every recorded channel, such as wheel_states.velocity.front_left, in the frame."""
+    return {
+        name: place for signal in PLACES for name, place in zip(TOPICS[signal].channels, places(signal), strict=True)
+    }
 
 
 def stack(instants: int, period: int) -> np.ndarray:
