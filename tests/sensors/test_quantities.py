@@ -14,7 +14,6 @@ from ev_msgs_py.sensors.measuring import NUMBERS
 from ev_msgs_py.sensors.quantities import QUANTITIES, sensors_for
 from ev_msgs_py.shape import shape_of
 from ev_msgs_py.signals import BatteryCondition
-from ev_msgs_py.topics import TOPICS
 
 
 def test_every_published_number_of_plant_and_column_has_one_sensor():
@@ -23,14 +22,14 @@ def test_every_published_number_of_plant_and_column_has_one_sensor():
         for signal in role.writes if role.kind is RoleKind.INTEGRATES else ():
             measured = [name for quantity in QUANTITIES if quantity.signal is signal for name in quantity.fields]
             assert sorted([*measured, *(["capacity"] if signal is BatteryCondition else [])]) == sorted(
-                TOPICS[signal].codec.shape.fields
+                shape_of(signal).fields
             )
 
 
 def test_numbers_of_one_sensor_have_one_unit():
     for quantity in QUANTITIES:
         if quantity.name != "battery_state_of_charge":  # of which the charge is another way to say it
-            assert len({TOPICS[quantity.signal].units[name] for name in quantity.fields}) == 1
+            assert len({shape_of(quantity.signal).fields[name].unit for name in quantity.fields}) == 1
     units = {entry.name: entry.spec.unit for entry in entries(sensors_for(ROLES["plant"].writes), "sensors.")}
     assert units["sensors.wheel_speed.noise"] == "rad/s"
     assert units["sensors.body_heading.bias"] == "rad"

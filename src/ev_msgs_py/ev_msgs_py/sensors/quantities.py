@@ -1,9 +1,9 @@
-"""What sensors measure: one table of quantities, each some fields of a signal with the same unit."""
+"""What sensors measure: the fields of the signals, by the sensor that each of them names."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, make_dataclass
-from functools import cache, cached_property
+from functools import cache
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.parameters import group
@@ -21,6 +21,23 @@ from ev_msgs_py.signals import (
     WheelStates,
 )
 
+# In the order of the parameter reference. What nobody measures (commands, the recorder) is not among them.
+_MEASURED = (
+    WheelStates,
+    MotorStates,
+    InertialMeasurement,
+    BodyVelocity,
+    BodyPose,
+    BatteryCondition,
+    TireForces,
+    SteeringColumnState,
+)
+# A heading is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and in which order.
+_SPECIAL = {
+    "body_heading": (HEADING, ("orientation_z", "orientation_w"), ""),
+    "battery_state_of_charge": (SHARE, ("state_of_charge", "charge"), "capacity"),
+}
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -33,7 +50,6 @@ class Quantity:
     name: str
     signal: type
     fields: tuple[str, ...]
-    largest: float
     kind: int = NUMBERS
     whole: str = ""
 
@@ -45,9 +61,9 @@ class Quantity:
     @property
     def parameters(self) -> type:
         """The parameter dataclass of its sensor."""
-        return sensor_parameters(self.unit, self.largest)
+        return sensor_parameters(self.unit, shape_of(self.signal).fields[self.fields[0]].largest)
 
-    @cached_property
+    @property
     def places(self) -> tuple[int, ...]:
         """Where its fields stand in the frame, and then the whole; numbers stand one after the other."""
         channels = shape_of(self.signal).channels
@@ -61,32 +77,17 @@ class Quantity:
         return len(self.places) if self.kind == NUMBERS else 1
 
 
-QUANTITIES = (
-    Quantity("wheel_angle", WheelStates, ("position",), 10.0),
-    Quantity("wheel_speed", WheelStates, ("velocity",), 100.0),
-    Quantity("wheel_torque", WheelStates, ("effort",), 1e4),
-    Quantity("motor_speed", MotorStates, ("velocity",), 1000.0),
-    Quantity("motor_torque", MotorStates, ("effort",), 1e4),
-    Quantity("imu_yaw_rate", InertialMeasurement, ("yaw_rate",), 10.0),
-    Quantity("imu_acceleration", InertialMeasurement, ("longitudinal_acceleration", "lateral_acceleration"), 100.0),
-    Quantity("body_velocity", BodyVelocity, ("longitudinal", "lateral"), 100.0),
-    Quantity("body_yaw_rate", BodyVelocity, ("yaw_rate",), 10.0),
-    Quantity("body_position", BodyPose, ("x", "y"), 1000.0),
-    Quantity("body_heading", BodyPose, ("orientation_z", "orientation_w"), 10.0, HEADING),
-    Quantity("battery_voltage", BatteryCondition, ("voltage",), 1000.0),
-    Quantity("battery_current", BatteryCondition, ("current",), 1000.0),
-    Quantity("battery_state_of_charge", BatteryCondition, ("state_of_charge", "charge"), 1.0, SHARE, "capacity"),
-    Quantity("tire_force", TireForces, ("longitudinal_force", "lateral_force"), 1e5),
-    Quantity("tire_load", TireForces, ("load",), 1e5),
-    Quantity("tire_slip_ratio", TireForces, ("slip_ratio",), 1.0),
-    Quantity("tire_slip_angle", TireForces, ("slip_angle",), 1.0),
-    Quantity("tire_friction", TireForces, ("friction_coefficient",), 1.0),
-    Quantity("steering_angle", SteeringColumnState, ("angle",), 10.0),
-    Quantity("steering_rate", SteeringColumnState, ("rate",), 100.0),
-    Quantity("hand_torque", SteeringColumnState, ("hand_torque",), 100.0),
-    Quantity("road_wheel_angle", SteeringColumnState, ("road_wheel_angle",), 1.0),
-    Quantity("road_wheel_rate", SteeringColumnState, ("road_wheel_rate",), 10.0),
-)
+def _quantities(signal: type) -> list[Quantity]:
+    """What the sensors of a signal measure, in the order of its fields."""
+    fields: dict[str, tuple[str, ...]] = {}
+    for name, field in shape_of(signal).fields.items():
+        if field.sensor:
+            fields[field.sensor] = (*fields.get(field.sensor, ()), name)
+    kinds = {sensor: _SPECIAL.get(sensor, (NUMBERS, names, "")) for sensor, names in fields.items()}
+    return [Quantity(sensor, signal, names, kind, whole) for sensor, (kind, names, whole) in kinds.items()]
+
+
+QUANTITIES = tuple(quantity for signal in _MEASURED for quantity in _quantities(signal))
 
 
 @cache
