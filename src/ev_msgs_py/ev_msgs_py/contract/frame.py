@@ -44,7 +44,7 @@ def channels() -> dict[str, int]:
 def stack(instants: int, period: int) -> np.ndarray:
     """Empty frames of so many instants from time zero, `period` nanoseconds apart: (instants, frame size)."""
     frames = np.zeros((instants, SIZE))
-    frames[:, TIME] = [stamps.to_seconds(step * period) for step in range(instants)]
+    frames[:, TIME] = stamps.to_seconds(np.arange(instants) * period)
     return frames
 
 
