@@ -10,12 +10,11 @@ from rclpy.clock import ClockType
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 
-from ev_msgs_py import stamps
 from ev_msgs_py.lockstep.inbox import Arrival
 from ev_msgs_py.lockstep.stepper import Answer, arrival_place
-from ev_msgs_py.master_parameters import RECORDER_LAG, MasterParameters
-from ev_msgs_py.nodes.held_inputs import HeldInputs
-from ev_msgs_py.nodes.pace import Pace
+from ev_msgs_py.master_parameters import MasterParameters
+from ev_msgs_py.nodes.advance import Advance
+from ev_msgs_py.nodes.schedule import Schedule
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.nodes.silence import Silence
 from ev_msgs_py.nodes.stepped_node import SteppedNode
@@ -35,25 +34,20 @@ class MasterNode(SteppedNode):
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(MASTER, **node_arguments)
         self._clock_publisher = self.create_publisher(Clock, "/clock", QUALITY)
-        self._pace = Pace()
+        self.schedule = Schedule(self.stepper, self.realtime, lambda: self.configuration.extra)
         self._silence = Silence(self)
-        self._held = HeldInputs(self.stepper.reads)
-        self._time = TimeServices(self, lambda: self.now, self._begin, self.reconfigured)
+        self._granted = TimeServices(self, lambda: self.now, self._begin, self.schedule.pace_from_here)
+        self.schedule.rests = self._granted.rests
         self._order = list(self.writers.values())  # in which the signals of an answer are published
-        self._overruns = 0  # realtime steps that came more than one period late
+        self._advance = Advance(self.stepper, self.schedule, self._stepped, self.reports.warn)
         # For rclpy's own executors; `spinning.spin` calls idle() by itself. The clock is the wall's, not /clock.
         self.create_timer(_RETRY_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
         self._begin()
 
     @property
-    def time_parameters(self) -> MasterParameters:
-        """How time runs, as the parameters say now."""
-        return self.configuration.extra
-
-    @property
     def now(self) -> int:
         """Stamp of the present instant, in nanoseconds."""
-        return self.stepper.answer.stamp
+        return self.schedule.now
 
     def also_reads(self, reads: tuple[type, ...]) -> tuple[type, ...]:
         """Besides its inputs the master follows the recorder, if it shall wait for it."""
@@ -62,7 +56,7 @@ class MasterNode(SteppedNode):
     def wanted(self) -> tuple[type, ...]:
         """The missing inputs, or the recorder's progress if only that is behind."""
         missing = super().wanted()
-        return missing if missing or self._recorder_keeps_up() else (RECORDER_WRITES,)
+        return missing if missing or self.schedule.recorder_keeps_up else (RECORDER_WRITES,)
 
     def awaits(self) -> Subscription:
         """The input that arrives last, also while the next step is only waiting for its time."""
@@ -71,57 +65,43 @@ class MasterNode(SteppedNode):
 
     def wake_up_within(self) -> float:
         """Seconds until the next instant is due if nothing else holds it back, at most the period of retries."""
-        if self._is_paced and self._has_inputs():
-            return min(max(self._due() - time.monotonic(), 0.0), _RETRY_PERIOD)
-        return _RETRY_PERIOD
+        late = self.schedule.lateness
+        return min(-late, _RETRY_PERIOD) if late < 0.0 and self.schedule.has_inputs else _RETRY_PERIOD
 
     def receive(self, topic: Topic, message: bytes) -> None:
-        """Take an input, or note how far the recorder is."""
-        if topic.signal is not RECORDER_WRITES and not self.realtime:
-            super().receive(topic, message)
-            return
-        message = self.readable(topic, message)
-        if message is None:
-            return
-        if topic.signal is not RECORDER_WRITES:
-            if self._held.take(topic, message):
-                self._pace.start(self.now)  # realtime begins when the last input has come
-        elif stamp_of(message) <= self.now:  # else it was said of the run before a reset
-            self._recorded = max(self._recorded, stamp_of(message))
-            self._advance_where_due()
+        """Take an input, or note how far the recorder is; an input that is known already needs no answer from here."""
+        if topic.signal is RECORDER_WRITES or self.realtime:
+            readable = self.reception.readable(topic, message)
+            if readable is not None:
+                self._note(topic, readable)
+        else:
+            kept = self.reception.keep(topic, message)
+            if kept is not None and kept[1] is Arrival.NEW:
+                self._advance_where_due()
 
-    def arrived(self, topic: Topic, stamp: int, arrival: Arrival) -> None:
-        """Integrate when all inputs are there; an input that is known already needs no answer from the master."""
-        if arrival is Arrival.NEW:
+    def _note(self, topic: Topic, message: bytes) -> None:
+        if topic.signal is RECORDER_WRITES:
+            self.schedule.note_recorded(stamp_of(message))
             self._advance_where_due()
+        elif self.schedule.held.take(topic, message):
+            self.schedule.pace_from_here()  # realtime begins when the last input has come
 
     def idle(self) -> None:
         """Advance if time is due, publish the state again if answers are late, and name the nodes that are silent."""
         self._advance_where_due()
-        under_way = self.realtime and self._held.complete
-        if self.done or self._time.rests or under_way or time.monotonic() - self._published < _RETRY_PERIOD:
+        under_way = self.realtime and self.schedule.held.complete
+        if self.done or self._granted.rests() or under_way or time.monotonic() - self._published < _RETRY_PERIOD:
             return
-        if self.stepper.inbox.complete() is None or not self._recorder_keeps_up():
-            self._put_awaited_signals_first()
+        if self.stepper.inbox.complete() is None or not self.schedule.recorder_keeps_up:
+            # What most nodes listen to goes first: their step goes on while the rest is being published.
+            self._order.sort(key=lambda writer: -writer.publisher.get_subscription_count())
             self.publish(self.stepper.answer)
-            self._silence.name_after(self.time_parameters.answer_timeout, self.stepper.inbox.missing(), self.now)
+            missing, timeout = self.stepper.inbox.missing(), self.configuration.extra.answer_timeout
+            self._silence.name_after(timeout, missing, self.now)
 
     def reconfigured(self) -> None:
         """Time goes on from here at its new pace."""
-        self._pace.start(self.now)
-
-    def _begin(self) -> None:
-        self._recorded = -1  # stamp up to which the recorder holds everything
-        self._held.clear()
-        self.publish(self.stepper.begin_run())
-        self._silence.answered()
-        self._pace.start(self.now)
-
-    def _put_awaited_signals_first(self) -> None:
-        """Publish first what most nodes listen to: their step goes on while the rest is being published."""
-        readers = {signal: writer.publisher.get_subscription_count() for signal, writer in self.writers.items()}
-        order = sorted(self.writers, key=lambda signal: (-readers[signal], arrival_place(signal)))
-        self._order = [self.writers[signal] for signal in order]
+        self.schedule.pace_from_here()
 
     def publish(self, answer: Answer) -> None:
         """Publish the state of an instant, and the clock."""
@@ -132,63 +112,20 @@ class MasterNode(SteppedNode):
         self._published = time.monotonic()
         self.reports.pass_on(self.stepper.part)
 
-    @property
-    def _is_paced(self) -> bool:
-        return self.realtime or self.time_parameters.real_time_factor > 0
+    def _begin(self) -> None:
+        self.publish(self.stepper.begin_run())
+        self._silence.answered()
+        self.schedule.begin()
 
-    def _due(self) -> float:
-        """Wall time at which the next instant is due."""
-        factor = 1.0 if self.realtime else self.time_parameters.real_time_factor
-        return self._pace.due(self.now + self.stepper.period, factor)
-
-    def _recorder_keeps_up(self) -> bool:
-        if not self.time_parameters.await_recorder:
-            return True
-        last = self.now if self._at_end() or self.now == 0 else self.now - RECORDER_LAG * self.stepper.period
-        return self._recorded >= last
-
-    def _at_end(self) -> bool:
-        end = stamps.from_seconds(self.time_parameters.duration)
-        return 0 < end < self.now + self.stepper.period
-
-    def _has_inputs(self) -> bool:
-        """Whether the next instant may come as soon as it is due."""
-        if self._time.rests:
-            return False
-        if self.realtime:
-            return self._held.complete
-        return self.stepper.inbox.complete() is not None and self._recorder_keeps_up()
+    def _stepped(self, answer: Answer) -> None:
+        self._granted.took_step()
+        self.publish(answer)
+        self._silence.answered()
 
     def _advance_where_due(self) -> None:
-        while not self.done and self._has_inputs():
-            late = time.monotonic() - self._due() if self._is_paced else 0.0
-            if late < 0.0:
-                return
-            if self._at_end():
-                self._end()
-                return
-            self._time.took_step()
-            self.publish(self._held_step() if self.realtime else self.stepper.step())
-            self._silence.answered()
-            if self.now == self.stepper.period:
-                self._pace.start(self.now)  # the first step has waited for all nodes to come up
-            if self.realtime and late > stamps.to_seconds(self.stepper.period):
-                self._note_overrun()
-
-    def _held_step(self) -> Answer:
-        """One step with the newest inputs; without a torque command that is fresh enough the torque is zero."""
-        age_limit = stamps.from_seconds(self.time_parameters.command_timeout)
-        return self.stepper.step_with(self.now, self._held.at(self.now, age_limit))
-
-    def _note_overrun(self) -> None:
-        """Time that is lost stays lost: a burst of late steps would be no real time."""
-        self._pace.start(self.now)
-        self._overruns += 1
-        if self._overruns == 1:
-            self.reports.warn(f"realtime: the step to {stamps.to_seconds(self.now)} s came more than a period late")
-
-    def _end(self) -> None:
-        self.done = True
-        self.get_logger().info(self._pace.summary(self.now, self.stepper.period))
-        if self._overruns:
-            self.get_logger().warning(f"{self._overruns} steps came more than a period late")
+        self._advance.where_due()
+        if self._advance.ended and not self.done:
+            self.done = True
+            self.get_logger().info(self.schedule.summary)
+            if self._advance.overruns:
+                self.get_logger().warning(f"{self._advance.overruns} steps came more than a period late")

@@ -30,7 +30,6 @@ class TimeServices:
         ):
             node.create_service(Trigger, f"~/{name}", handler)
 
-    @property
     def rests(self) -> bool:
         """Whether time stands still."""
         return self._paused and not self._granted

@@ -1,0 +1,47 @@
+"""From instant to instant, as far as the schedule allows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ev_msgs_py import stamps
+from ev_msgs_py.lockstep.stepper import Answer, Stepper
+from ev_msgs_py.nodes.schedule import Schedule
+
+
+class Advance:
+    """Steps the master's part whenever the next instant has come; `stepped` is told what it says then."""
+
+    def __init__(
+        self, stepper: Stepper, schedule: Schedule, stepped: Callable[[Answer], None], warn: Callable[[str], None]
+    ) -> None:
+        self._stepper, self._schedule, self._stepped, self._warn = stepper, schedule, stepped, warn
+        self.ended = False
+        self.overruns = 0  # realtime steps that came more than one period late
+
+    def where_due(self) -> None:
+        """Take all steps that may be taken now."""
+        while not self.ended and self._schedule.may_advance:
+            if self._schedule.at_end:
+                self.ended = True
+                return
+            late = self._schedule.lateness
+            realtime = self._schedule.realtime
+            self._stepped(self._held_step() if realtime else self._stepper.step())
+            if self._schedule.now == self._stepper.period:
+                self._schedule.pace_from_here()  # the first step has waited for all nodes to come up
+            if realtime and late > stamps.to_seconds(self._stepper.period):
+                self._note_overrun()
+
+    def _held_step(self) -> Answer:
+        """One step with the newest inputs; without a torque command that is fresh enough the torque is zero."""
+        now = self._schedule.now
+        return self._stepper.step_with(now, self._schedule.held_inputs(now))
+
+    def _note_overrun(self) -> None:
+        """Time that is lost stays lost: a burst of late steps would be no real time."""
+        self._schedule.pace_from_here()
+        self.overruns += 1
+        if self.overruns == 1:
+            at = stamps.to_seconds(self._schedule.now)
+            self._warn(f"realtime: the step to {at} s came more than a period late")

@@ -1,0 +1,91 @@
+"""When the master of time may go on: inputs and recorder, the pace, pauses, the end."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from ev_msgs_py import stamps
+from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.lockstep.stepper import Stepper
+from ev_msgs_py.master_parameters import RECORDER_LAG, MasterParameters
+from ev_msgs_py.nodes.held_inputs import HeldInputs
+from ev_msgs_py.nodes.pace import Pace
+
+
+class Schedule:
+    """Knows where time is and what holds it back; `parameters` gives what is said of it now."""
+
+    def __init__(self, stepper: Stepper, realtime: bool, parameters: Callable[[], MasterParameters]) -> None:
+        self._stepper, self._parameters = stepper, parameters
+        self.realtime = realtime
+        self.held = HeldInputs(stepper.reads)
+        self._pace = Pace()
+        self._recorded = -1  # stamp up to which the recorder holds everything
+        self.rests: Callable[[], bool] = lambda: False  # whether a service has stopped time
+
+    @property
+    def now(self) -> int:
+        """Stamp of the present instant, in nanoseconds."""
+        answer = self._stepper.answer
+        return 0 if answer is None else answer.stamp
+
+    def begin(self) -> None:
+        """A new run begins."""
+        self._recorded = -1
+        self.held.clear()
+        self.pace_from_here()
+
+    def pace_from_here(self) -> None:
+        """Wall clock and simulated time count from now on."""
+        self._pace.start(self.now)
+
+    def note_recorded(self, stamp: int) -> None:
+        """The recorder holds everything up to a stamp; one beyond now was said of the run before a reset."""
+        if stamp <= self.now:
+            self._recorded = max(self._recorded, stamp)
+
+    def held_inputs(self, now: int) -> Frame:
+        """What realtime integrates with at a stamp."""
+        return self.held.at(now, stamps.from_seconds(self._parameters().command_timeout))
+
+    @property
+    def recorder_keeps_up(self) -> bool:
+        """Whether the recorder is near enough; at the first and at the last instant it must have everything."""
+        if not self._parameters().await_recorder:
+            return True
+        ends = self.at_end or self.now == 0
+        return self._recorded >= (self.now if ends else self.now - RECORDER_LAG * self._stepper.period)
+
+    @property
+    def at_end(self) -> bool:
+        """Whether this is the last instant."""
+        end = stamps.from_seconds(self._parameters().duration)
+        return 0 < end < self.now + self._stepper.period
+
+    @property
+    def has_inputs(self) -> bool:
+        """Whether the next instant may come as soon as it is due."""
+        if self.rests():
+            return False
+        if self.realtime:
+            return self.held.complete
+        return self._stepper.inbox.complete() is not None and self.recorder_keeps_up
+
+    @property
+    def lateness(self) -> float:
+        """Wall time since the next instant was due [s], negative before; zero without a pace."""
+        factor = 1.0 if self.realtime else self._parameters().real_time_factor
+        if factor == 0.0:
+            return 0.0
+        return time.monotonic() - self._pace.due(self.now + self._stepper.period, factor)
+
+    @property
+    def may_advance(self) -> bool:
+        """Whether the next instant has come."""
+        return self.has_inputs and self.lateness >= 0.0
+
+    @property
+    def summary(self) -> str:
+        """What was simulated, and how fast."""
+        return self._pace.summary(self.now, self._stepper.period)
