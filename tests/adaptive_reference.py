@@ -14,12 +14,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ev_msgs_py.car import car_numbers
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.compiling.function import compiled, in_memory
+from ev_msgs_py.compiling.function import bound, one_record
 from ev_msgs_py.compiling.object import CompiledObject
 from ev_msgs_py.configuration import Configuration
-from ev_msgs_py.parameters import number_tree
+from ev_msgs_py.lockstep.law import Given
 from ev_msgs_py.shape import shape_of
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.topics import TOPICS
@@ -30,7 +29,7 @@ from ev_sim.plant.planar.energy import account
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.prepare import prepare
 from ev_sim.plant.planar.road_under_wheels import find_road
-from ev_sim.plant.planar.state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, PlanarState, index
+from ev_sim.plant.planar.state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, index
 from ev_sim.plant.planar.steering import steer
 from ev_sim.recording.recording import Recording
 
@@ -72,6 +71,7 @@ class DrivenPlant:
 
     def __init__(self, configuration: Configuration, recording: Recording) -> None:
         self.parameters, self.vehicle = configuration.parameters, configuration.common.vehicle
+        self.law = configuration.method.law
         self.period = configuration.common.control_period
         plant = CompiledObject(configuration.method, self.parameters, self.vehicle, self.period)
         self.start = plant.state.copy()
@@ -125,39 +125,27 @@ class _Equations:
     """Right-hand side and events in the form that the solver calls."""
 
     def __init__(self, plant: DrivenPlant) -> None:
-        vehicle = plant.vehicle
-        c = prepare(plant.parameters, vehicle, plant.period)
-        lags = (vehicle.motor.torque_lag, vehicle.motor.overload_time, vehicle.driveline.clutch_lag)
-        self._step, self._margins = in_memory(Step()), np.zeros(4)
-        self._model = (
-            in_memory(number_tree(plant.parameters)),
-            in_memory(car_numbers(vehicle)),
-            in_memory(c.body),
-            _in_arrays(c.road),
-            _in_arrays(c.power),
-            lags,
-            in_memory(PlanarState()),
-            self._step,
-        )
-        self._slopes, self._decide = compiled(slopes_of), compiled(decide)
+        given = Given(plant.law, plant.parameters, plant.vehicle, plant.period)
+        self._step, self._margins = one_record(Step()), np.zeros(4)
+        self._slopes, self._decide = bound(slopes_of, given), bound(decide, given)
         self.events = [self._event(i) for i in range(4)]
 
     def begin(self, span: Span, time: float, state: np.ndarray) -> None:
         """Take the commands of a span and decide at a time of it which wheels turn or are held."""
-        step = self._step
+        step = self._step[0]
         step["drive_command"], step["brake_command"] = span.drive, span.brake
         self._steering = (span.angle, span.rate)
         wheels = state[WHEEL_SPEED : WHEEL_SPEED + 4]
         wheels[np.abs(wheels) <= TOUCH] = 0.0
         step["motion"], step["held"] = np.sign(wheels), 0.0
         self.slopes(time, state)
-        self._decide(state, self._model[1], step)
+        self._decide(state, self._step)
 
     def slopes(self, time: float, state: np.ndarray) -> np.ndarray:
         """Time derivative of the whole state."""
         slope = np.empty(SIZE)
         angle, rate = self._steering
-        self._slopes(state, slope, self._margins, angle + rate * time, *self._model)
+        self._slopes(state, slope, self._margins, angle + rate * time, self._step)
         return slope
 
     def _event(self, wheel: int):
@@ -169,13 +157,6 @@ class _Equations:
         return margin
 
 
-def _in_arrays(c):
-    """Tables as arrays."""
-    if hasattr(c, "_fields"):
-        return type(c)(*map(_in_arrays, c))
-    return np.array(c, float) if isinstance(c, tuple) else c
-
-
 @compilable
 def dry_friction(car, step, i, vx):
     """The torque of drive and tyre on wheel i, and the largest one of dry friction [N m]."""
@@ -185,8 +166,9 @@ def dry_friction(car, step, i, vx):
 
 
 @compilable
-def decide(state, car, step):
+def decide(car, state, steps):
     """A wheel at rest breaks loose if the torque on it is as large as the dry friction, else it is held."""
+    step = steps[0]
     for i in range(4):
         if state[WHEEL_SPEED + i] == 0.0:
             torque, dry = dry_friction(car, step, i, state[VX])
@@ -196,9 +178,9 @@ def decide(state, car, step):
 
 
 @compilable
-def slopes_of(state, slope, margins, angle, p, car, body, road, power, lags, s, step):
+def slopes_of(p, car, c, s, state, slope, margins, angle, steps):
     """Derivative of the state into `slope`, and into `margins` how far each wheel is from its next event."""
-    torque_lag, overload_time, clutch_lag = lags
+    step = steps[0]
     for n in range(INTEGRATED_SIZE):
         s.motion[n] = state[n]
     for i in range(4):
@@ -206,18 +188,18 @@ def slopes_of(state, slope, margins, angle, p, car, body, road, power, lags, s, 
         s.torque_share[i] = state[TORQUE_SHARE + i]
     s.state_of_charge, s.battery_power = state[STATE_OF_CHARGE], state[BATTERY_POWER]
     s.battery_work = s.motor_loss = s.driveline_loss = s.auxiliary_work = s.drive_work = 0.0
-    find_road(s.motion, body, step, road, True)
+    find_road(s.motion, c.body, step, c.road, True)
     steer(car, step, angle)
-    apply_drives(s, p, car, power, NO_LAGS, step, 1.0)
-    rates(state, slope, p, car, body, step, False)
+    apply_drives(s, p, car, c.power, NO_LAGS, step, 1.0)
+    rates(state, slope, p, car, c.body, step, False)
     for i in range(4):
-        slope[MOTOR_TORQUE + i] = (s.motor_torque[i] - state[MOTOR_TORQUE + i]) / torque_lag
-        slope[MOTOR_HEAT + i] = (s.motor_heat[i] - state[MOTOR_HEAT + i]) / overload_time
-        slope[TORQUE_SHARE + i] = (s.torque_share[i] - state[TORQUE_SHARE + i]) / clutch_lag
+        slope[MOTOR_TORQUE + i] = (s.motor_torque[i] - state[MOTOR_TORQUE + i]) / car.motor.torque_lag
+        slope[MOTOR_HEAT + i] = (s.motor_heat[i] - state[MOTOR_HEAT + i]) / car.motor.overload_time
+        slope[TORQUE_SHARE + i] = (s.torque_share[i] - state[TORQUE_SHARE + i]) / car.driveline.clutch_lag
         torque, dry = dry_friction(car, step, i, state[VX])
         margins[i] = dry - abs(torque) if step.held[i] == 1.0 else step.motion[i] * state[WHEEL_SPEED + i]
         step.turned[i] = state[WHEEL_SPEED + i]
-    account(s, p, car, power, step, 1.0)
+    account(s, p, car, c.power, step, 1.0)
     slope[BATTERY_WORK], slope[MOTOR_LOSS], slope[DRIVELINE_LOSS] = s.battery_work, s.motor_loss, s.driveline_loss
     slope[AUXILIARY_WORK], slope[DRIVE_WORK] = s.auxiliary_work, s.drive_work
     slope[STATE_OF_CHARGE] = s.state_of_charge - state[STATE_OF_CHARGE]

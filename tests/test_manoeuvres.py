@@ -240,12 +240,12 @@ def test_split_friction():
 
 
 def test_plant_notes_refused_commands_and_lifted_wheels():
-    """Each text once, counts by powers of ten; the launch asks 7500 N m of motors that have 5328 N m."""
+    """Each text once, counts by powers of ten as of the end; the launch asks 7500 N m of motors that have 5328 N m."""
     too_much = [("driver", "pedals.drive_torque", [0.0, 0.0, 7500.0])]
     run = load_scenario("launch_split_mu", Overrides((), too_much, 2.0)).runs[0]
     notes = []
     run_offline(run.configurations, run.duration, note=lambda role, text: notes.append((role, text)))
-    assert notes == [("plant", f"{n} or more values of commands were out of range") for n in (1, 10, 100)]
+    assert notes == [("plant", "100 or more values of commands were out of range")]
     high = [("*", "vehicle.centre_of_mass_height", 2.0)]
     run = load_scenario("double_lane_change", Overrides((), high, 4.0)).runs[0]
     run_offline(run.configurations, run.duration, note=lambda role, text: notes.append((role, text)))

@@ -62,21 +62,15 @@ def least_squares(
     """Find the peak of the slip curve by least squares, and keep a wheel that has passed it at the slip of the peak.
 
     y = A x + B sqrt(x + e) is fitted to the last samples of the slip x = 1 - w_free/w and of the road torque
-    y = (M - J w')/M_nom; the peak is passed where dy/dx < 0 at the present slip (dissertation, eqs 2.34 to 2.36). What
-    makes that work, all of it assumption:
+    y = (M - J w')/M_nom; the peak is passed where dy/dx < 0 at the present slip (dissertation, eqs 2.34 to 2.36, which
+    take the motor torque: what the law itself commands says nothing of the road). The rest is assumption:
 
-    - The road torque takes the place of the motor torque, which is what the law itself commands and says nothing of
-      the road.
-    - A fit counts if the slip spreads more than its noise explains (`peak_is_passed`); `hits` of them in a row are a
-      hit. Slip beyond `backstop` is one, too: ice has no peak.
-    - After a hit the slip x* = (B/(2 A))^2 of the fitted peak is the target. The limit is the road torque, plus what
-      the wheel needs to follow the car and to close the gap of its speed to the target with `bandwidth`:
-      M = M_road + J (a_x/(r (1 - x*)) + bandwidth (w* - w)); above the target that is less than the road takes.
+    - A slip beyond `backstop` is a hit as well as `hits` fits in a row that fall: ice has no peak.
+    - After a hit the slip x* = (B/(2 A))^2 is the target, and the limit is what the road takes, plus what the wheel
+      needs to follow the car and to close the gap of its speed to the target w* with `bandwidth`:
+      M = M_road + J (a_x/(r (1 - x*)) + bandwidth (w* - w)). It goes with the friction of the road by itself.
     - The target stays for `hold` and then rises until the next hit, just fast enough for the noise. At the backstop
-      it begins anew. The limit ends once the road carries the whole request for `release`.
-
-    Rest is no slip, and below `slowest` only slip beyond noise counts. On a jump to more friction the road torque, and
-    with it the limit, grows by itself; on a jump to less it falls with the road torque within `road_filter`.
+      it begins anew. The limit ends once it has been above the request for `release`.
     """
     return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
 

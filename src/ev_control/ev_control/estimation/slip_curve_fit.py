@@ -77,10 +77,10 @@ def add_sample(fit: SlipCurveFit, size: float, offset: float, x: float, y: float
 def sum_anew(fit: SlipCurveFit) -> None:
     """Form all sums over the window."""
     sum_x = sum_xx = sum_x_root = sum_xy = sum_root_y = EMPTY_SUM
-    for age in range(1, int(samples_in(fit)) + 1):
-        place = (int(fit.taken) - age) % CAPACITY
-        x, y = fit.x[place], fit.y[place]
-        root = sqrt(x + fit.offset)
+    all_x, all_y, taken, offset = fit.x, fit.y, int(fit.taken), fit.offset
+    for place in range(taken - int(samples_in(fit)), taken):
+        x, y = all_x[place % CAPACITY], all_y[place % CAPACITY]
+        root = sqrt(x + offset)
         sum_x = plus(sum_x, x)
         sum_xx = plus(sum_xx, x * x)
         sum_x_root = plus(sum_x_root, x * root)

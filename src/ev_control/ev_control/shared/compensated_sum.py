@@ -1,32 +1,25 @@
-"""Sums whose rounding errors are added up as well, so that hardly anything of them is left."""
+"""Sums whose rounding errors are added up as well, so that hardly anything of them is left.
+
+A sum is the pair of its value and of what rounding has lost of it; `EMPTY_SUM` is where it begins.
+"""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from ev_msgs_py.compiling.compilable import compilable
 
-
-class CompensatedSum(NamedTuple):
-    """A sum of numbers, and what rounding has lost of it."""
-
-    value: float
-    lost: float
-
-
-EMPTY_SUM = CompensatedSum(0.0, 0.0)
+EMPTY_SUM = (0.0, 0.0)
 
 
 @compilable
-def plus(total: CompensatedSum, number: float) -> CompensatedSum:
+def plus(total: tuple[float, float], number: float) -> tuple[float, float]:
     """The sum with one more number; the error of one addition is exactly a number (Knuth's two-sum)."""
-    value = total.value + number
-    taken = value - total.value
-    lost = (total.value - (value - taken)) + (number - taken)
-    return CompensatedSum(value, total.lost + lost)
+    before, lost = total
+    value = before + number
+    taken = value - before
+    return value, lost + ((before - (value - taken)) + (number - taken))
 
 
 @compilable
-def rounded(total: CompensatedSum) -> float:
+def rounded(total: tuple[float, float]) -> float:
     """The sum, rounded once."""
-    return total.value + total.lost
+    return total[0] + total[1]

@@ -110,8 +110,10 @@ def watch(
     direction = -sign(known.reference.speed) if is_braked else asked
     rolling = rolling_speeds(reference, car, known.reference, period, velocity, column.road_wheel_angle, imu, direction)
     for i in range(4):
+        if car.driven[i] == 0.0:
+            continue
         ahead = sign(drive[i])
-        if car.driven[i] == 0.0 or is_braked or ahead * known.reference.speed < -PULLING_AWAY:
+        if is_braked or ahead * known.reference.speed < -PULLING_AWAY:
             ahead = 0.0
         wheel = s.wheels[i]
         if ahead != known.direction[i]:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import numbers, record_type
 
 HEAD = ("total", "period")
@@ -60,11 +61,18 @@ def _records(c: Any) -> list[Any]:
     return [leaf for leaf in _leaves(c) if is_dataclass(leaf)]
 
 
+@compilable
+def table(row: Any, place: int) -> Any:
+    """The table whose place and length stand at a place of the row."""
+    begin = int(row[place])
+    return row[begin : begin + int(row[place + 1])]
+
+
 class Unpacking:
-    """The source text that makes `c` of a row, and the classes that it names."""
+    """The source text that makes `c` of a row and of the record `k` at its beginning, and the names in it."""
 
     def __init__(self, c: Any, begin: int) -> None:
-        self.classes: dict[str, type] = {}
+        self.names: dict[str, Any] = {"table": table}
         self._place = begin
         self._records = 0
         self.text = self._expression(c)
@@ -73,8 +81,8 @@ class Unpacking:
         if value is None:
             return "None"
         if hasattr(value, "_fields"):
-            name = f"C_{len(self.classes)}"
-            self.classes[name] = type(value)
+            name = f"C_{len(self.names)}"
+            self.names[name] = type(value)
             return f"{name}({', '.join(self._expression(inner) for inner in value)})"
         if is_dataclass(value):
             self._records += 1

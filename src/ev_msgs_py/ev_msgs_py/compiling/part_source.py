@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.compiling.constants import Unpacking, constants_type
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.record import record_type
@@ -49,8 +48,7 @@ def part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     layout = constants_type(given.trees, given.values["c"])
     unpacking = Unpacking(given.values["c"], layout.itemsize // 8)
     names: dict[str, Any] = {"CONSTANTS": layout, "FLOAT": np.float64, "law": law.function, "Wheels": Wheels}
-    names.update(unpacking.classes)
-    names["table"] = _table
+    names.update(unpacking.names)
     lines = [f"{name} = k.{name}" for name, tree in given.trees.items() if tree]
     lines.append(f"c = {unpacking.text}")
     state = record_type(given.values["s"])
@@ -77,13 +75,6 @@ def part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
         title=title, given="\n".join(_indented(lines)), size=frame.SIZE, body="\n".join(_indented(body))
     )
     return text, names
-
-
-@compilable
-def _table(row: Any, place: int) -> Any:
-    """The table whose place and length stand at a place of the row."""
-    begin = int(row[place])
-    return row[begin : begin + int(row[place + 1])]
 
 
 def _indented(lines: list[str]) -> list[str]:

@@ -70,7 +70,7 @@ def batch(
         raise ParameterError(f"duration: {duration!r} is refused, allowed is 0 s or more")
     observation = Observation(signals, every, tuple(metrics.values()), variation.runs, len(times))
     runs = Runs(configurations, variation, states, observation, times)
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+    with ThreadPoolExecutor(threads or len(os.sched_getaffinity(0))) as pool:
         failed = {run: text for run, text in enumerate(pool.map(runs.drive, range(variation.runs))) if text}
     reduced = observation.reduced()
     reduced[list(failed)] = np.nan

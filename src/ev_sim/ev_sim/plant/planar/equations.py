@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ev_msgs_py.car import car_numbers
-from ev_msgs_py.compiling.function import compiled, in_memory
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.function import compiled, one_record
 from ev_msgs_py.parameters import number_tree
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import NO_WHEELS
@@ -16,9 +17,11 @@ from ev_sim.plant.planar.constants import body_constants
 from ev_sim.plant.planar.integrator import integrate
 from ev_sim.plant.planar.memory import Stages, Step
 from ev_sim.plant.planar.parameters import PlanarParameters
-from ev_sim.plant.planar.road_under_wheels import find_road, road_tables
+from ev_sim.plant.planar.road_under_wheels import RoadTables, find_road, road_tables
 from ev_sim.plant.planar.state import INTEGRATED_SIZE
 from ev_sim.plant.planar.steering import steer
+
+Row = One = np.ndarray
 
 
 class Equations:
@@ -28,29 +31,52 @@ class Equations:
     """
 
     def __init__(self, parameters: PlanarParameters, vehicle: Vehicle) -> None:
-        p, car = in_memory(number_tree(parameters)), in_memory(car_numbers(vehicle))
-        self._model = (p, car, in_memory(body_constants(vehicle)))
-        self._step, self._stages = in_memory(Step()), in_memory(Stages())
+        self._car, self._body = one_record(car_numbers(vehicle)), one_record(body_constants(vehicle))
+        self._step = one_record(Step())
+        self._model = (one_record(number_tree(parameters)), self._car, self._body, self._step)
+        self._stages = one_record(Stages())
         road = road_tables(parameters.road, vehicle)
         self._road = type(road)(*(type(table)(*map(np.array, table)) for table in road))
-        self._rates, self._integrate, self._find_road = compiled(rates), compiled(integrate), compiled(find_road)
-        self._steer = compiled(steer)
+        self._rates, self._advance, self._hold, self._look = map(compiled, (_rates, _advance, _hold, _look))
 
     def look(self, y: np.ndarray) -> None:
         """Take the road from where the car is now."""
-        self._find_road(y, self._model[2], self._step, self._road, True)
+        self._look(y, self._body, self._step, self._road)
 
     def hold(self, angle: float, drive: Sequence[float] = NO_WHEELS, brake: Sequence[float] = NO_WHEELS) -> None:
         """Hold a mean road-wheel angle [rad], and drive and brake torques at the wheels [N m]."""
         self._step["drive"], self._step["brake"] = tuple(drive), tuple(brake)
-        self._steer(self._model[1], self._step, angle)
+        self._hold(self._car, self._step, angle)
 
     def rates(self, y: np.ndarray, starts: bool = False) -> np.ndarray:
         """f(y); one that `starts` decides which direction dry friction opposes at each wheel, the others keep to it."""
         dy = np.empty(INTEGRATED_SIZE)
-        self._rates(y, dy, *self._model, self._step, starts)
+        self._rates(y, dy, *self._model, starts)
         return dy
 
     def advance(self, y: np.ndarray, h: float) -> None:
         """One step of h [s] of the plant's own method, in place."""
-        self._integrate(y, *self._model, self._step, self._stages, h)
+        self._advance(y, *self._model, self._stages, h)
+
+
+# Compiled code is called with arrays of one record each.
+
+
+@compilable
+def _rates(y: Row, dy: Row, p: One, cars: One, bodies: One, steps: One, starts: bool) -> None:
+    rates(y, dy, p[0], cars[0], bodies[0], steps[0], starts)
+
+
+@compilable
+def _advance(y: Row, p: One, cars: One, bodies: One, steps: One, stages: One, h: float) -> None:
+    integrate(y, p[0], cars[0], bodies[0], steps[0], stages[0], h)
+
+
+@compilable
+def _hold(cars: One, steps: One, angle: float) -> None:
+    steer(cars[0], steps[0], angle)
+
+
+@compilable
+def _look(y: Row, bodies: One, steps: One, road: RoadTables) -> None:
+    find_road(y, bodies[0], steps[0], road, True)
