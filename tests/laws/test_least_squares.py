@@ -86,9 +86,8 @@ def pressed_slowly(surface: str) -> Channels:
 def test_least_squares_hits_at_the_peak_and_stays_there(surface, wheel):
     """At the first hit at least 97 % of the peak friction; then 0.8..1.5 S* on the mean and for most of the time.
 
-    Measured with eight seeds of the noise: 97.1 % and more; means of 0.88 to 1.38 S*; 70 to 99 % of the time inside. The
-    curve is flat about the peak, so even the rest of the time costs little: the friction in use is at least 99 % on
-    the mean.
+    Measured with eight seeds: 97.1 % and more; means of 0.88 to 1.38 S*; 70 to 99 % of the time inside. The curve is
+    flat about the peak, so even the rest of the time costs little: the friction in use is at least 99 % on the mean.
     """
     channels, star = pressed_slowly(surface), PEAK_SLIP[surface]
     first = int(np.argmax(is_limited(channels, wheel)))
@@ -146,6 +145,6 @@ def test_a_car_that_drives_all_four_wheels_has_traction_control():
 
 
 def test_least_squares_at_the_default_period():
-    """10 ms halve the samples of the window: still within 0.8..1.5 S* on the mean of the last 6 s (1.2 to 1.4 with eight seeds)."""
+    """10 ms halve the window's samples: still within 0.8..1.5 S* on the mean of 6 s (1.2 to 1.4 with eight seeds)."""
     channels = launch("least_squares", ("packed_snow_1",), 3800.0, 6.0, 12.0, (), (("*", "control_period", 0.01),))
     assert 0.8 * 0.0907 < slip_of(channels)[600:].mean() < 1.5 * 0.0907
