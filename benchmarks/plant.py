@@ -23,18 +23,21 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
+from ev_msgs_py.compiling.object import CompiledObject
+from ev_msgs_py.methods import find_method
 from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.vehicle import Vehicle
 from ev_msgs_py.wheels import Wheels
-from ev_sim.plant.planar.body import rates
-from ev_sim.plant.planar.plant import PlanarParameters, PlanarPlant
+from ev_sim.plant.planar.equations import Equations
+from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.state import INTEGRATED_SIZE
 
 STEP = 1e-3  # [s]
 SPEED = 15.0  # [m/s]
 COMMAND = WheelTorqueCommand(Wheels.front(120.0, 120.0))
 COLUMN = SteeringColumnState(0.0, 0.0, 0.0, 0.02, 0.0)
-REFERENCE = "planar plant, fused loop"
+PARAMETERS = PlanarParameters(initial_speed=SPEED)
+REFERENCE = "planar plant, one compiled loop"
 MAIN_PEER = "commonroad single-track drift, RK4"
 
 
@@ -58,9 +61,9 @@ def best_time(make: Callable[[], Callable[[], Any]], repeats: int) -> float:
     return best
 
 
-def planar_plant(period: float) -> PlanarPlant:
+def planar_plant(period: float) -> CompiledObject:
     """The Audi A2 at 15 m/s on dry asphalt, with drives, losses and battery."""
-    return PlanarPlant(PlanarParameters(initial_speed=SPEED), Vehicle(), period)
+    return CompiledObject(find_method("plant", "planar"), PARAMETERS, Vehicle(), period)
 
 
 @njit
@@ -110,13 +113,14 @@ def scipy_row(repeats: int) -> Row:
     """The body and the wheels of the planar plant (no drives) by solve_ivp, as most scripts would call it."""
     car = planar_plant(STEP)
     car.advance(COMMAND, COLUMN)
-    record, step = car._car[0], car._step[0]
     start = car.state[:INTEGRATED_SIZE].copy()
+    equations = Equations(PARAMETERS, Vehicle())
+    equations.look(start)
+    equations.hold(COLUMN.road_wheel_angle, COMMAND.drive)
+    equations.rates(start, starts=True)
 
     def right_hand_side(_time: float, y: np.ndarray) -> np.ndarray:
-        dy = np.empty(INTEGRATED_SIZE)
-        rates(y, dy, record, step, False)
-        return dy
+        return equations.rates(y)
 
     def call() -> Any:
         return solve_ivp(right_hand_side, (0.0, 1.0), start, rtol=1e-6, atol=1e-9)
