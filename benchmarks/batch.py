@@ -20,10 +20,10 @@ import numpy as np
 
 from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.compiling.part import CompiledPart
-from ev_msgs_py.configuration import Configuration
 from ev_msgs_py.contract import frame
-from ev_msgs_py.roles import MASTER
-from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_sim.batch.batch import batch
 from ev_sim.batch.reductions import largest_magnitude, root_mean_square
 from ev_sim.scenario.scenario import Overrides, load_scenario

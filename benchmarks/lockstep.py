@@ -27,16 +27,16 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
-from ev_msgs_py.nodes.run_role import make_node
-from ev_msgs_py.nodes.signal_io import QUALITY
-from ev_msgs_py.nodes.spinning import spin
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
     SteeringColumnState,
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
+from ev_msgs_py.nodes.run_role import make_node
+from ev_msgs_py.nodes.signal_io import QUALITY
+from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.wire.message_format import format_of
 from ev_sim.scenario.domain import free_domain
 from ev_sim.scenario.in_process import parameter_overrides

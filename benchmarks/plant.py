@@ -24,10 +24,10 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from ev_msgs_py.compiling.object import CompiledObject
-from ev_msgs_py.methods import find_method
-from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.lockstep.methods import find_method
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.equations import Equations
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.state import INTEGRATED_SIZE

@@ -15,13 +15,13 @@ import platform
 import time
 from pathlib import Path
 
-from ev_msgs_py import stamps
+from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.signals import WheelTorqueCommand
+from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.lockstep.run import GraphRun
-from ev_msgs_py.roles import MASTER
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.signals import WheelTorqueCommand
-from ev_msgs_py.wheels import NO_WHEELS, Wheels
 from ev_sim.scenario.offline import run_offline
 from ev_sim.scenario.scenario import Run
 from ev_sim.study.case import run_of

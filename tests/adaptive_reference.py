@@ -17,11 +17,11 @@ from scipy.integrate import solve_ivp
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.compiling.function import bound, one_record
 from ev_msgs_py.compiling.object import CompiledObject
-from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.law import Given
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
-from ev_msgs_py.topics import TOPICS
 from ev_sim.plant.commands import GuardState, guarded_steering, guarded_torques
 from ev_sim.plant.planar.body import rates
 from ev_sim.plant.planar.drive_torques import Lags, apply_drives

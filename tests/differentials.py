@@ -8,8 +8,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract.record import names
-from ev_msgs_py.methods import create, find_method, refuse_layout
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
     InertialMeasurement,
@@ -18,8 +17,10 @@ from ev_msgs_py.signals import (
     WheelStates,
     WheelTorqueRequest,
 )
-from ev_msgs_py.vehicle import Motor, Vehicle
-from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+from ev_msgs_py.lockstep.methods import create, find_method, refuse_layout
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.motor import Motor
 
 ROLE = "electronic_differential"
 FRONT, REAR = ("front_left", "front_right"), ("rear_left", "rear_right")

@@ -6,10 +6,10 @@ import math
 from typing import Any
 
 from ev_msgs_py.contract.record import names
-from ev_msgs_py.methods import create, find_method
-from ev_msgs_py.parameters import build
-from ev_msgs_py.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
+from ev_msgs_py.lockstep.methods import create, find_method
+from ev_msgs_py.parameters.values import build
+from ev_msgs_py.vehicle.description import Vehicle
 
 CAR = Vehicle()
 PERIOD = 0.01

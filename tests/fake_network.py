@@ -11,13 +11,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ev_msgs_py.configuration import Configuration
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.inbox import Arrival
 from ev_msgs_py.lockstep.parts import part_of
 from ev_msgs_py.lockstep.stepper import Answer, Stepper
-from ev_msgs_py.roles import MASTER
-from ev_msgs_py.topics import TOPICS
 
 
 class WatchedStepper(Stepper):

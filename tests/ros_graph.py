@@ -20,12 +20,12 @@ from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.stamps import from_seconds, to_seconds
+from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.nodes.spinning import spin
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.stamps import from_seconds, to_seconds
-from ev_msgs_py.topics import TOPICS
 from ev_msgs_py.wire.message_classes import message_class
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 from ev_sim.nodes.recorder import RecorderNode

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.documentation.results import Driven, drive
 from ev_sim.recording.recording import Recording
 from ev_sim.report.metric import Metric

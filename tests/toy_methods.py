@@ -9,11 +9,11 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from ev_msgs_py.configuration import CommonParameters, Configuration
-from ev_msgs_py.methods import Method
-from ev_msgs_py.parameters import build
-from ev_msgs_py.roles import ROLES, RoleKind
-from ev_msgs_py.shape import shape_of
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.lockstep.configuration import CommonParameters, Configuration
+from ev_msgs_py.lockstep.methods import Method
+from ev_msgs_py.parameters.values import build
 
 
 @dataclass(frozen=True, slots=True)

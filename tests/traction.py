@@ -12,15 +12,17 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from ev_msgs_py.car import car_numbers
-from ev_msgs_py.configuration import configure
 from ev_msgs_py.contract.record import names
+from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState, WheelStates, WheelTorqueRequest
+from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.methods import create, find_method, methods_of
-from ev_msgs_py.parameters import build, number_tree
-from ev_msgs_py.signals import InertialMeasurement, SteeringColumnState, WheelStates, WheelTorqueRequest
-from ev_msgs_py.vehicle import Motor, Vehicle
-from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+from ev_msgs_py.lockstep.methods import create, find_method, methods_of
+from ev_msgs_py.parameters.declaration import number_tree
+from ev_msgs_py.parameters.values import build
+from ev_msgs_py.vehicle.car import car_numbers
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.motor import Motor
 
 ROLE = "asr"
 PERIOD = 0.005

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.recording.recording import Recording
 from ev_sim.report import cycle_efficiency as cycle
 from ev_sim.scenario.offline import run_offline

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import parameter
-from ev_msgs_py.signals import WheelTorqueCommand, WheelTorqueRequest
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import parameter
 
 
 @dataclass(frozen=True, slots=True)

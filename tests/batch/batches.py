@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_sim.recording.recording import Recording
 from ev_sim.scenario.offline import run_offline
 from ev_sim.scenario.scenario import Overrides, load_scenario

@@ -8,7 +8,7 @@ from batch.batches import lane_change
 from toy_methods import toy_graph
 
 from ev_msgs_py.lockstep.parts import method_part
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.batch.batch import batch
 from ev_sim.batch.reductions import mean
 

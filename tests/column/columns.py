@@ -6,10 +6,10 @@ import dataclasses
 from typing import Any
 
 from ev_msgs_py.compiling.object import CompiledObject
-from ev_msgs_py.methods import find_method
-from ev_msgs_py.signals import DriverCommand, SteeringColumnState, WheelStates
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import NO_WHEELS, Wheels
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates
+from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
+from ev_msgs_py.lockstep.methods import find_method
+from ev_msgs_py.vehicle.description import Vehicle
 
 CAR = Vehicle()
 J, B, K = 2.8, 7.5, 65.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from ev_msgs_py.check.bits import differing_bits
-from ev_msgs_py.configuration import configure
-from ev_msgs_py.methods import methods_of
+from ev_msgs_py.lockstep.configuration import configure
+from ev_msgs_py.lockstep.methods import methods_of
 from ev_sim.scenario.scenario import load_scenario, scenario_names
 
 CHOICES = {

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ev_msgs_py.methods import create, find_method
-from ev_msgs_py.parameters import build
-from ev_msgs_py.signals import Instant
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.lockstep.methods import create, find_method
+from ev_msgs_py.parameters.values import build
+from ev_msgs_py.vehicle.description import Vehicle
 
 PERIOD = 0.01
 

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.field import Field
-from ev_msgs_py.roles import RECORDED, RECORDER_WRITES
-from ev_msgs_py.shape import Shape, SignalError, shape_of
-from ev_msgs_py.signals import BatteryCondition, BodyPose, SteeringColumnState
-from ev_msgs_py.topics import TOPICS
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.roles import RECORDED, RECORDER_WRITES
+from ev_msgs_py.contract.shape import Shape, SignalError, shape_of
+from ev_msgs_py.contract.signals import BatteryCondition, BodyPose, SteeringColumnState
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.wire.message_classes import message_class
 
 EVERY_TOPIC = pytest.mark.parametrize("topic", TOPICS.values(), ids=lambda topic: topic.name)

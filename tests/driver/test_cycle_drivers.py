@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from urban_runs import CAR, PARAMETERS, driven, modes
 
-from ev_msgs_py.car import car_numbers
+from ev_msgs_py.contract.signals import WheelStates
+from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.signals import WheelStates
-from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+from ev_msgs_py.vehicle.car import car_numbers
 from ev_sim.driver.power_level import PowerLevelParameters, torque_of_power
 from ev_sim.profiles.cycle_modes import MODES, TRACTION
 from ev_sim.report import cycle_efficiency as cycle

@@ -7,8 +7,8 @@ import dataclasses
 import pytest
 
 from ev_msgs_py.check.bits import differing_bits
-from ev_msgs_py.configuration import Configuration, configure
-from ev_msgs_py.methods import methods_of
+from ev_msgs_py.lockstep.configuration import Configuration, configure
+from ev_msgs_py.lockstep.methods import methods_of
 from ev_sim.scenario.scenario import load_scenario, scenario_names
 
 # Long enough for 400 steps to see 100 s of every profile.

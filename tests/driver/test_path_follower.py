@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from driving import CENTRED, at, driver_of
 
-from ev_msgs_py.signals import BodyPose, Instant
+from ev_msgs_py.contract.signals import BodyPose, Instant
 
 
 def test_path_follower_turns_the_steering_wheel_towards_the_path():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from driving import at, driver_of, state_of
 
-from ev_msgs_py.signals import Instant
+from ev_msgs_py.contract.signals import Instant
 
 
 def test_pedals_change_over_at_time_and_speed():

@@ -7,12 +7,12 @@ import dataclasses
 import pytest
 from urban_runs import CAR as VEHICLE
 
-from ev_msgs_py.car import car_numbers
-from ev_msgs_py.configuration import configure
+from ev_msgs_py.contract.signals import WheelStates
+from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.parameters import ParameterError
-from ev_msgs_py.signals import WheelStates
-from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.vehicle.car import car_numbers
 from ev_sim.driver.power_level import PowerLevelParameters, torque_of_power
 
 CAR = namespace(car_numbers(VEHICLE))

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from ev_msgs_py.signals import BodyPose
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.contract.signals import BodyPose
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.path import PathParameters, path_of
 from ev_sim.driver.pure_pursuit import PurePursuitParameters, pure_pursuit
 

@@ -7,7 +7,7 @@ from driving import CENTRED, PERIOD, PointMass, at, driver_of, ride
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_msgs_py.signals import DriverCommand, Instant
+from ev_msgs_py.contract.signals import DriverCommand, Instant
 from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
 
 LIMITS = SpeedControlParameters()

@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 from driving import CAR, CENTRED, PERIOD, PointMass, at, driver_of, ride
 
-from ev_msgs_py.methods import create, find_method
-from ev_msgs_py.parameters import ParameterError, build
-from ev_msgs_py.signals import DriverCommand, Instant
+from ev_msgs_py.contract.signals import DriverCommand, Instant
+from ev_msgs_py.lockstep.methods import create, find_method
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import build
 from ev_sim.driver.speed_control import SpeedControlParameters
 from ev_sim.profiles.profile import profile_of, value_at
 

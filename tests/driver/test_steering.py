@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from driving import CAR, CENTRED, PERIOD, at, driver_of, state_of
 
-from ev_msgs_py.methods import create, find_method
-from ev_msgs_py.parameters import build
-from ev_msgs_py.signals import Instant, SteeringColumnState, WheelStates
-from ev_msgs_py.wheels import NO_WHEELS
+from ev_msgs_py.contract.signals import Instant, SteeringColumnState, WheelStates
+from ev_msgs_py.contract.wheels import NO_WHEELS
+from ev_msgs_py.lockstep.methods import create, find_method
+from ev_msgs_py.parameters.values import build
 from ev_sim.driver.steering import AngleControlParameters, AngleControlState, turn_to_angle
 
 

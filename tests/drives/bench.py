@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 
 from ev_msgs_py.compiling.function import compiled, in_memory
-from ev_msgs_py.parameters import build, number_tree
+from ev_msgs_py.parameters.declaration import number_tree
+from ev_msgs_py.parameters.values import build
 from ev_sim.drives import drive
 from ev_sim.drives.drive import DriveParameters
 from ev_sim.drives.state import DriveState

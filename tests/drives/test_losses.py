@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ev_msgs_py.vehicle import Motor
+from ev_msgs_py.vehicle.motor import Motor
 from ev_sim.drives.losses import loss_power, map_loss_power
 
 

@@ -19,7 +19,8 @@ from drives.bench import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py.parameters import ParameterError, build
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import build
 from ev_sim.drives.drive import DRIVES, DriveParameters
 from ev_sim.drives.state import SECTOR
 

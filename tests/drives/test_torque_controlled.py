@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ev_msgs_py.vehicle import Motor
+from ev_msgs_py.vehicle.motor import Motor
 from ev_sim.drives.torque_controlled import limited_torque
 
 LIMITED = Motor(

@@ -11,11 +11,11 @@ import pytest
 from traction import METHODS, PERIOD, ROLE, Control, car_of, in_regulator, numbers_of
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
-from ev_msgs_py.configuration import configure
-from ev_msgs_py.parameters import ParameterError
-from ev_msgs_py.signals import InertialMeasurement
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.signals import InertialMeasurement
+from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.lockstep.configuration import configure
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.scenario.processes import command
 from ev_sim.scenario.scenario import Overrides, load_scenario
 

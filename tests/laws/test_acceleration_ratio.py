@@ -8,7 +8,7 @@ import math
 import pytest
 from traction import PERIOD, SPINNING, Control, spinning_at
 
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.wheels import Wheels
 
 
 @pytest.mark.parametrize(("threshold", "falls"), [(0.4, True), (0.16, False)])

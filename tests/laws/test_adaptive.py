@@ -9,8 +9,8 @@ from differentials import DISSERTATION, Differential, Motion, on
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py.signals import WheelTorqueRequest
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.signals import WheelTorqueRequest
+from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 
 PERIOD = 0.005
 PEDAL = Motion(torque=1000.0)

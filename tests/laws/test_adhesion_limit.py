@@ -7,7 +7,7 @@ import dataclasses
 import pytest
 from traction import CAR, INERTIA, PERIOD, Control, spinning_at
 
-from ev_msgs_py.wheels import FRONT_LEFT
+from ev_msgs_py.contract.wheels import FRONT_LEFT
 
 GRAVITY = 9.81  # m/s^2
 

@@ -6,8 +6,8 @@ import pytest
 from traction import METHODS, ROLE, RandomLaunches, configured
 
 from ev_msgs_py.check import bits
-from ev_msgs_py.methods import create
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.lockstep.methods import create
 
 SEED = 1
 STEPS = 600

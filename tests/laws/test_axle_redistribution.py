@@ -9,7 +9,7 @@ from differentials import REAR, ZHILEYKIN, Differential, Motion, on, sequences
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.parameters.declaration import ParameterError
 
 LAW = "axle_redistribution"
 

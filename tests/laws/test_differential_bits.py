@@ -6,9 +6,9 @@ import pytest
 from differentials import REAR, ROLE
 
 from ev_msgs_py.check.bits import differing_bits
-from ev_msgs_py.configuration import configure
-from ev_msgs_py.methods import methods_of
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.lockstep.configuration import configure
+from ev_msgs_py.lockstep.methods import methods_of
 
 STEPS = 200
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from differentials import FRONT, REAR, SHCHUR, Differential, Motion, on
 
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from launches import HELD_SURFACES, full_throttle, slip_of
 from traction import INERTIA, PERIOD, SPINNING, Control, spinning_at
 
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.wheels import Wheels
 
 RADIUS = 0.32  # m
 

@@ -9,7 +9,7 @@ import pytest
 from launches import SURFACE_NAMES, full_throttle, slip_of
 from traction import Control, Measured, spinning_at
 
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.wheels import Wheels
 
 SLOPE = -4.0  # A; with B = 2 the curve A x + B sqrt(x) peaks at x = 1/16
 

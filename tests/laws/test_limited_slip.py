@@ -7,7 +7,7 @@ import math
 import pytest
 from differentials import DISSERTATION, Differential, Motion, on
 
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 
 
 @pytest.mark.parametrize("torque", [800.0, -800.0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from differentials import DISSERTATION, Differential, Motion
 
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.wheels import Wheels
 
 
 @pytest.mark.parametrize("torque", [800.0, -800.0])

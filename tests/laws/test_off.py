@@ -7,8 +7,8 @@ import math
 from hypothesis import given
 from traction import Control, any_wheels
 
-from ev_msgs_py.signals import WheelTorqueRequest
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.signals import WheelTorqueRequest
+from ev_msgs_py.contract.wheels import Wheels
 
 
 @given(drive=any_wheels, brake=any_wheels)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from differentials import DISSERTATION, Differential, Motion, on
 
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 
 
 def test_no_wheel_gets_more_than_its_motor_has():

@@ -10,9 +10,9 @@ import scipy.signal
 from differentials import REAR, SHCHUR, Differential, Motion, on
 from steering_loop import LEVER, PERIOD, RATIO, B, Column, J, K, difference, drive, law
 
-from ev_msgs_py.parameters import ParameterError
-from ev_msgs_py.signals import SteeringColumnState
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.signals import SteeringColumnState
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.parameters.declaration import ParameterError
 
 
 def test_power_steering_is_equation_4():

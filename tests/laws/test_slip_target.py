@@ -9,8 +9,8 @@ from differentials import FRONT, GE_NI, Differential, Motion, on, sequences
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py.parameters import ParameterError
-from ev_msgs_py.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
+from ev_msgs_py.parameters.declaration import ParameterError
 
 LAW = "slip_target"
 OUTER_TARGET = 0.19 - 0.11 * (0.1 - 0.03 * 5.0 / 1.72)  # 0.18859

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from steering_loop import LEVER, PERIOD, Column, K, difference, drive, law
 
-from ev_msgs_py.methods import find_method
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.lockstep.methods import find_method
+from ev_msgs_py.parameters.declaration import ParameterError
 
 
 def held(angle: float, **changed: float) -> Column:

@@ -9,8 +9,8 @@ from differentials import FRONT, REAR, ZHILEYKIN, Differential, Motion, motions,
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py.parameters import ParameterError
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.parameters.declaration import ParameterError
 
 LAW = "steering_correction"
 

@@ -10,13 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from toy_methods import toy, toy_graph
 
-from ev_msgs_py.configuration import Configuration
 from ev_msgs_py.contract.frame import PLACES
-from ev_msgs_py.lockstep.inbox import Arrival, Inbox
-from ev_msgs_py.lockstep.stepper import arrival_place, upstream_signals
-from ev_msgs_py.roles import MASTER, ROLES, RoleKind
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.signals import (
     BodyPose,
     BodyVelocity,
     DriverCommand,
@@ -26,6 +23,9 @@ from ev_msgs_py.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
+from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.lockstep.inbox import Arrival, Inbox
+from ev_msgs_py.lockstep.stepper import arrival_place, upstream_signals
 from ev_sim.recording.recording import Recording
 from ev_sim.scenario.offline import run_offline
 from ev_sim.scenario.scenario import load_scenario

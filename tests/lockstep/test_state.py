@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 
 from ev_msgs_py.check.inputs import RandomInputs
-from ev_msgs_py.configuration import Configuration, configure
 from ev_msgs_py.contract.frame import PLACES, TIME, Frame, numbers_of
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.lockstep.configuration import Configuration, configure
+from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.lockstep.parts import part_of
-from ev_msgs_py.methods import all_methods
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.wheels import WHEEL_NAMES
 
 STEPS = 60
 # Laws of other sources need rear drives, or all four.

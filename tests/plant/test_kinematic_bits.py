@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ev_msgs_py.check.bits import differing_bits
-from ev_msgs_py.configuration import configure
+from ev_msgs_py.lockstep.configuration import configure
 from ev_sim.drives.drive import DRIVES
 
 REAR = {"vehicle.driven_wheels": ["rear_left", "rear_right"], "vehicle.rear_track": 1.5}

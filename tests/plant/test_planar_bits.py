@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from ev_msgs_py.check.bits import differing_bits
-from ev_msgs_py.configuration import configure
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.lockstep.configuration import configure
 
 PERIODS = 15  # plain Python takes about 2 ms for a step of 1 ms
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.profiles.cycle_modes import MODES, REGENERATION, STOP, TRACTION, CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.profile import profile_of
 

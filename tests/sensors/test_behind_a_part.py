@@ -7,13 +7,13 @@ import pytest
 from sensors.rows import EVERYTHING
 
 from ev_msgs_py.compiling.loop import call_part
-from ev_msgs_py.configuration import configure
 from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.parts import compiled_parts
-from ev_msgs_py.roles import ROLES
 from ev_msgs_py.sensors.measuring import HEADING
 from ev_msgs_py.sensors.quantities import QUANTITIES
-from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
 
 PLANT = [quantity.name for quantity in QUANTITIES if quantity.signal is not SteeringColumnState]
 

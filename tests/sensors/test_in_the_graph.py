@@ -8,10 +8,10 @@ import pytest
 from fake_network import FakeNetwork, Faults
 from sensors.rows import EVERYTHING
 
-from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.contract.signals import SteeringColumnState
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.sensors.quantities import QUANTITIES
-from ev_msgs_py.signals import SteeringColumnState
-from ev_msgs_py.wheels import Wheels
 from ev_sim.recording.recording import Recording, signal_hash
 from ev_sim.scenario.offline import run_offline
 from ev_sim.scenario.scenario import Overrides, load_scenario

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from ev_msgs_py.configuration import configure
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
+from ev_msgs_py.contract.signals import InertialMeasurement, WheelTorqueCommand
+from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.parts import hand_over, part_of
 from ev_msgs_py.sensors.sensed import Sensed
-from ev_msgs_py.signals import InertialMeasurement, WheelTorqueCommand
 
 
 def behind(**values: object) -> Any:

@@ -6,14 +6,14 @@ import zlib
 
 import pytest
 
-from ev_msgs_py.configuration import configure
 from ev_msgs_py.contract import frame
-from ev_msgs_py.parameters import ParameterError, entries
-from ev_msgs_py.roles import ROLES, RoleKind
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.signals import BatteryCondition
+from ev_msgs_py.lockstep.configuration import configure
+from ev_msgs_py.parameters.declaration import ParameterError, entries
 from ev_msgs_py.sensors.measuring import NUMBERS
 from ev_msgs_py.sensors.quantities import QUANTITIES, sensors_for
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.signals import BatteryCondition
 
 
 def test_every_published_number_of_plant_and_column_has_one_sensor():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.surfaces.lookup import interpolate, segment_at
 from ev_sim.surfaces.road import RoadParameters, left_and_right
 

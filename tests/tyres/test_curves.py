@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.parameters import number_tree
-from ev_msgs_py.vehicle import Tyre
+from ev_msgs_py.parameters.declaration import number_tree
+from ev_msgs_py.vehicle.tyre import Tyre
 from ev_sim.surfaces.table import SURFACES, tyre_on_road
 from ev_sim.tyres import burckhardt, magic_formula, rational, two_exponential
 from ev_sim.tyres.carcass import force_and_rate

@@ -11,12 +11,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 
-from ev_msgs_py import stamps
-from ev_msgs_py.contract import frame
+from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.frame import Frame
-from ev_msgs_py.signals import BatteryCondition, DriverCommand, SteeringColumnState, WheelTorqueRequest
-from ev_msgs_py.topics import JOINT_STATE, TOPICS, Topic
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.signals import BatteryCondition, DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_msgs_py.contract.topics import JOINT_STATE, TOPICS, Topic
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.wire.cdr import Serialized
 from ev_msgs_py.wire.layout import MessageError, empty_message, paths
 from ev_msgs_py.wire.message_classes import message_class

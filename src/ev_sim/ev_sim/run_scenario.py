@@ -8,10 +8,11 @@ import sys
 import time
 from pathlib import Path
 
-from ev_msgs_py.methods import all_methods
-from ev_msgs_py.parameters import ParameterError, unknown_name
-from ev_msgs_py.roles import MASTER
-from ev_msgs_py.shape import SignalError
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.shape import SignalError
+from ev_msgs_py.lockstep.methods import all_methods
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.recording.recording import save
 from ev_sim.recording.run_recorder import write_bag
 from ev_sim.report.drawing import save_figures

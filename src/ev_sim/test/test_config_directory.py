@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ev_msgs_py.config_directory import VARIABLE, config_directory
+from ev_msgs_py.parameters.config_directory import VARIABLE, config_directory
 
 
 def test_variable_goes_first(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):

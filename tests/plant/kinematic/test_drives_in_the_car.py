@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from plant.kinematic.car import AUDI, PERIOD, ROLLING_TORQUE, WITHOUT_DRAG, WITHOUT_RESISTANCE, Car, torque
 
-from ev_msgs_py.signals import MotorStates, WheelStates, WheelTorqueCommand
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.signals import MotorStates, WheelStates, WheelTorqueCommand
+from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.drives.drive import DRIVES
 
 

@@ -5,7 +5,7 @@ import math
 import pytest
 from plant.kinematic.car import PERIOD, WITHOUT_RESISTANCE, Car
 
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.signals import (
     BodyPose,
     BodyVelocity,
     InertialMeasurement,
@@ -13,7 +13,7 @@ from ev_msgs_py.signals import (
     WheelStates,
     WheelTorqueCommand,
 )
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.drives.drive import DRIVES
 
 

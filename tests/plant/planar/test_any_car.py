@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from plant.planar.car import command, outputs, plant, steered
 
-from ev_msgs_py.car import GRAVITY
-from ev_msgs_py.signals import TireForces
-from ev_msgs_py.vehicle import Driveline, Tyre, Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.signals import TireForces
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.vehicle.car import GRAVITY
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.driveline import Driveline
+from ev_msgs_py.vehicle.tyre import Tyre
 from ev_sim.plant.planar.state import VX, VY, index
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 from plant.planar.car import drive, outputs, plant
 
-from ev_msgs_py.signals import BatteryCondition
-from ev_msgs_py.vehicle import Battery, Vehicle
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.signals import BatteryCondition
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.vehicle.battery import Battery
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.state import index
 
 

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from plant.planar.car import STRAIGHT, command, outputs, plant
 
-from ev_msgs_py.car import Car, car_numbers
+from ev_msgs_py.contract.signals import TireForces
 from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.signals import TireForces
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.vehicle.car import Car, car_numbers
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.loads import wheel_loads
 from ev_sim.plant.planar.steering import front_wheels
 

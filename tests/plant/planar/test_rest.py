@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from plant.planar.car import CAR, STRAIGHT, X, Y, command, on, outputs, plant, steered
 
-from ev_msgs_py.signals import InertialMeasurement, TireForces
+from ev_msgs_py.contract.signals import InertialMeasurement, TireForces
 from ev_sim.plant.planar.state import VX, WHEEL_SPEED
 
 

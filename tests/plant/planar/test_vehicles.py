@@ -10,10 +10,10 @@ import yaml
 from plant.planar.car import PLANAR, STRAIGHT, outputs, plant, steered
 
 from ev_msgs_py.compiling.object import CompiledObject
-from ev_msgs_py.parameters import build
-from ev_msgs_py.signals import TireForces, WheelTorqueCommand
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.signals import TireForces, WheelTorqueCommand
+from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.parameters.values import build
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.state import index
 

@@ -17,18 +17,18 @@ from ev_control.shared.slip_regulator import (
 )
 from ev_control.shared.traction_control import TractionControlState, controlled
 from ev_control.shared.wheel_dynamics import WheelMotion, road_torque
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import each_wheel, part
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,
     WheelStates,
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
 
 
 @dataclass(frozen=True, slots=True)

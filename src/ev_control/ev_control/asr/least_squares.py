@@ -12,18 +12,18 @@ from ev_control.shared.least_squares_parameters import LeastSquaresParameters
 from ev_control.shared.slip_regulator import until_served
 from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
 from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, slip_of
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import each_wheel, entry, part
-from ev_msgs_py.elementary import sqrt
-from ev_msgs_py.methods import method
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,
     WheelStates,
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
+from ev_msgs_py.elementary import sqrt
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.vehicle.car import Car
 
 LARGEST_TARGET = 0.9  # [1]; the speed that belongs to a slip grows with 1/(1 - x)
 

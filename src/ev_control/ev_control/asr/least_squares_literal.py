@@ -9,19 +9,19 @@ from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free
 from ev_control.estimation.slip_curve_fit import SlipCurveFit, add_sample, fitted_curve, forget_samples, is_full
 from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
 from ev_control.shared.wheel_dynamics import WheelMotion
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import each_wheel, entry, part
-from ev_msgs_py.elementary import sqrt
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,
     WheelStates,
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
+from ev_msgs_py.elementary import sqrt
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,13 +13,9 @@ from ev_control.estimation.friction_estimate import (
 from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.estimation.wheel_loads import wheel_loads
 from ev_control.shared.torque_split import BrakeSplitParameters, split_brake
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import part
-from ev_msgs_py.layout import any_driven
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.signals import (
     DriverCommand,
     InertialMeasurement,
     SteeringColumnState,
@@ -27,7 +23,11 @@ from ev_msgs_py.signals import (
     WheelStates,
     WheelTorqueRequest,
 )
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.layout import any_driven
 
 SOURCES = ("truth", "estimated")
 TRUTH, ESTIMATED = range(len(SOURCES))

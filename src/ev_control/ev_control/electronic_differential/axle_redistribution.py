@@ -11,14 +11,9 @@ from ev_control.estimation.slip_angle_observer import (
     observed_slip_angles,
 )
 from ev_control.shared.torque_split import BrakeSplitParameters, split_brake
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
-from ev_msgs_py.elementary import hypot
-from ev_msgs_py.layout import ALL_WHEELS_DRIVEN
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
     InertialMeasurement,
@@ -26,7 +21,12 @@ from ev_msgs_py.signals import (
     WheelStates,
     WheelTorqueRequest,
 )
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.elementary import hypot
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.layout import ALL_WHEELS_DRIVEN
 
 SOURCES = ("truth", "estimated")
 TRUTH, ESTIMATED = range(len(SOURCES))

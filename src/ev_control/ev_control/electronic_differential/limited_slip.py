@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 from ev_control.shared.locking import locked, locking_share
 from ev_control.shared.torque_split import BrakeSplitParameters, split
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.signals import DriverCommand, WheelStates, WheelTorqueRequest
 from ev_msgs_py.elementary import tanh
-from ev_msgs_py.layout import any_driven
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.signals import DriverCommand, WheelStates, WheelTorqueRequest
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.layout import any_driven
 
 
 @dataclass(frozen=True, slots=True)

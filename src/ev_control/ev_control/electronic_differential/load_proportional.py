@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 from ev_control.estimation.wheel_loads import wheel_loads
 from ev_control.shared.torque_split import BrakeSplitParameters, split, split_brake
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.layout import any_driven
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import ParameterError, group, parameter
-from ev_msgs_py.signals import DriverCommand, InertialMeasurement, WheelTorqueRequest
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.signals import DriverCommand, InertialMeasurement, WheelTorqueRequest
+from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.layout import any_driven
 
 
 @dataclass(frozen=True, slots=True)

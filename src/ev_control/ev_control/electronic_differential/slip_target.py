@@ -7,15 +7,10 @@ from dataclasses import dataclass
 from ev_control.estimation.free_wheel_speed import free_wheel_speed
 from ev_control.shared.slip_ratio import slip_ratio
 from ev_control.shared.torque_split import BrakeSplitParameters, split
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.motion import speed_along_path
 from ev_msgs_py.contract.record import entry
-from ev_msgs_py.elementary import copysign
-from ev_msgs_py.layout import REAR_WHEELS_DRIVEN, only_driven
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
     InertialMeasurement,
@@ -23,7 +18,12 @@ from ev_msgs_py.signals import (
     WheelStates,
     WheelTorqueRequest,
 )
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.elementary import copysign
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.layout import REAR_WHEELS_DRIVEN, only_driven
 
 READINGS = ("rate", "offset", "increment")
 RATE, OFFSET, INCREMENT = range(len(READINGS))

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.shared.torque_split import BrakeSplitParameters, split, torque_difference_per_steering_moment
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
-from ev_msgs_py.layout import FRONT_WHEELS_DRIVEN
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.layout import FRONT_WHEELS_DRIVEN
 
 
 @dataclass(frozen=True, slots=True)

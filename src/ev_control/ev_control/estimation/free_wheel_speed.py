@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.elementary import cos, sin
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.vehicle.car import Car
 
 
 @compilable

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from ev_control.estimation.friction_learning import FrictionLearningParameters, learnt_friction
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
 from ev_control.shared.first_order_filter import filter_share
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part, per_wheel
-from ev_msgs_py.parameters import group
-from ev_msgs_py.signals import InertialMeasurement, SteeringColumnState, WheelStates
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState, WheelStates
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.parameters.declaration import group
+from ev_msgs_py.vehicle.car import Car
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
+from ev_msgs_py.contract.signals import InertialMeasurement
+from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.elementary import cos, sin
-from ev_msgs_py.layout import Need
-from ev_msgs_py.parameters import parameter
-from ev_msgs_py.signals import InertialMeasurement
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.layout import Need
 
 SOURCES = ("automatic", "free_wheels", "observer")
 AUTOMATIC, FREE_WHEELS, OBSERVER = range(len(SOURCES))

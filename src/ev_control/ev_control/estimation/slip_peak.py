@@ -15,7 +15,7 @@ from ev_control.estimation.slip_curve_fit import (
 )
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
-from ev_msgs_py.parameters import parameter
+from ev_msgs_py.parameters.declaration import parameter
 
 FEWEST_SAMPLES = 8  # four for each coefficient
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.car import GRAVITY, Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.signals import InertialMeasurement
-from ev_msgs_py.wheels import FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT, Wheels
+from ev_msgs_py.contract.signals import InertialMeasurement
+from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT, Wheels
+from ev_msgs_py.vehicle.car import GRAVITY, Car
 
 
 @compilable

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_peak import SlipPeakParameters
-from ev_msgs_py.parameters import ParameterError, group, parameter
+from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObs
 from ev_control.shared.traction_control import LimitedWheel
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
-from ev_msgs_py.parameters import group, parameter
+from ev_msgs_py.parameters.declaration import group, parameter
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters import parameter
-from ev_msgs_py.signals import DriverCommand, WheelTorqueRequest
-from ev_msgs_py.wheels import NO_WHEELS, Wheels
+from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueRequest
+from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
+from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.vehicle.car import Car
 
 
 @dataclass(frozen=True, slots=True)

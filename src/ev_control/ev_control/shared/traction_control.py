@@ -9,18 +9,18 @@ from typing import Any
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
 from ev_control.shared.wheel_dynamics import WheelMotion
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part, per_wheel
-from ev_msgs_py.elementary import copysign
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,
     WheelStates,
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
-from ev_msgs_py.wheels import NO_WHEELS, Wheels
+from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
+from ev_msgs_py.elementary import copysign
+from ev_msgs_py.vehicle.car import Car
 
 # Beyond these a number is no measurement of a road vehicle: 3 km/s at the tyre, a hundred motors, a collision.
 LARGEST_SPEED = 1e4  # [rad/s]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.vehicle.car import Car
 
 
 class WheelMotion(NamedTuple):

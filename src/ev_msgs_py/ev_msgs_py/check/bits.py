@@ -10,10 +10,10 @@ import numpy as np
 from ev_msgs_py.check.inputs import RandomInputs
 from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.compiling.part import CompiledPart
-from ev_msgs_py.configuration import Configuration
 from ev_msgs_py.contract import frame
-from ev_msgs_py.roles import ROLES, RoleKind
-from ev_msgs_py.shape import shape_of
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.lockstep.configuration import Configuration
 
 
 def differing_bits(configuration: Configuration, steps: int, seed: int) -> str:

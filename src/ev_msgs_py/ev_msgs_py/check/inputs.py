@@ -6,8 +6,8 @@ import random
 from collections.abc import Sequence
 from typing import Any
 
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.signals import Instant
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.signals import Instant
 
 # Largest magnitude by unit; a field that is never negative takes the magnitude.
 _LARGEST = {"N m": 800.0, "rad": 0.6, "rad/s": 60.0, "m/s": 18.0, "m/s^2": 6.0, "N": 6000.0, "m": 50.0, "V": 400.0}

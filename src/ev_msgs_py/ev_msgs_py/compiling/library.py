@@ -17,7 +17,7 @@ from ev_msgs_py.compiling.compilable import FUNCTIONS
 from ev_msgs_py.compiling.fingerprint import fingerprint
 from ev_msgs_py.compiling.part_source import part_source
 from ev_msgs_py.lockstep.law import Given
-from ev_msgs_py.methods import Method
+from ev_msgs_py.lockstep.methods import Method
 
 # Division by zero gives infinity as in numpy, without a test at each division; sums keep the order in which they are
 # written (no fastmath), so results are the same to the bit in every run.

@@ -10,9 +10,9 @@ import numpy as np
 from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.compiling.part import CompiledPart
 from ev_msgs_py.contract import frame
-from ev_msgs_py.methods import Method
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.signals import Instant
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.lockstep.methods import Method
 
 
 class CompiledObject:

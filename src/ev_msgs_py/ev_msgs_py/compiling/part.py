@@ -12,10 +12,10 @@ from ev_msgs_py.compiling.library import compiled_part
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.record import fill, numbers
+from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.lockstep.law import Given
+from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.part import FUNCTION
-from ev_msgs_py.methods import Method
-from ev_msgs_py.shape import shape_of
 
 
 class CompiledPart:

@@ -15,12 +15,12 @@ import numpy as np
 from ev_msgs_py.compiling.constants import Unpacking, constants_type
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.record import record_type
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.law import Given, given_names
-from ev_msgs_py.methods import Method
-from ev_msgs_py.roles import ROLES, RoleKind
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.signals import Instant
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.lockstep.methods import Method
 
 _TEXT = '''"""{title}: generated, do not edit."""
 

@@ -13,10 +13,10 @@ from itertools import accumulate
 
 import numpy as np
 
-from ev_msgs_py import stamps
-from ev_msgs_py.roles import RECORDED
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.topics import TOPICS
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import RECORDED
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.topics import TOPICS
 
 _DOUBLE = 8  # bytes of a number
 

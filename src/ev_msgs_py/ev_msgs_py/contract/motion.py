@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.signals import BodyVelocity
 from ev_msgs_py.elementary import copysign, hypot
-from ev_msgs_py.signals import BodyVelocity
 
 
 @compilable

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 _WHEELS = len(WHEEL_NAMES)
 

@@ -9,11 +9,11 @@ from functools import partial
 from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
-from ev_msgs_py.car import car_numbers
 from ev_msgs_py.compiling.compilable import FUNCTIONS
 from ev_msgs_py.contract.record import fill, names, numbers
-from ev_msgs_py.parameters import number_tree
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.parameters.declaration import number_tree
+from ev_msgs_py.vehicle.car import car_numbers
+from ev_msgs_py.vehicle.description import Vehicle
 
 # What the functions of a law may ask for by the names of their first arguments; the signals follow.
 GIVEN = ("p", "car", "c", "s", "period")

@@ -12,10 +12,10 @@ from typing import Any, Protocol
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
-from ev_msgs_py.methods import Method
-from ev_msgs_py.roles import ROLES, RoleKind
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.signals import Instant
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.lockstep.methods import Method
 
 
 class Part(Protocol):

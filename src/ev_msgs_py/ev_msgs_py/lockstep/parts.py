@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.part import Part, PythonPart
 from ev_msgs_py.sensors.sensed import Sensed
 

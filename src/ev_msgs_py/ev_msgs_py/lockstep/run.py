@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 from ev_msgs_py.compiling.loop import FINISHED, NOT_FINITE, call_part, run_instants
-from ev_msgs_py.configuration import Configuration, check_graph
 from ev_msgs_py.contract import frame
-from ev_msgs_py.graph import step_order
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.lockstep.configuration import Configuration, check_graph
+from ev_msgs_py.lockstep.graph import step_order
 from ev_msgs_py.lockstep.parts import compiled_parts
-from ev_msgs_py.roles import ROLES, RoleKind
-from ev_msgs_py.shape import shape_of
 
 _CHUNK = 100  # instants between two looks at progress and notes
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from ev_msgs_py import stamps
+from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import TIME, Frame
-from ev_msgs_py.graph import sequence, writers
+from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
+from ev_msgs_py.lockstep.graph import sequence, writers
 from ev_msgs_py.lockstep.inbox import Arrival, Inbox
+from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.part import Part
-from ev_msgs_py.methods import Method
-from ev_msgs_py.roles import INTEGRATED, MASTER, ROLES, RoleKind
 
 
 class Answer(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ev_msgs_py import stamps
+from ev_msgs_py.contract import stamps
 from ev_msgs_py.lockstep.stepper import Answer, Stepper
 from ev_msgs_py.nodes.schedule import Schedule
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
-from ev_msgs_py.signals import WheelTorqueCommand
-from ev_msgs_py.topics import Topic
+from ev_msgs_py.contract.signals import WheelTorqueCommand
+from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 
 

@@ -9,7 +9,7 @@ from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.nodes import ros_parameters
 
 

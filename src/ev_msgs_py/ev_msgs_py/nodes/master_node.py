@@ -10,17 +10,17 @@ from rclpy.clock import ClockType
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 
+from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES
+from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.lockstep.inbox import Arrival
 from ev_msgs_py.lockstep.stepper import Answer, arrival_place
-from ev_msgs_py.master_parameters import MasterParameters
 from ev_msgs_py.nodes.advance import Advance
+from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.nodes.schedule import Schedule
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.nodes.silence import Silence
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.time_services import TimeServices
-from ev_msgs_py.roles import MASTER, RECORDER_WRITES
-from ev_msgs_py.topics import Topic
 from ev_msgs_py.wire.message_format import stamp_alone, stamp_of
 
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from ev_msgs_py import stamps
+from ev_msgs_py.contract import stamps
 
 
 class Pace:

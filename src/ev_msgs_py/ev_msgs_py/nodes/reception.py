@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ev_msgs_py import stamps
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.lockstep.inbox import Arrival
 from ev_msgs_py.lockstep.stepper import Answer, Stepper
-from ev_msgs_py.topics import Topic
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 

@@ -9,7 +9,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from ev_msgs_py.parameters import Entry
+from ev_msgs_py.parameters.declaration import Entry
 
 _TYPES = {
     (float, False): ParameterType.PARAMETER_DOUBLE,

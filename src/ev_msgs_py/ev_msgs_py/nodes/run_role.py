@@ -13,11 +13,11 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
+from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.nodes.master_node import MasterNode
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.stop_request import StopRequest
-from ev_msgs_py.roles import MASTER
 
 
 def make_node(role: str, **node_arguments: Any) -> SteppedNode:

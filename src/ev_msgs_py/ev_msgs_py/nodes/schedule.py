@@ -5,11 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from ev_msgs_py import stamps
+from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.lockstep.stepper import Stepper
-from ev_msgs_py.master_parameters import RECORDER_LAG, MasterParameters
 from ev_msgs_py.nodes.held_inputs import HeldInputs
+from ev_msgs_py.nodes.master_parameters import RECORDER_LAG, MasterParameters
 from ev_msgs_py.nodes.pace import Pace
 
 

@@ -10,7 +10,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 
 from ev_msgs_py.contract.frame import Frame
-from ev_msgs_py.topics import QUEUE_DEPTH, Topic
+from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
 from ev_msgs_py.wire.message_format import format_of
 
 QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last

@@ -6,9 +6,9 @@ import time
 
 from rclpy.node import Node
 
-from ev_msgs_py import stamps
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.lockstep.stepper import WRITERS
-from ev_msgs_py.roles import ROLES
 
 
 class Silence:

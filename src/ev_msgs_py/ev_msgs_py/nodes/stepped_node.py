@@ -6,7 +6,8 @@ from typing import Any
 
 from rclpy.node import Node
 
-from ev_msgs_py.configuration import Configuration, configure
+from ev_msgs_py.contract.topics import TOPICS, Topic
+from ev_msgs_py.lockstep.configuration import Configuration, configure
 from ev_msgs_py.lockstep.part import Part
 from ev_msgs_py.lockstep.parts import hand_over, part_of
 from ev_msgs_py.lockstep.stepper import Answer, Stepper
@@ -16,7 +17,6 @@ from ev_msgs_py.nodes.polled import Polled
 from ev_msgs_py.nodes.reception import Reception
 from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.nodes.signal_io import SignalReader, SignalWriter
-from ev_msgs_py.topics import TOPICS, Topic
 
 
 class SteppedNode(Node, Polled):

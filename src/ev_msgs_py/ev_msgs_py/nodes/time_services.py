@@ -7,7 +7,7 @@ from collections.abc import Callable
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from ev_msgs_py import stamps
+from ev_msgs_py.contract import stamps
 
 
 class TimeServices:

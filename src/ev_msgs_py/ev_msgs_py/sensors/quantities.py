@@ -6,11 +6,8 @@ from dataclasses import dataclass, make_dataclass
 from functools import cache
 
 from ev_msgs_py.contract import frame
-from ev_msgs_py.parameters import group
-from ev_msgs_py.sensors.measuring import HEADING, NUMBERS, SHARE
-from ev_msgs_py.sensors.sensor import sensor_parameters
-from ev_msgs_py.shape import shape_of
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
@@ -20,6 +17,9 @@ from ev_msgs_py.signals import (
     TireForces,
     WheelStates,
 )
+from ev_msgs_py.parameters.declaration import group
+from ev_msgs_py.sensors.measuring import HEADING, NUMBERS, SHARE
+from ev_msgs_py.sensors.sensor import sensor_parameters
 
 # In the order of the parameter reference. What nobody measures (commands, the recorder) is not among them.
 _MEASURED = (

@@ -6,9 +6,9 @@ import zlib
 from collections.abc import Iterator, MutableSequence
 from typing import Any
 
+from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.sensors.measuring import DELAY, HEAD, NAME, NUMBERS, WIDTH, measure
 from ev_msgs_py.sensors.quantities import QUANTITIES, Quantity
-from ev_msgs_py.shape import shape_of
 
 
 class SensorRow:

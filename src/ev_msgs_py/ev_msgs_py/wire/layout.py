@@ -5,9 +5,9 @@ from __future__ import annotations
 from array import array
 from typing import Any
 
-from ev_msgs_py.shape import Shape
-from ev_msgs_py.topics import JOINT_STATE, Topic
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.shape import Shape
+from ev_msgs_py.contract.topics import JOINT_STATE, Topic
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 _ARRAYS = ("position", "velocity", "effort")
 

@@ -15,9 +15,8 @@ from typing import NamedTuple
 
 from rclpy.serialization import deserialize_message
 
-from ev_msgs_py import stamps
-from ev_msgs_py.contract import frame
-from ev_msgs_py.topics import TOPICS, Topic
+from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire.cdr import ENCAPSULATION, Serialized
 from ev_msgs_py.wire.layout import MessageError, empty_message, numbers_in, paths
 from ev_msgs_py.wire.message_classes import message_class

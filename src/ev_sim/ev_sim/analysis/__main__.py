@@ -10,10 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_msgs_py.config_directory import config_directory
-from ev_msgs_py.parameters import ParameterError, build, unknown_name
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.parameters.config_directory import config_directory
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import build, unknown_name
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.analysis.linearised_plant import LinearisedPlant, OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
 from ev_sim.analysis.understeer import (

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ev_msgs_py.car import GRAVITY
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.vehicle.car import GRAVITY
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.surfaces.table import REFERENCE, tyre_on_road
 from ev_sim.tyres.curve import CURVES, SLIP_FLOOR, secant
 

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py import stamps
-from ev_msgs_py.configuration import Configuration, check_graph
-from ev_msgs_py.contract import frame
-from ev_msgs_py.parameters import ParameterError, unknown_name
-from ev_msgs_py.topics import TOPICS
+from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.lockstep.configuration import Configuration, check_graph
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.batch.observer import Observation
 from ev_sim.batch.reductions import Reduction, result
 from ev_sim.batch.runs import Runs

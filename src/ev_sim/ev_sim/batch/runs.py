@@ -9,13 +9,13 @@ import numpy as np
 
 from ev_msgs_py.compiling.loop import FINISHED, run_through
 from ev_msgs_py.compiling.part import CompiledPart
-from ev_msgs_py.configuration import Configuration
 from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.shape import SignalError
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.parts import method_part
 from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order, written_by
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.sensors import part as sensors
-from ev_msgs_py.shape import SignalError
 from ev_sim.batch import observer
 from ev_sim.batch.variation import Variation
 

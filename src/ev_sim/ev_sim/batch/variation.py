@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.configuration import Configuration
-from ev_msgs_py.parameters import ParameterError, entries_by_name, unknown_name
+from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import entries_by_name, unknown_name
 
 EVERY_ROLE = "*"
 _VEHICLE, _SENSORS = "vehicle.", "sensors."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import sqrt
-from ev_msgs_py.vehicle import Battery
+from ev_msgs_py.vehicle.battery import Battery
 
 
 @compilable

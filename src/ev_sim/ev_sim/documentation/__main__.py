@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from ev_msgs_py.parameters import unknown_name
+from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.documentation.markdown import with_blocks
 from ev_sim.documentation.pages import RESULTS, SHCHUR, stale_pages
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.graph import sequence, writers
-from ev_msgs_py.roles import MASTER, RECORDER_WRITES, ROLES, RoleKind
-from ev_msgs_py.topics import TOPICS
+from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES, ROLES, RoleKind
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.lockstep.graph import sequence, writers
 from ev_sim.documentation.own_methods import writing_methods
 from ev_sim.scenario.node_parameters import RECORDER
 from ev_sim.scenario.processes import EXECUTABLES

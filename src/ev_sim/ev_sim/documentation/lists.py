@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.roles import ROLES
+from ev_msgs_py.contract.roles import ROLES
 from ev_sim.documentation.markdown import code, table
 from ev_sim.documentation.own_methods import own_methods
 from ev_sim.scenario.scenario import describe_scenario, scenario_names

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.methods import Method, methods_of
+from ev_msgs_py.lockstep.methods import Method, methods_of
 
 PACKAGES = ("ev_control", "ev_sim")
 

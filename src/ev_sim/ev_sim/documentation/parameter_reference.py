@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from ev_msgs_py.configuration import CommonParameters
-from ev_msgs_py.master_parameters import MasterParameters
-from ev_msgs_py.parameters import Entry, entries
-from ev_msgs_py.roles import ROLES
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.lockstep.configuration import CommonParameters
+from ev_msgs_py.nodes.master_parameters import MasterParameters
+from ev_msgs_py.parameters.declaration import Entry, entries
 from ev_msgs_py.sensors.quantities import QUANTITIES
-from ev_msgs_py.topics import TOPICS
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.documentation.markdown import code, codes, table
 from ev_sim.documentation.own_methods import own_methods
 from ev_sim.recording.recorder_parameters import RecorderParameters

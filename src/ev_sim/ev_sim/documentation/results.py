@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ev_msgs_py.roles import MASTER
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.documentation.markdown import code, table
 from ev_sim.drives.drive import DRIVES
 from ev_sim.report.metric import Metric

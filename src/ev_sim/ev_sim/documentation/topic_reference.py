@@ -5,10 +5,10 @@ from __future__ import annotations
 import inspect
 
 from ev_msgs_py.contract.field import Field
-from ev_msgs_py.graph import writers
-from ev_msgs_py.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES
-from ev_msgs_py.topics import TOPICS, Topic
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES
+from ev_msgs_py.contract.topics import TOPICS, Topic
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.lockstep.graph import writers
 from ev_msgs_py.wire.layout import joint_names
 from ev_sim.documentation.markdown import code, codes, table
 from ev_sim.documentation.own_methods import own_methods, writing_methods

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import tanh
+from ev_msgs_py.vehicle.car import Car
 
 COUPLINGS = ("individual", "open", "limited_slip", "clutch")
 INDIVIDUAL, OPEN, LIMITED_SLIP, CLUTCH = range(len(COUPLINGS))

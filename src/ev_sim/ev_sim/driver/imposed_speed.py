@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.layout import any_driven
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group
-from ev_msgs_py.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
+from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.layout import any_driven
 from ev_sim.driver.cycle_driver import Cycle, CycleDriverParameters, CycleDriverState, cycle_of, drive_cycle
 from ev_sim.driver.power_level import PowerLevelParameters, torque_of_power
 from ev_sim.profiles.profile_file import with_speed_profile_from_file

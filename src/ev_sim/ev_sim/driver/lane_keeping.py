@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
-from ev_msgs_py.parameters import group
-from ev_msgs_py.signals import BodyPose, SteeringColumnState
+from ev_msgs_py.contract.signals import BodyPose, SteeringColumnState
+from ev_msgs_py.parameters.declaration import group
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.driver.path import Path, PathParameters
 from ev_sim.driver.pure_pursuit import PurePursuitParameters, pure_pursuit
 from ev_sim.driver.steering import AngleControlParameters, AngleControlState, turn_to_angle

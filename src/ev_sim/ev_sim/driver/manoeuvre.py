@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.motion import speed_along_path
-from ev_msgs_py.methods import method
-from ev_msgs_py.signals import BodyVelocity, DriverCommand, Instant
+from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant
+from ev_msgs_py.lockstep.methods import method
 from ev_sim.driver.pedal_profile import FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
 from ev_sim.profiles.profile_file import with_speed_profile_from_file
 

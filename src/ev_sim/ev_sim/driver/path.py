@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import cos, hypot, sin
-from ev_msgs_py.parameters import ParameterError, parameter
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
 
 SHAPES = WAYPOINTS, ARCS = "waypoints", "arcs"
 _ARC_STEP = 0.5  # [m], chord of an arc; 3 mm from an arc of 10 m radius

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.motion import speed_along_path
 from ev_msgs_py.contract.record import part
-from ev_msgs_py.methods import method
-from ev_msgs_py.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
 from ev_sim.driver.path import Path, path_of
 from ev_sim.driver.pedal_profile import FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
-from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
 from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed

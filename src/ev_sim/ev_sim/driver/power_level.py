@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.car import GRAVITY, Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters import parameter
-from ev_msgs_py.signals import WheelStates
+from ev_msgs_py.contract.signals import WheelStates
+from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.vehicle.car import GRAVITY, Car
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import copysign
-from ev_msgs_py.parameters import parameter
+from ev_msgs_py.parameters.declaration import parameter
 from ev_sim.driver.limited_pid import limited_pid
 
 

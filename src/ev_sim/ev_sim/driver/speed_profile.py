@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.motion import speed_along_path
 from ev_msgs_py.contract.record import entry, part
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group
-from ev_msgs_py.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
 from ev_sim.driver.steering import HAND_TORQUE, AngleControlState, SteeringParameters, turn_to_angle
 from ev_sim.profiles.profile import Profile, profile_of, value_at

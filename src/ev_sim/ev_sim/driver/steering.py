@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
-from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.signals import SteeringColumnState
+from ev_msgs_py.contract.signals import SteeringColumnState
+from ev_msgs_py.parameters.declaration import group, parameter
 from ev_sim.driver.limited_pid import limited_pid
 from ev_sim.profiles.profile import check_points, interpolation_parameter
 

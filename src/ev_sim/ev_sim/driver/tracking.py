@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.methods import method
-from ev_msgs_py.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
+from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.driver.cycle_driver import Cycle, CycleDriverParameters, CycleDriverState, cycle_of, drive_cycle
 from ev_sim.driver.speed_control import follow_speed
 from ev_sim.profiles.profile_file import with_speed_profile_from_file

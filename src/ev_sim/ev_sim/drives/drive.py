@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters import group, parameter
+from ev_msgs_py.parameters.declaration import group, parameter
 from ev_sim.drives.averaged import AveragedDriveParameters, advance_averaged
 from ev_sim.drives.ideal import advance_ideal
 from ev_sim.drives.motor import MotorParameters, limited_reference

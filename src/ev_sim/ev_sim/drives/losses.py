@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.vehicle import Motor
+from ev_msgs_py.vehicle.motor import Motor
 from ev_sim.surfaces.lookup import segment_at
 
 

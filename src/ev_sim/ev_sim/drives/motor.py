@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters import parameter
+from ev_msgs_py.parameters.declaration import parameter
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ import math
 from dataclasses import dataclass
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters import ParameterError, group, parameter
+from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
 from ev_sim.drives.circuit import conduct, pair_current, phase_torque
 from ev_sim.drives.current_controller import CurrentControllerParameters, controlled_voltage
 from ev_sim.drives.motor import MotorParameters, torque_constant

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.vehicle import Motor
+from ev_msgs_py.vehicle.motor import Motor
 
 # Overshoot of the thermal state over which the peak torque shrinks to the nominal one, and share of the maximum speed
 # over which the drive torque fades: both only soften a corner.

@@ -10,12 +10,13 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 
 from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.contract.roles import RECORDER_WRITES
+from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.run_role import run_node
 from ev_msgs_py.nodes.signal_io import SignalWriter
-from ev_msgs_py.parameters import build, entries
-from ev_msgs_py.roles import RECORDER_WRITES
-from ev_msgs_py.topics import TOPICS
+from ev_msgs_py.parameters.declaration import entries
+from ev_msgs_py.parameters.values import build
 from ev_sim.nodes.recorder_input import POLL_PERIOD, RecorderInput
 from ev_sim.recording.output_of_run import OutputOfRun
 from ev_sim.recording.recorder_parameters import RecorderParameters

@@ -9,9 +9,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
+from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.nodes.signal_io import QUALITY
-from ev_msgs_py.roles import MASTER, ROLES
-from ev_msgs_py.topics import Topic
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_classes import message_class
 from ev_msgs_py.wire.message_format import stamp_of

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, per_wheel
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.elementary import isfinite
-from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES, Wheels
+from ev_msgs_py.vehicle.description import Vehicle
 
 
 class GuardLimits(NamedTuple):

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters import ParameterError, parameter
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
 from ev_sim.profiles.profile import Profile, number_until, value_at
 
 MODES = ("stop", "traction", "regen")

@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters import ParameterError, parameter
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
 
 INTERPOLATIONS = LINEAR, STEP = "linear", "step"
 

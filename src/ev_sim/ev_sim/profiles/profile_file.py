@@ -5,8 +5,9 @@ from __future__ import annotations
 import dataclasses
 from typing import TypeVar
 
-from ev_msgs_py.csv_file import read_csv
-from ev_msgs_py.parameters import build, flatten
+from ev_msgs_py.parameters.csv_file import read_csv
+from ev_msgs_py.parameters.declaration import flatten
+from ev_msgs_py.parameters.values import build
 from ev_sim.profiles.speed_profile import SpeedProfileParameters
 
 P = TypeVar("P")  # a parameter dataclass with a group `speed_profile`

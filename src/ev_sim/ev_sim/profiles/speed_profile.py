@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.parameters import ParameterError, parameter
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of
 
 

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ev_msgs_py import stamps
+from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, Frame
-from ev_msgs_py.topics import Topic
+from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.wire.message_format import STAMP_AT, format_of
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ev_msgs_py import stamps
-from ev_msgs_py.parameters import ParameterError
-from ev_msgs_py.topics import Topic
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.topics import Topic
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.recording.recorder_parameters import RecorderParameters
 from ev_sim.recording.recording import save
 from ev_sim.recording.run_recorder import RunRecorder

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.parameters import parameter
-from ev_msgs_py.roles import RECORDED
-from ev_msgs_py.topics import TOPICS
+from ev_msgs_py.contract.roles import RECORDED
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.parameters.declaration import parameter
 
 _ALL_TOPICS = tuple(TOPICS[signal].name for signal in RECORDED)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ev_msgs_py.contract import frame
-from ev_msgs_py.topics import Topic
+from ev_msgs_py.contract.topics import Topic
 from ev_sim.recording.atomic import atomic_file
 
 TIME = "time"

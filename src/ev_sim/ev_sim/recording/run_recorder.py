@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_msgs_py import stamps
-from ev_msgs_py.contract import frame
-from ev_msgs_py.roles import MASTER, ROLES
-from ev_msgs_py.topics import QUEUE_DEPTH, Topic
+from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
 from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.recording.durable_bag import DurableBag
 from ev_sim.recording.message_table import MessageTable

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.parameters import build
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.parameters.values import build
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.profiles.cycle_modes import MODES, TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.profile import Profile, profile_of, value_at
 from ev_sim.recording.recording import Recording

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.recording.recording import Recording
 from ev_sim.report import quantities
 from ev_sim.report.metric import Metric, metric

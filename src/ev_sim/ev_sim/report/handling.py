@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ev_msgs_py.car import GRAVITY
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.vehicle.car import GRAVITY
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.analysis.understeer import understeer_gradient
 from ev_sim.plant.planar.constants import wheel_places
 from ev_sim.recording.recording import Recording

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol
 
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import Metric
 from ev_sim.report.samples import Parameters, Runs
 

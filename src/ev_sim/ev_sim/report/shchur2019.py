@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.recording.recording import Recording
 from ev_sim.report import quantities
 from ev_sim.report import shchur2019_paper as paper

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.recording.recording import Recording
 from ev_sim.report.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE
 from ev_sim.report.metric import NotMeasured

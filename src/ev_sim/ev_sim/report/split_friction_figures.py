@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report import motion, quantities
 from ev_sim.report.panels import Curve, panel
 from ev_sim.report.samples import Runs, channel, run_named

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.recording.recording import Recording
 from ev_sim.report import motion
 from ev_sim.report.metric import Metric, NotMeasured, metric

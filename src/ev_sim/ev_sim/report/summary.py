@@ -10,8 +10,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.parameters import flatten
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.parameters.declaration import flatten
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.recording.atomic import atomic_file
 from ev_sim.recording.recording import combined_hash, signal_hash
 from ev_sim.report.metric import Metric

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.recording.recording import Recording
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.motion import distance_on_path

@@ -9,8 +9,9 @@ from typing import Any
 
 import yaml
 
-from ev_msgs_py.parameters import ParameterError, unknown_name
-from ev_msgs_py.roles import ROLES
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.scenario.scenario import Overrides
 from ev_sim.scenario.yaml_text import read_yaml
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import yaml
 
-from ev_msgs_py.roles import MASTER, RECORDED
-from ev_msgs_py.topics import TOPICS, Topic
+from ev_msgs_py.contract.roles import MASTER, RECORDED
+from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_sim.recording.atomic import atomic_file
 from ev_sim.scenario.scenario import Run
 

@@ -8,9 +8,9 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_msgs.msg import Header
 
-from ev_msgs_py import stamps
-from ev_msgs_py.roles import RECORDER_WRITES
-from ev_msgs_py.topics import TOPICS
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import RECORDER_WRITES
+from ev_msgs_py.contract.topics import TOPICS
 
 _LATEST = QoSProfile(depth=1)  # reliable: the last word of the recorder says that the run is complete
 

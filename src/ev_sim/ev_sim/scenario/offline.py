@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from ev_msgs_py import stamps
-from ev_msgs_py.configuration import Configuration
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.run import GraphRun
-from ev_msgs_py.topics import TOPICS
 from ev_sim.recording.recording import Recording, recording_of
 
 Progress = Callable[[float], None]

@@ -6,7 +6,7 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.scenario.scenario import Run
 
 _OF_A_SCENARIO = ("summary.json",)

@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from ev_msgs_py.parameters import ParameterError
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.scenario.yaml_text import read_yaml
 
 _SECTION = "ros__parameters"

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import rclpy
 
-from ev_msgs_py import stamps
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.nodes.stop_request import StopRequest
-from ev_msgs_py.roles import MASTER
 from ev_sim.recording.recording import load
 from ev_sim.scenario.domain import free_domain
 from ev_sim.scenario.node_parameters import RECORDER, node_parameters, write_parameter_file

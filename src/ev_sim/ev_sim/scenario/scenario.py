@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.config_directory import config_directory
-from ev_msgs_py.configuration import Configuration, check_graph, chosen_method, configure
-from ev_msgs_py.master_parameters import MasterParameters
-from ev_msgs_py.parameters import ParameterError, build, parameter, unknown_name
-from ev_msgs_py.roles import MASTER, ROLES
+from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.lockstep.configuration import Configuration, check_graph, chosen_method, configure
+from ev_msgs_py.nodes.master_parameters import MasterParameters
+from ev_msgs_py.parameters.config_directory import config_directory
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.values import build, unknown_name
 from ev_sim.scenario.parameter_file import ParameterFile, matches
 
 NAMESPACE = "/ev"

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.signals import DriverCommand, SteeringColumnState, WheelStates
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.steering_column.drive_forces import drive_moment, speed_difference
 from ev_sim.steering_column.friction_oscillator import Oscillator, oscillated, oscillator
 from ev_sim.steering_column.road_wheels import DrivenRoadWheelParameters, road_wheels

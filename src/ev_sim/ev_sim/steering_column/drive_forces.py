@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.signals import WheelStates
+from ev_msgs_py.contract.signals import WheelStates
+from ev_msgs_py.vehicle.car import Car
 
 
 @compilable

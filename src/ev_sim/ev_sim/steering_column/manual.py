@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
-from ev_msgs_py.methods import method
-from ev_msgs_py.signals import DriverCommand, SteeringColumnState
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.steering_column.friction_oscillator import Oscillator, oscillated
 from ev_sim.steering_column.road_wheels import RoadWheelParameters, connected_column, road_wheels
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters import parameter
-from ev_msgs_py.signals import SteeringColumnState
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.contract.signals import SteeringColumnState
+from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.steering_column.friction_oscillator import Oscillator, oscillator
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
+from ev_msgs_py.contract.signals import Instant, SteeringColumnState
 from ev_msgs_py.elementary import sin
-from ev_msgs_py.methods import method
-from ev_msgs_py.parameters import group, parameter
-from ev_msgs_py.signals import Instant, SteeringColumnState
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
 
 SHAPES = ("profile", "sine_with_dwell")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ev_msgs_py.methods import methods_of
+from ev_msgs_py.lockstep.methods import methods_of
 from ev_sim.recording.recording import Recording
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.motion import distance_on_path, heading

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.parameters import ParameterError, unknown_name
-from ev_msgs_py.shape import SignalError
+from ev_msgs_py.contract.shape import SignalError
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.recording.recording import Recording, signal_hash
 from ev_sim.scenario.offline import run_offline
 from ev_sim.scenario.scenario import Overrides, Run, load_scenario

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ev_msgs_py.methods import methods_of
-from ev_msgs_py.parameters import unknown_name
-from ev_msgs_py.roles import MASTER
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.lockstep.methods import methods_of
+from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.recording.recording import Recording
 from ev_sim.report import handling, motion, quantities
 from ev_sim.report.metric import Metric, NotMeasured

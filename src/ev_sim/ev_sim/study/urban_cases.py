@@ -6,8 +6,8 @@ import argparse
 from collections.abc import Mapping
 from typing import Any
 
-from ev_msgs_py.parameters import ParameterError
-from ev_msgs_py.roles import MASTER
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.recording.recording import Recording
 from ev_sim.report.cycle_efficiency import energies, slip_energy, wheel_sums
 from ev_sim.report.metric import NotMeasured

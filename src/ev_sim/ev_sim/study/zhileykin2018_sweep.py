@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ev_msgs_py.roles import MASTER
+from ev_msgs_py.contract.roles import MASTER
 from ev_sim.recording.recording import Recording
 from ev_sim.report.handling import peak_sideslip
 from ev_sim.report.metric import Metric, metric

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ev_msgs_py.parameters import ParameterError, parameter
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
 from ev_sim.surfaces.random_segments import random_segments
 from ev_sim.surfaces.table import SURFACES
 

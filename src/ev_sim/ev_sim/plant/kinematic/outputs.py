@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, InertialMeasurement, MotorStates, WheelStates
+from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.elementary import cos, sin
-from ev_msgs_py.signals import BodyPose, BodyVelocity, InertialMeasurement, MotorStates, WheelStates
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.kinematic.state import KinematicPlantState
 
 SIGNALS = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose)

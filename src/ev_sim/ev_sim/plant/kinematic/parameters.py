@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.parameters import parameter
+from ev_msgs_py.parameters.declaration import parameter
 from ev_sim.drives.drive import DriveParameters
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from ev_msgs_py.car import GRAVITY, Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.elementary import cos, sin
-from ev_msgs_py.methods import method
-from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.vehicle.car import GRAVITY, Car
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.drives.drive import advance_drive
 from ev_sim.plant.commands import GuardLimits, guard_limits, guarded_angle, guarded_torques
 from ev_sim.plant.kinematic.ackermann import course_offset, path_curvature, wheel_speed_ratios

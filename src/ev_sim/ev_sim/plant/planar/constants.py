@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.car import GRAVITY
 from ev_msgs_py.contract.record import entry, per_wheel
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.vehicle.car import GRAVITY
+from ev_msgs_py.vehicle.description import Vehicle
 
 
 @dataclass(slots=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import sqrt
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.state import DEFLECTION_X, DEFLECTION_Y, VX, VY, WHEEL_SPEED, YAW_RATE

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.driveline.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, wheel_torques
 from ev_sim.drives.drive import advance_drive
 from ev_sim.drives.torque_controlled import limited_torque

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.battery.resistive import current_at_power, open_circuit_voltage, power_limits
 from ev_sim.driveline.couplings import shaft_speeds
 from ev_sim.drives.losses import loss_power, map_loss_power

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ev_msgs_py.car import car_numbers
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.compiling.function import compiled, one_record
-from ev_msgs_py.parameters import number_tree
-from ev_msgs_py.vehicle import Vehicle
-from ev_msgs_py.wheels import NO_WHEELS
+from ev_msgs_py.contract.wheels import NO_WHEELS
+from ev_msgs_py.parameters.declaration import number_tree
+from ev_msgs_py.vehicle.car import car_numbers
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.body import rates
 from ev_sim.plant.planar.constants import body_constants
 from ev_sim.plant.planar.integrator import integrate

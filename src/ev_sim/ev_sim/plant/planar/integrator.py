@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import MutableSequence
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.body import rates
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.memory import Stages, Step

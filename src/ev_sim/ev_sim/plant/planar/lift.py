@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.wheels import WHEEL_NAMES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.commands import guard_notes
 from ev_sim.plant.planar.loads import loads
 from ev_sim.plant.planar.road_under_wheels import RoadTables, gravity_at

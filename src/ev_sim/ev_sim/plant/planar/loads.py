@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.state import TRANSFER_X, TRANSFER_Y
 
 

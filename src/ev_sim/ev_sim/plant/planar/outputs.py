@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.elementary import asin, cos, sin
-from ev_msgs_py.signals import (
+from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
@@ -16,7 +14,9 @@ from ev_msgs_py.signals import (
     TireForces,
     WheelStates,
 )
-from ev_msgs_py.wheels import Wheels
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.elementary import asin, cos, sin
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
 from ev_sim.driveline.couplings import shaft_speeds
 from ev_sim.plant.planar.body import rates

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-from ev_msgs_py.parameters import group, parameter
+from ev_msgs_py.parameters.declaration import group, parameter
 from ev_sim.drives.drive import DRIVES, DriveParameters
 from ev_sim.profiles.profile_file import with_profile_from_file
 from ev_sim.profiles.speed_profile import SpeedProfileParameters

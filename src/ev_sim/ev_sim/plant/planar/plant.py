@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ev_msgs_py.car import Car
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.elementary import cos, sin
-from ev_msgs_py.methods import method
-from ev_msgs_py.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.commands import guarded_steering, guarded_torques
 from ev_sim.plant.planar.drive_torques import apply_drives
 from ev_sim.plant.planar.energy import account

@@ -6,8 +6,8 @@ import math
 from typing import NamedTuple
 
 from ev_msgs_py.elementary import expm1
-from ev_msgs_py.parameters import ParameterError
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.drives.drive import DRIVES
 from ev_sim.plant.commands import GuardLimits, guard_limits
 from ev_sim.plant.planar.constants import BodyConstants, body_constants

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ev_msgs_py.car import GRAVITY
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import sqrt
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.vehicle.car import GRAVITY
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.state import BODY_DISTANCE, DISTANCE

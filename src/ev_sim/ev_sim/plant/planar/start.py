@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.car import Car
+from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.lift import note_lifted
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.prepare import PlanarConstants

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ev_msgs_py.elementary import sqrt
-from ev_msgs_py.parameters import ParameterError
-from ev_msgs_py.vehicle import Vehicle
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.drives.motor import MotorParameters, torque_constant
 
 # Largest product of step and eigenvalue; the Runge-Kutta method is stable up to 2.78, and at half of that the motion

@@ -1,0 +1,106 @@
+"""The graph, declared once: what each node reads and writes.
+
+The offline runner orders the roles by this table, the nodes make their publishers and subscriptions from it, and
+the diagram in the README is drawn from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from ev_msgs_py.contract.signals import (
+    BatteryCondition,
+    BodyPose,
+    BodyVelocity,
+    DriverCommand,
+    InertialMeasurement,
+    Instant,
+    MotorStates,
+    RecorderProgress,
+    SteeringColumnState,
+    TireForces,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
+
+
+class RoleKind(Enum):
+    """How the output of a role for the instant t_k depends on what it reads."""
+
+    ANSWERS = "its output at t_k follows at once from what it reads at t_k"
+    INTEGRATES = "its output at t_k follows from what it read up to t_k-1; it has an initial state"
+
+
+@dataclass(frozen=True, slots=True)
+class Role:
+    """What a node reads and writes, not how it does it.
+
+    `default_method` plays the role where no parameter says otherwise. A method reads only what it uses, and a plant
+    model writes only what it can know (`writes` is what it may write).
+    """
+
+    name: str
+    kind: RoleKind
+    reads: tuple[type, ...]
+    writes: tuple[type, ...]
+    default_method: str
+
+    def may_read(self, signal: type) -> bool:
+        """Whether a method of this role may read the signal; everybody knows the instant."""
+        return signal is Instant or signal in self.reads
+
+
+# In the order in which they are published: first what the driver waits for, with whom every step begins.
+_BODY = (WheelStates, BodyVelocity, BodyPose, InertialMeasurement, MotorStates, BatteryCondition)
+
+ROLES = {
+    role.name: role
+    for role in (
+        Role(
+            "plant",
+            RoleKind.INTEGRATES,
+            reads=(WheelTorqueCommand, SteeringColumnState),
+            writes=(*_BODY, TireForces),
+            default_method="kinematic",
+        ),
+        Role(
+            "steering_column",
+            RoleKind.INTEGRATES,
+            reads=(DriverCommand, WheelStates, TireForces),
+            writes=(SteeringColumnState,),
+            default_method="powered",
+        ),
+        Role(
+            "driver",
+            RoleKind.ANSWERS,
+            reads=(BodyVelocity, SteeringColumnState, BodyPose, InertialMeasurement, WheelStates),
+            writes=(DriverCommand,),
+            default_method="speed_profile",
+        ),
+        Role(
+            "electronic_differential",
+            RoleKind.ANSWERS,
+            reads=(DriverCommand, SteeringColumnState, *_BODY, TireForces),
+            writes=(WheelTorqueRequest,),
+            default_method="equal_torque",
+        ),
+        Role(
+            "asr",
+            RoleKind.ANSWERS,
+            reads=(WheelTorqueRequest, SteeringColumnState, *_BODY),
+            writes=(WheelTorqueCommand,),
+            default_method="off",
+        ),
+    )
+}
+
+MASTER = "plant"
+
+INTEGRATED = frozenset(
+    signal for role in ROLES.values() if role.kind is RoleKind.INTEGRATES for signal in role.writes
+)
+
+RECORDED = tuple(signal for role in ROLES.values() for signal in role.writes)
+RECORDER_WRITES = RecorderProgress

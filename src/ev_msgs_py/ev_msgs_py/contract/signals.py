@@ -1,0 +1,202 @@
+"""Every signal of the graph as a plain value: SI units, radians, body frame of REP-103 (x forward, y left, z up).
+
+A signal holds exactly the numbers that its message carries, so a signal that went over DDS is bit-identical to
+one that was handed over inside a process. All that is known of a field stands at the field; topics and frames of
+reference stand in `topics.TOPICS`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, NamedTuple
+
+from ev_msgs_py.contract.field import Field
+from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
+from ev_msgs_py.elementary import atan2, cos, remainder, sin
+
+
+class Instant(NamedTuple):
+    """The instant of this step; it needs no topic, because every message carries it as its stamp."""
+
+    time: float
+
+
+class DriverCommand(NamedTuple):
+    """What the driver does: pedals as torques summed over all wheels, and the hands on the steering wheel."""
+
+    drive_torque: Annotated[float, Field("N m", "of all drives together, negative to slow down", "drive.effort")]
+    brake_torque: Annotated[float, Field("N m", "of all brakes together, never negative", "brake.effort")]
+    hand_torque: Annotated[float, Field("N m", "on the steering wheel, left positive", "steering_wheel.effort")]
+
+
+class SteeringColumnState(NamedTuple):
+    """The steering column as the laws may measure it; with a mechanical column angle = i * road_wheel_angle."""
+
+    angle: Annotated[
+        float, Field("rad", "of the steering wheel", "steering_wheel.position", sensor="steering_angle", largest=10.0)
+    ]
+    rate: Annotated[
+        float, Field("rad/s", "of the steering wheel", "steering_wheel.velocity", sensor="steering_rate", largest=100.0)
+    ]
+    hand_torque: Annotated[
+        float,
+        Field("N m", "of the driver, left positive", "steering_wheel.effort", sensor="hand_torque", largest=100.0),
+    ]
+    road_wheel_angle: Annotated[
+        float,
+        Field("rad", "mean of the front wheels", "road_wheels.position", sensor="road_wheel_angle", largest=1.0),
+    ]
+    road_wheel_rate: Annotated[
+        float,
+        Field("rad/s", "mean of the front wheels", "road_wheels.velocity", sensor="road_wheel_rate", largest=10.0),
+    ]
+
+
+_Drive = Annotated[Wheels, Field("N m", "drive torque at the wheel", "{wheel}.effort")]
+_Brake = Annotated[Wheels, Field("N m", "brake torque at the wheel, never negative", "{wheel}_brake.effort")]
+
+
+class WheelTorqueRequest(NamedTuple):
+    """Torques at the wheels that the electronic differential asks for; brake torques are never negative."""
+
+    drive: _Drive
+    brake: _Brake = NO_WHEELS
+
+
+class WheelTorqueCommand(NamedTuple):
+    """Torques at the wheels that the traction control lets through to the drives and brakes."""
+
+    drive: _Drive
+    brake: _Brake = NO_WHEELS
+
+
+class WheelStates(NamedTuple):
+    """Turned angle and speed of each wheel, and the drive torque that acts on it."""
+
+    position: Annotated[
+        Wheels, Field("rad", "angle turned since the start", "{wheel}.position", sensor="wheel_angle", largest=10.0)
+    ]
+    velocity: Annotated[
+        Wheels, Field("rad/s", "speed, forwards positive", "{wheel}.velocity", sensor="wheel_speed", largest=100.0)
+    ]
+    effort: Annotated[
+        Wheels,
+        Field("N m", "drive torque, mean over the last period", "{wheel}.effort", sensor="wheel_torque", largest=1e4),
+    ]
+
+
+class MotorStates(NamedTuple):
+    """Speed and electromagnetic torque at the shaft of the motor of each wheel; zero where there is none."""
+
+    velocity: Annotated[
+        Wheels, Field("rad/s", "speed of the shaft", "{wheel}.velocity", sensor="motor_speed", largest=1000.0)
+    ]
+    effort: Annotated[
+        Wheels, Field("N m", "torque at the shaft", "{wheel}.effort", sensor="motor_torque", largest=1e4)
+    ]
+
+
+class InertialMeasurement(NamedTuple):
+    """Yaw rate and accelerations of the centre of mass in the body frame, without gravity."""
+
+    yaw_rate: Annotated[
+        float, Field("rad/s", "left positive", "angular_velocity.z", sensor="imu_yaw_rate", largest=10.0)
+    ]
+    longitudinal_acceleration: Annotated[
+        float, Field("m/s^2", "forwards", "linear_acceleration.x", sensor="imu_acceleration", largest=100.0)
+    ]
+    lateral_acceleration: Annotated[
+        float, Field("m/s^2", "to the left", "linear_acceleration.y", sensor="imu_acceleration", largest=100.0)
+    ]
+
+
+class BodyVelocity(NamedTuple):
+    """Velocity of the centre of mass in the body frame."""
+
+    longitudinal: Annotated[
+        float, Field("m/s", "forwards", "twist.linear.x", sensor="body_velocity", largest=100.0)
+    ]
+    lateral: Annotated[
+        float, Field("m/s", "to the left", "twist.linear.y", sensor="body_velocity", largest=100.0)
+    ]
+    yaw_rate: Annotated[
+        float, Field("rad/s", "left positive", "twist.angular.z", sensor="body_yaw_rate", largest=10.0)
+    ]
+
+
+class BodyPose(NamedTuple):
+    """Position of the centre of mass and heading in the odom frame; the heading as z and w of the quaternion."""
+
+    x: Annotated[float, Field("m", "of the centre of mass", "pose.position.x", sensor="body_position", largest=1e3)]
+    y: Annotated[float, Field("m", "of the centre of mass", "pose.position.y", sensor="body_position", largest=1e3)]
+    orientation_z: Annotated[
+        float,
+        Field("1", "sine of half the heading", "pose.orientation.z", sensor="body_heading", largest=10.0),
+    ]
+    orientation_w: Annotated[
+        float,
+        Field("1", "cosine of half the heading", "pose.orientation.w", sensor="body_heading", largest=10.0),
+    ]
+
+    @classmethod
+    def at(cls, x: float, y: float, heading: float) -> BodyPose:
+        """The pose with a heading in radians, counter-clockwise from the x axis of odom."""
+        return cls(x, y, sin(heading / 2), cos(heading / 2))
+
+    @property
+    def heading(self) -> float:
+        """Heading in -pi..pi [rad]."""
+        heading = 2 * atan2(self.orientation_z, self.orientation_w)
+        return remainder(heading, math.tau)
+
+
+class BatteryCondition(NamedTuple):
+    """Terminal values of the traction battery, in the single precision that BatteryState carries."""
+
+    voltage: Annotated[
+        float,
+        Field("V", "at the terminals", "voltage", single_precision=True, sensor="battery_voltage", largest=1e3),
+    ]
+    current: Annotated[
+        float,
+        Field("A", "into the battery", "current", single_precision=True, sensor="battery_current", largest=1e3),
+    ]
+    charge: Annotated[
+        float,
+        Field("A h", "left", "charge", single_precision=True, sensor="battery_state_of_charge", largest=1.0),
+    ]
+    capacity: Annotated[float, Field("A h", "between empty and full", "capacity", single_precision=True)]
+    state_of_charge: Annotated[
+        float,
+        Field(
+            "1", "charge over capacity", "percentage",
+            single_precision=True, sensor="battery_state_of_charge", largest=1.0,
+        ),
+    ]  # fmt: skip
+
+
+class TireForces(NamedTuple):
+    """Forces of the road on each tyre in the wheel's frame, with slip, load and available friction."""
+
+    longitudinal_force: Annotated[
+        Wheels, Field("N", "along the wheel", "{wheel}_longitudinal.effort", sensor="tire_force", largest=1e5)
+    ]
+    lateral_force: Annotated[
+        Wheels, Field("N", "across the wheel", "{wheel}_lateral.effort", sensor="tire_force", largest=1e5)
+    ]
+    load: Annotated[Wheels, Field("N", "on the road", "{wheel}_vertical.effort", sensor="tire_load", largest=1e5)]
+    slip_ratio: Annotated[
+        Wheels,
+        Field("1", "sign of its force", "{wheel}_longitudinal.position", sensor="tire_slip_ratio", largest=1.0),
+    ]
+    slip_angle: Annotated[
+        Wheels, Field("rad", "left positive", "{wheel}_lateral.position", sensor="tire_slip_angle", largest=1.0)
+    ]
+    friction_coefficient: Annotated[
+        Wheels,
+        Field("1", "available", "{wheel}_vertical.position", sensor="tire_friction", largest=1.0),
+    ]
+
+
+class RecorderProgress(NamedTuple):
+    """The recorder holds every signal up to the step that this message is stamped with; it carries nothing else."""

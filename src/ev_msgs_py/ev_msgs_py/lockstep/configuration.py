@@ -1,0 +1,181 @@
+"""What a node is told by parameters, resolved the same way for the node and for the offline runner."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout
+from ev_msgs_py.parameters.declaration import Entry, ParameterError, Spec, entries, flatten, group, parameter
+from ev_msgs_py.parameters.values import entries_by_name, replaced, unknown_name
+from ev_msgs_py.sensors.quantities import sensors_for
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.efficiency_map import with_map_from_file
+
+
+@dataclass(frozen=True, slots=True)
+class CommonParameters:
+    """Parameters that every node of the graph has."""
+
+    control_period: float = parameter(
+        0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
+    )
+    mode: str = parameter(
+        "lockstep",
+        choices=("lockstep", "realtime"),
+        about="lockstep: a step when all inputs are there; realtime: a step when the wall clock says so",
+        read_only=True,
+    )
+    seed: int = parameter(0, low=0, high=2**31 - 1, about="seed of everything random in the node", read_only=True)
+    vehicle: Vehicle = group(Vehicle)
+
+
+P = TypeVar("P")
+_METHOD = "method"
+_SENSORS = "sensors."
+_OWN = ("seed",)  # of the common parameters those that each node may have its own value of
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """A role, the method that plays it and all their parameters.
+
+    `sensors` are those of the signals that the method writes; `unused` values belong to other methods of the role.
+    """
+
+    role: str
+    method: Method
+    parameters: Any
+    common: CommonParameters
+    extra: Any
+    unused: tuple[str, ...] = ()
+    sensors: Any = field(default_factory=sensors_for(()))
+
+    @property
+    def period(self) -> int:
+        """The control period in nanoseconds."""
+        return stamps.from_seconds(self.common.control_period)
+
+    @property
+    def is_ideal(self) -> bool:
+        """Whether all its sensors show the truth."""
+        return self.sensors == type(self.sensors)()
+
+    def create(self) -> Any:
+        """A new object of the method, at rest, in plain Python and in front of its sensors."""
+        return create(self.method, self.parameters, self.common.vehicle, self.common.control_period)
+
+    def entries(self) -> tuple[Entry, ...]:
+        """Every parameter of the node with its present value as default."""
+        fixed = [dataclasses.replace(e, spec=dataclasses.replace(e.spec, read_only=True)) for e in entries(self.common)]
+        extra = entries(self.extra) if self.extra is not None else ()
+        of_method = (*entries(self.parameters), *entries(self.sensors, _SENSORS))
+        return (_method_entry(self.role, self.method.name), *fixed, *extra, *of_method)
+
+    def values(self) -> dict[str, Any]:
+        """Dotted names and present values of every parameter of the node."""
+        return {entry.name: entry.default for entry in self.entries()}
+
+    def changed(self, values: Mapping[str, Any]) -> Configuration:
+        """The same configuration with other values; ParameterError if one is refused, and nothing changes then."""
+        rest = dict(values)
+        common, parameters = _replaced(rest, self.common), _replaced(rest, self.parameters)
+        sensors = _replaced(rest, self.sensors, _SENSORS)
+        if not rest:
+            made = dataclasses.replace(self, common=common, parameters=parameters, sensors=sensors)
+            fits = parameters is self.parameters and common.vehicle is self.common.vehicle
+            return made if fits else _fitting(made)
+        return configure(self.role, {**self.values(), **values}, type(self.extra) if self.extra is not None else None)
+
+
+def _method_entry(role: str, name: str) -> Entry:
+    spec = Spec(f"how the {role} works", choices=tuple(methods_of(role)), read_only=True)
+    return Entry(_METHOD, str, False, name, spec)
+
+
+def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -> Configuration:
+    """The configuration of a role from dotted parameter names and values; what is not named keeps its default.
+
+    `extra` is a dataclass of further parameters that only this node has. Raises ParameterError for unknown names and
+    refused values. A value for another method of the same role, or for a sensor of a signal that this method does not
+    write, is checked and then listed as unused, so that one scenario file can serve several methods.
+    """
+    rest = dict(values)
+    method = chosen_method(role, rest)
+    rest.pop(_METHOD, None)
+    common = _take(rest, CommonParameters)
+    further = _take(rest, extra) if extra is not None else None
+    parameters = _take(rest, method.parameters)
+    sensors = _take(rest, sensors_for(method.writes), _SENSORS)
+    others = [(other.parameters, "") for other in methods_of(role).values()]
+    others.append((sensors_for(ROLES[role].writes), _SENSORS))
+    for of, prefix in others:
+        _take(dict(rest), of, prefix)
+    elsewhere = {name for of, prefix in others for name in flatten(of(), prefix)}
+    for name in rest:
+        if name not in elsewhere:
+            known = [_METHOD, *flatten(common), *flatten(parameters), *(flatten(further) if further else ())]
+            is_sensor = name.startswith(_SENSORS)  # there are many: listed where one is meant
+            raise unknown_name(f"parameter of {role}", name, flatten(sensors, _SENSORS) if is_sensor else known)
+    return _fitting(Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors))
+
+
+def _fitting(configuration: Configuration) -> Configuration:
+    """The configuration with what its files hold; ParameterError if its method does not suit the vehicle."""
+    method, common = configuration.method, configuration.common
+    common = dataclasses.replace(common, vehicle=with_map_from_file(common.vehicle))
+    load_files = getattr(method.factory, "load_files", None)
+    parameters = load_files(configuration.parameters) if load_files is not None else configuration.parameters
+    refuse_layout(method, parameters, common.vehicle)
+    return dataclasses.replace(configuration, common=common, parameters=parameters)
+
+
+def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:
+    """A parameter dataclass with what a dictionary says about it, and that is taken out of the dictionary."""
+    known = entries_by_name(type(instance), prefix)
+    return replaced(instance, {name: values.pop(name) for name in [*values] if name in known}, prefix)
+
+
+def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
+    """Build a parameter dataclass from what a dictionary says about it, and take that out of the dictionary."""
+    return _replaced(values, of(), prefix)
+
+
+def chosen_method(role: str, values: Mapping[str, Any]) -> Method:
+    """The method that the values choose for a role; ParameterError that lists the known ones if there is none."""
+    name = values.get(_METHOD, ROLES[role].default_method)
+    return find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false
+
+
+def check_graph(configurations: Mapping[str, Configuration]) -> None:
+    """ParameterError if the configured nodes do not fit together.
+
+    Nodes share one control period, one mode and one vehicle, what a method reads must be written by the others, and
+    the methods that it requires must be chosen.
+    """
+    common = {role: flatten(configuration.common) for role, configuration in configurations.items()}
+    for name in flatten(CommonParameters()):
+        values = {role: values[name] for role, values in common.items()}
+        if name not in _OWN and len(set(values.values())) > 1:
+            said = ", ".join(f"{role} {value}" for role, value in values.items())
+            raise ParameterError(f"{name} differs between nodes: {said}; allowed is one for all")
+    written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
+    for configuration in configurations.values():
+        for signal in configuration.method.inputs:
+            if signal not in written:
+                names = ", ".join(sorted(c.method.name for c in configurations.values()))
+                raise ParameterError(
+                    f"{configuration.role} method {configuration.method.name} reads {signal.__name__}, "
+                    f"which none of the chosen methods writes ({names})"
+                )
+        for role, name in configuration.method.requires.items():
+            chosen = configurations[role].method.name
+            if chosen != name:
+                raise ParameterError(
+                    f"{configuration.role} method {configuration.method.name} requires {role} method {name}, "
+                    f"but {chosen} is chosen"
+                )

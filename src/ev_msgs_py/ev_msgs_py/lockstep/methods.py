@@ -1,0 +1,151 @@
+"""The register of methods: every law, plant, column and driver, by role and name."""
+
+from __future__ import annotations
+
+import inspect
+import typing
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any, TypeVar
+
+from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
+from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.lockstep.law import Law, given_names
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import unknown_name
+from ev_msgs_py.vehicle.layout import refusal
+
+T = TypeVar("T")
+
+_REGISTER: dict[str, dict[str, Method]] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """One way to play a role: the class, the signals that its step reads, and its parameter dataclass."""
+
+    role: str
+    name: str
+    factory: Any
+    reads: tuple[type, ...]
+    parameters: type
+
+    @property
+    def inputs(self) -> tuple[type, ...]:
+        """The signals that a step waits for: those it reads, and what else the node has to hear.
+
+        The master hears everybody else who integrates, so that it leaves nobody behind. The others hear the master
+        or, if they answer at once, somebody who does so before them: that is how they learn of a new run.
+        """
+        topics = tuple(signal for signal in self.reads if signal is not Instant)
+        role, masters = ROLES[self.role], ROLES[MASTER].writes
+        if self.role == MASTER:
+            return (*topics, *(signal for signal in role.reads if signal in INTEGRATED and signal not in topics))
+        answers = role.kind is RoleKind.ANSWERS
+        heralds = [signal for signal in role.reads if signal in masters or (answers and signal not in INTEGRATED)]
+        return topics if any(signal in heralds for signal in topics) else (*topics, heralds[0])
+
+    @property
+    def writes(self) -> tuple[type, ...]:
+        """The signals it writes: those of its role, or the part of them that it can know."""
+        return getattr(self.factory, "writes", None) or ROLES[self.role].writes
+
+    @property
+    def requires(self) -> dict[str, str]:
+        """By role the method without which this one makes no sense."""
+        return getattr(self.factory, "requires", {})
+
+    @property
+    def law(self) -> Law | None:
+        """The functions that it consists of; None if it is a class."""
+        return self.factory if isinstance(self.factory, Law) else None
+
+    @property
+    def documented(self) -> Any:
+        """What carries its docstring."""
+        return self.factory if self.law is None else self.law.function
+
+    @property
+    def about(self) -> str:
+        """First line of the docstring."""
+        return (inspect.getdoc(self.documented) or "").partition("\n")[0]
+
+
+def method(role: str, name: str, parameters: type | None = None, **how: Any) -> Callable[[T], T]:
+    """Register a class or a function as a method of a role.
+
+    A class has `parameters` (a parameter dataclass), `__init__(parameters, vehicle, period)` and, by the kind of
+    its role, `step(...)` (answers at once) or `outputs()` and `advance(...)` (integrates). All that lasts between steps
+    is in its attribute `state`. It may say `writes` (the part of its role's signals that it can know) and `requires`
+    (by role the method without which it makes no sense).
+
+    A function comes with its parameter dataclass and, in `how`, what else `lockstep.law.Law` has.
+
+    The annotations of `step`, `advance` or the function name the signals that are read; TypeError if the role may not
+    read one of them.
+    """
+
+    def register(defined: T) -> T:
+        factory: Any = defined
+        if parameters is not None:
+            factory = Law(defined, parameters, **how)
+        function = _stepping(role, factory)
+        hints = typing.get_type_hints(function)
+        given = given_names(function) if parameters is not None else ()
+        reads = tuple(kind for argument, kind in hints.items() if argument not in (*given, "return"))
+        for signal in reads:
+            if not ROLES[role].may_read(signal):
+                raise TypeError(f"{role} method {name}: a {role} does not read {signal.__name__} (see roles.py)")
+        _REGISTER.setdefault(role, {})[name] = Method(role, name, factory, reads, factory.parameters)
+        return defined
+
+    return register
+
+
+def _stepping(role: str, factory: Any) -> Callable[..., Any]:
+    if isinstance(factory, Law):
+        return factory.function
+    return factory.advance if ROLES[role].kind is RoleKind.INTEGRATES else factory.step
+
+
+@cache
+def _load_installed_methods(role: str) -> None:
+    """Import what installed packages offer for a role: entry points of this name in the group ev_stack.methods.
+
+    Only those of the role, because a plant takes longer to import than a node to start.
+    """
+    for entry_point in entry_points(group="ev_stack.methods", name=role):
+        entry_point.load()
+
+
+def methods_of(role: str) -> dict[str, Method]:
+    """All methods of a role, by name."""
+    _load_installed_methods(role)
+    return dict(sorted(_REGISTER.get(role, {}).items()))
+
+
+def find_method(role: str, name: str) -> Method:
+    """The method of a role with this name; ParameterError that lists the known ones if there is none."""
+    known = methods_of(role)
+    if not isinstance(name, str) or name not in known:
+        raise unknown_name(f"{role} method", name, known)
+    return known[name]
+
+
+def all_methods() -> dict[str, dict[str, Method]]:
+    """All methods of all roles."""
+    return {role: methods_of(role) for role in ROLES}
+
+
+def create(method: Method, parameters: Any, vehicle: Any, period: float) -> Any:
+    """A new object of a method, at rest."""
+    return method.factory(parameters, vehicle, period)
+
+
+def refuse_layout(method: Method, parameters: Any, vehicle: Any) -> None:
+    """ParameterError if the vehicle lacks what a method with these parameters needs."""
+    text = refusal(method.role, method.name, getattr(method.factory, "needs", ()), parameters, vehicle)
+    if text:
+        raise ParameterError(text)

@@ -1,0 +1,30 @@
+"""How time runs, as the parameters of the master of time say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.parameters.declaration import parameter
+
+RECORDER_LAG = 200  # steps that the recorder may be behind; less than topics.QUEUE_DEPTH
+
+
+@dataclass(frozen=True, slots=True)
+class MasterParameters:
+    """How time runs."""
+
+    real_time_factor: float = parameter(
+        0.0, unit="1", low=0.0, high=1000.0, about="simulated over wall time in lockstep, at most; 0: no limit"
+    )
+    duration: float = parameter(
+        0.0, unit="s", low=0.0, high=1e6, about="the node ends at this time; 0: never", read_only=True
+    )
+    command_timeout: float = parameter(
+        0.1, unit="s", low=0.001, high=60.0, about="realtime: an older torque command becomes zero torque"
+    )
+    answer_timeout: float = parameter(
+        2.0, unit="s", low=0.1, high=3600.0, about="wall time without an answer after which the silent nodes are named"
+    )
+    await_recorder: bool = parameter(
+        False, about=f"stay within {RECORDER_LAG} steps of the recorder, so that it misses nothing", read_only=True
+    )

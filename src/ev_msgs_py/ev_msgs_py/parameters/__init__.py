@@ -1,0 +1,1 @@
+"""Parameters as data: declared once in frozen dataclasses, checked, read from files."""

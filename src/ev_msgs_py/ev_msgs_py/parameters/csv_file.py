@@ -1,0 +1,73 @@
+"""Tables of numbers in CSV files that parameters name. They are read before anything is made, never in a step."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TypeVar
+
+from ev_msgs_py.parameters.config_directory import config_directory
+from ev_msgs_py.parameters.declaration import ParameterError
+
+T = TypeVar("T")
+
+
+def find_file(name: str) -> Path:
+    """The file that a parameter names: a relative name counts from the config folder, else from the working directory.
+
+    FileNotFoundError if the name is relative and there is no config folder.
+    """
+    path = Path(name)
+    if path.is_absolute():
+        return path
+    in_config = config_directory() / path
+    return in_config if in_config.exists() else path
+
+
+def read_csv(parameter: str, name: str, columns: tuple[Mapping[str, float], ...], make: Callable[..., T]) -> T:
+    """What `make` makes of some columns of the CSV file `name`, each a tuple of numbers in SI units.
+
+    `columns`: for each column the names that it may have, with the factor from its unit to SI. The file has a header;
+    further columns, empty lines and lines that begin with # are passed over. Raises ParameterError, in one line that
+    names `parameter` and file, if the file cannot be read, lacks a column or holds something else than finite numbers,
+    and if `make` raises one.
+    """
+    path: Path | str = name
+    try:
+        path = find_file(name)
+        return make(*_read(path, columns))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        reason = (error.strerror or error) if isinstance(error, OSError) else "no CSV text"
+        raise ParameterError(f"{parameter}: {path}: {reason}") from None
+    except ParameterError as error:
+        raise ParameterError(f"{parameter}: {path}: {error}") from None
+
+
+def _read(path: Path, columns: tuple[Mapping[str, float], ...]) -> list[tuple[float, ...]]:
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        lines = csv.reader(("" if line.startswith("#") else line for line in file), skipinitialspace=True)
+        rows = [(lines.line_num, row) for row in lines if row]
+    header = [cell.strip() for cell in rows[0][1]] if rows else []
+    found = [[name for name in names if name in header] for names in columns]
+    if any(len(names) != 1 for names in found):
+        wanted = [names[0] if len(names) == 1 else f"one of {' and '.join(names)}" for names in map(list, columns)]
+        raise ParameterError(
+            f"has the columns {', '.join(header) or '(none)'}, needed are {', '.join(wanted[:-1])} and {wanted[-1]}"
+        )
+    chosen = [(name, header.index(name), names[name]) for (name,), names in zip(found, columns, strict=True)]
+    return [
+        tuple(factor * _number(row[place] if place < len(row) else None, name, line) for line, row in rows[1:])
+        for name, place, factor in chosen
+    ]
+
+
+def _number(text: str | None, column: str, line: int) -> float:
+    try:
+        value = float(text or "")
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ParameterError(f"line {line}: {column} is {text!r}, allowed is a finite number")
+    return value

@@ -1,0 +1,114 @@
+"""Values for declared parameters: checked one by one and together, refused in one clear line."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, is_dataclass
+from functools import cache
+from typing import Any, TypeVar
+
+from ev_msgs_py.parameters.declaration import Entry, ParameterError, entries
+
+P = TypeVar("P")
+
+
+def check(entry: Entry, value: Any) -> Any:
+    """The value as the dataclass keeps it (numbers as float where a float is meant, arrays as tuples).
+
+    Raises ParameterError for a wrong type, a value out of range, NaN or infinity.
+    """
+    if entry.is_array:
+        if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, Iterable):
+            raise _refused(entry, value, f"an array of {_type_word(entry.type)}")
+        return tuple(_check_element(entry, element) for element in value)
+    return _check_element(entry, value)
+
+
+def _check_element(entry: Entry, value: Any) -> Any:
+    spec = entry.spec
+    if entry.type is float:
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise _refused(entry, value, f"a number, {spec.allowed}")
+        try:
+            number = float(value)
+        except OverflowError:  # a whole number beyond all floats
+            number = math.inf
+        if not math.isfinite(number):
+            raise _refused(entry, value, f"a finite number, {spec.allowed}")
+        value = number
+    elif entry.type is bool:
+        if not isinstance(value, bool):
+            raise _refused(entry, value, "true or false")
+    elif entry.type is int:
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise _refused(entry, value, f"a whole number, {spec.allowed}")
+    elif not isinstance(value, str):
+        raise _refused(entry, value, f"a text, {spec.allowed}")
+    too_low = spec.low is not None and value < spec.low
+    too_high = spec.high is not None and value > spec.high
+    unknown = bool(spec.choices) and value not in spec.choices
+    if too_low or too_high or unknown:
+        raise _refused(entry, value, spec.allowed)
+    return value
+
+
+def _type_word(of: type) -> str:
+    return {float: "numbers", int: "whole numbers", bool: "true or false", str: "texts"}[of]
+
+
+def _refused(entry: Entry, value: Any, allowed: str) -> ParameterError:
+    return ParameterError(f"parameter {entry.name}: {value!r} is refused, allowed is {allowed}")
+
+
+def build(of: type[P], values: Mapping[str, Any], prefix: str = "") -> P:
+    """An instance of a parameter dataclass from dotted names and values; what is not named keeps its default.
+
+    Raises ParameterError for unknown names and bad values; nothing is built then.
+    """
+    return replaced(of(), values, prefix)
+
+
+def replaced(instance: P, values: Mapping[str, Any], prefix: str = "") -> P:
+    """A parameter dataclass with other values by dotted name; what is not named stays as it is.
+
+    Raises ParameterError for unknown names and bad values; nothing is built then.
+    """
+    known = entries_by_name(type(instance), prefix)
+    for name in values:
+        if name not in known:
+            raise unknown_name("parameter", name, known)
+    checked = {name: check(known[name], value) for name, value in values.items()}
+    return _replaced(instance, checked, prefix)
+
+
+@cache
+def entries_by_name(of: type, prefix: str = "") -> Mapping[str, Entry]:
+    """All parameters of a parameter dataclass by their full dotted names."""
+    return {entry.name: entry for entry in entries(of, prefix)}
+
+
+def _replaced(instance: P, checked: Mapping[str, Any], prefix: str) -> P:
+    if not any(name.startswith(prefix) for name in checked):
+        return instance
+    changed = {}
+    for f in fields(instance):  # type: ignore[arg-type]
+        name = prefix + f.name
+        if is_dataclass(getattr(instance, f.name)):
+            changed[f.name] = _replaced(getattr(instance, f.name), checked, f"{name}.")
+        elif name in checked:
+            changed[f.name] = checked[name]
+    try:
+        return dataclasses.replace(instance, **changed)  # type: ignore[type-var]
+    except ParameterError as error:  # relations between parameters, checked in __post_init__
+        raise ParameterError(f"{prefix}{error}" if prefix else str(error)) from None
+
+
+def unknown_name(kind: str, name: Any, known: Iterable[str]) -> ParameterError:
+    """The error for a name that does not exist: it lists the known ones, the most similar first."""
+    known = list(known)
+    similar = difflib.get_close_matches(str(name), known, n=3)
+    rest = [k for k in known if k not in similar]
+    return ParameterError(f"unknown {kind} {name!r}; known: {', '.join([*similar, *sorted(rest)])}")

@@ -1,0 +1,34 @@
+"""The car as a law sees it: the numbers of the vehicle description, and what follows from them alone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.parameters.declaration import number_tree
+from ev_msgs_py.vehicle.description import Vehicle
+
+GRAVITY = 9.81  # [m/s^2], as in all sources
+
+
+class Car(Vehicle):
+    """What a law may ask of `car`; for annotations only, the object itself is a tree of numbers."""
+
+    driven: list[float]
+    number_driven: float
+    driven_wheel_inertia: float  # type: ignore[assignment]
+
+
+def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
+    """The numbers of a vehicle as a tree, and with them
+
+    - `driven`: 1 for a wheel with a motor, else 0, in the order of Wheels, and `number_driven`, their sum,
+    - `driven_wheel_inertia`: of a driven wheel with its rotor behind the gear [kg m^2].
+    """
+    driven = [float(name in vehicle.driven_wheels) for name in WHEEL_NAMES]
+    return {
+        **number_tree(vehicle),
+        "driven": driven,
+        "number_driven": sum(driven),
+        "driven_wheel_inertia": vehicle.driven_wheel_inertia,
+    }

@@ -1,0 +1,86 @@
+"""The vehicle description."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
+from ev_msgs_py.vehicle.battery import Battery
+from ev_msgs_py.vehicle.driveline import Driveline
+from ev_msgs_py.vehicle.motor import Motor
+from ev_msgs_py.vehicle.tyre import Tyre
+
+
+@dataclass(frozen=True, slots=True)
+class Vehicle:
+    """Mass, geometry and resistance of a car; the files in config/vehicles give the values and their sources.
+
+    The defaults are the Audi A2 of Shchur (2019).
+    """
+
+    name: str = parameter("audi_a2", about="name of the vehicle file")
+    mass: float = parameter(1400.0, unit="kg", low=50.0, high=60000.0, about="mass with load, m")
+    wheelbase: float = parameter(2.405, unit="m", low=0.3, high=12.0, about="distance of the axles, L")
+    front_track: float = parameter(1.462, unit="m", low=0.2, high=4.0, about="distance of the front wheels, d")
+    rear_track: float = parameter(1.462, unit="m", low=0.2, high=4.0, about="distance of the rear wheels")
+    centre_of_mass_to_rear_axle: float = parameter(
+        1.08225, unit="m", low=0.0, high=12.0, about="centre of mass in front of the rear axle, l_cm L"
+    )
+    wheel_radius: float = parameter(0.294, unit="m", low=0.05, high=1.5, about="rolling radius of the wheels, r_k")
+    steering_ratio: float = parameter(
+        16.0, unit="1", low=1.0, high=40.0, about="steering-wheel angle over road-wheel angle, i"
+    )
+    gear_ratio: float = parameter(2.65, unit="1", low=0.1, high=50.0, about="motor speed over wheel speed")
+    driven_wheels: tuple[str, ...] = parameter(
+        ("front_left", "front_right"),
+        choices=("front_left", "front_right", "rear_left", "rear_right"),
+        about="wheels with a motor",
+    )
+    rolling_resistance: float = parameter(
+        0.015, unit="1", low=0.0, high=0.5, about="rolling resistance coefficient, k_r or f_0"
+    )
+    drag_coefficient: float = parameter(0.3, unit="1", low=0.0, high=3.0, about="aerodynamic drag coefficient, c_d")
+    frontal_area: float = parameter(2.1, unit="m^2", low=0.0, high=20.0, about="frontal area, A")
+    air_density: float = parameter(1.24, unit="kg/m^3", low=0.0, high=2.0, about="density of the air, rho")
+    rolling_resistance_speed: float = parameter(
+        0.0, unit="s^2/m^2", low=0.0, high=1e-3, about="growth of the rolling resistance with V^2, k_f"
+    )
+    yaw_inertia: float = parameter(1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z")
+    centre_of_mass_height: float = parameter(0.55, unit="m", low=0.0, high=4.0, about="above the road, h")
+    centre_of_mass_offset: float = parameter(
+        0.0, unit="m", low=-2.0, high=2.0, about="centre of mass left of the car's middle"
+    )
+    front_roll_share: float = parameter(
+        0.5, unit="1", low=0.0, high=1.0, about="share of the lateral load transfer that the front axle takes"
+    )
+    wheel_inertia: float = parameter(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w")
+    steering_geometry: str = parameter(
+        "ackermann", choices=("ackermann", "parallel"), about="road-wheel angles of the two front wheels"
+    )
+    maximum_road_wheel_angle: float = parameter(
+        0.7, unit="rad", low=0.01, high=1.4, about="largest mean road-wheel angle, either way"
+    )
+    maximum_brake_torque: float = parameter(
+        4000.0, unit="N m", low=0.0, high=1e6, about="of the friction brake of each wheel"
+    )
+    blend_brakes: bool = parameter(
+        False, about="serve brake torques by the motors first, as far as their generator limits reach"
+    )
+    blend_fade_speed: float = parameter(
+        10.0, unit="rad/s", low=0.1, high=1e3, about="wheel speed below which motors hand braking back to the brakes"
+    )
+    tyre: Tyre = group(Tyre)
+    motor: Motor = group(Motor)
+    driveline: Driveline = group(Driveline)
+    battery: Battery = group(Battery)
+
+    def __post_init__(self) -> None:
+        if self.centre_of_mass_to_rear_axle > self.wheelbase:
+            raise ParameterError("centre_of_mass_to_rear_axle is above wheelbase")
+        if abs(self.centre_of_mass_offset) >= min(self.front_track, self.rear_track) / 2:
+            raise ParameterError("centre_of_mass_offset lies outside the wheels")
+
+    @property
+    def driven_wheel_inertia(self) -> float:
+        """Inertia of a driven wheel with its rotor behind the gear, J = J_w + i^2 J_r [kg m^2]."""
+        return self.wheel_inertia + self.gear_ratio * self.gear_ratio * self.motor.rotor_inertia

@@ -1,0 +1,55 @@
+"""What a method needs of a vehicle's layout, as declarations that are checked before anything is made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.vehicle.description import Vehicle
+
+# Says what a method with these parameters needs and this vehicle lacks; an empty text if there is nothing.
+Need = Callable[[Any, Vehicle], str]
+
+
+def driven(*needed: str) -> Need:
+    """These wheels must be among the driven ones."""
+
+    def lacks(_parameters: Any, vehicle: Vehicle) -> str:
+        return "" if set(needed) <= set(vehicle.driven_wheels) else f"{listed(needed)} among the driven wheels"
+
+    return lacks
+
+
+def only_driven(*needed: str) -> Need:
+    """These wheels must be the driven ones."""
+
+    def lacks(_parameters: Any, vehicle: Vehicle) -> str:
+        return "" if set(needed) == set(vehicle.driven_wheels) else f"{listed(needed)} as the only driven wheels"
+
+    return lacks
+
+
+def any_driven(_parameters: Any, vehicle: Vehicle) -> str:
+    """At least one wheel must be driven."""
+    return "" if vehicle.driven_wheels else "at least one driven wheel"
+
+
+FRONT_WHEELS_DRIVEN = driven("front_left", "front_right")
+REAR_WHEELS_DRIVEN = driven("rear_left", "rear_right")
+ALL_WHEELS_DRIVEN = driven(*WHEEL_NAMES)
+
+
+def listed(names: tuple[str, ...]) -> str:
+    """Names in one phrase."""
+    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+
+
+def refusal(role: str, method: str, needs: tuple[Need, ...], parameters: Any, vehicle: Vehicle) -> str:
+    """The line that refuses a layout, empty if it suits."""
+    for need in needs:
+        lacking = need(parameters, vehicle)
+        if lacking:
+            drives = ", ".join(vehicle.driven_wheels) or "none"
+            return f"{role} method {method} needs {lacking}, vehicle {vehicle.name} drives {drives}"
+    return ""

@@ -1,0 +1,65 @@
+"""The tyres of a vehicle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
+
+
+@dataclass(frozen=True, slots=True)
+class Tyre:
+    """Friction curve, combined slip and carcass of the tyres; all four are alike.
+
+    The carcass values are assumptions: no source gives them, and a passenger-car tyre has about these (relaxation
+    lengths of 0.2 to 0.4 m). Steady driving does not depend on them.
+    """
+
+    curve: str = parameter(
+        "burckhardt",
+        choices=("burckhardt", "rational", "two_exponential", "magic_formula", "linear"),
+        about="friction curve over slip",
+    )
+    coefficients: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0, 0.0),
+        unit="1",
+        low=-50.0,
+        high=1000.0,
+        about="coefficients on dry asphalt, in the order of the curve (rational: peak, peak slip; two_exponential: "
+        "mu_s, S0, S1; magic_formula: B, C, D, E; linear: slope); burckhardt takes those of the surface",
+    )
+    combined: str = parameter(
+        "slip_vector",
+        choices=("slip_vector", "uncoupled"),
+        about="slip_vector: one curve over the resulting slip; uncoupled: each direction on its own",
+    )
+    lateral_curve: str = parameter(
+        "same", choices=("same", "linear"), about="lateral curve; linear needs `uncoupled` and has no friction limit"
+    )
+    lateral_ratio: float = parameter(
+        1.0, unit="1", low=0.1, high=10.0, about="lateral over longitudinal slip stiffness of the curve"
+    )
+    front_cornering_stiffness: float = parameter(
+        60000.0, unit="N/rad", low=0.0, high=1e6, about="of each front tyre at its static load, if the curve is linear"
+    )
+    rear_cornering_stiffness: float = parameter(
+        60000.0, unit="N/rad", low=0.0, high=1e6, about="of each rear tyre at its static load, if the curve is linear"
+    )
+    longitudinal_stiffness: float = parameter(
+        350e3, unit="N/m", low=1e4, high=1e7, about="carcass stiffness between rim and contact patch, along the wheel"
+    )
+    lateral_stiffness: float = parameter(
+        200e3, unit="N/m", low=1e4, high=1e7, about="carcass stiffness between rim and contact patch, across the wheel"
+    )
+    longitudinal_damping_time: float = parameter(
+        0.01, unit="s", low=1e-3, high=0.1, about="carcass damping over stiffness, along the wheel"
+    )
+    lateral_damping_time: float = parameter(
+        0.02, unit="s", low=1e-3, high=0.1, about="carcass damping over stiffness, across the wheel"
+    )
+
+    def __post_init__(self) -> None:
+        if len(self.coefficients) != 4:
+            raise ParameterError("coefficients needs four elements (those that the curve does not have are zero)")
+        if self.lateral_curve == "linear" and self.combined != "uncoupled":
+            raise ParameterError("lateral_curve linear needs combined uncoupled: a line has no share of a slip vector")

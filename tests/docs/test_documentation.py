@@ -1,0 +1,155 @@
+"""The pages say what the code says, and the examples in them work."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from source_runs import driven
+
+from ev_sim.documentation.markdown import block_names, table, with_blocks
+from ev_sim.documentation.pages import stale_pages
+from ev_sim.documentation.results import drive_all, result_table
+from ev_sim.documentation.scenario_results import SCENARIO_PAGES, results_of
+from ev_sim.recording.recording import load, signal_hash
+from ev_sim.run_scenario import main as run_scenario
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "docs" / "examples"
+PAGES = sorted([ROOT / "README.md", ROOT / "CHANGELOG.md", *ROOT.glob("docs/*.md")])
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
+DURATION = 1.0  # s of simulated time of the runs with the examples; the car is accelerating
+LIMIT = 50.0  # N m, far below the 250 N m for each wheel that the acceleration takes
+
+
+@pytest.fixture(autouse=True)
+def config_of_this_repository(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("EV_STACK_CONFIG", str(ROOT / "config"))
+
+
+def test_generated_parts_are_fresh():
+    stale = [str(page.relative_to(ROOT)) for page in stale_pages(ROOT)]
+    assert not stale, "run scripts/document.sh"
+
+
+def test_only_the_text_between_the_marks_changes():
+    end = "<!-- end of generated -->"
+    page = f"a\n<!-- generated: x -->\nold\n{end}\nb <!-- generated: y -->\n{end}"
+    assert block_names(page) == ["x", "y"]
+    assert with_blocks(page, {"x": "new\n"}) == page.replace("old", "new")
+
+
+def test_bars_in_a_cell_do_not_end_it():
+    assert table(("a",), [("|x|",)]).splitlines()[-1] == r"| \|x\| |"
+
+
+def test_results_are_those_of_the_runs():
+    compare_results("docs/shchur2019.md", result_table(drive_all()))
+
+
+@pytest.mark.parametrize("page", SCENARIO_PAGES)
+def test_results_of_a_scenario_are_those_of_its_runs(page: str):
+    of = SCENARIO_PAGES[page]
+    compare_results(page, results_of(of, driven(of.scenario)))
+
+
+def compare_results(page: str, text: str):
+    """Numbers, not text: another processor may round the last digit differently."""
+    written = (ROOT / page).read_text().partition("<!-- generated: results -->")[2].partition("<!-- end")[0]
+    lines, now = written.strip().splitlines(), text.strip().splitlines()
+    assert [NUMBER.sub("", line) for line in lines] == [NUMBER.sub("", line) for line in now]
+    for line_written, line_now in zip(lines, now, strict=True):
+        numbers = [float(number) for number in NUMBER.findall(line_written)]
+        assert numbers == pytest.approx([float(n) for n in NUMBER.findall(line_now)], rel=1e-3), "document.sh --runs"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page: Path):
+    for target in re.findall(r"\]\(([^)]+)\)", page.read_text()):
+        if not target.startswith("http"):
+            path, _, anchor = target.partition("#")
+            linked = page.parent / path if path else page
+            assert linked.exists(), target
+            assert not anchor or anchor in _anchors(linked), target
+
+
+def _anchors(page: Path) -> set[str]:
+    """The anchors that GitHub gives to the headings of a page."""
+    headings = re.findall(r"^#+ (.+)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def test_images_are_small():
+    images = list((ROOT / "docs" / "images").iterdir())
+    assert images
+    assert all(image.stat().st_size < 300_000 for image in images)
+
+
+def test_readme_shows_every_option_of_run_sh(capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit):
+        run_scenario(["--help"])
+    options = set(re.findall(r"--[a-z][a-z-]+", capsys.readouterr().out))
+    described = (ROOT / "README.md").read_text().partition("## Ways to run")[2].partition("\n## ")[0]
+    assert set(re.findall(r"--[a-z][a-z-]+", described)) == options
+
+
+def test_readme_shows_the_own_node_as_it_is():
+    shown = (ROOT / "README.md").read_text().partition("```python\n")[2].partition("```")[0]
+    assert shown in (EXAMPLES / "own_node.py").read_text()
+
+
+@pytest.fixture(scope="module")
+def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a short run with the built-in nodes."""
+    folder = tmp_path_factory.mktemp("built_in")
+    run_scenario(["shchur2019", "--offline", "--no-record", "--duration", str(DURATION), "--out", str(folder)])
+    return folder
+
+
+def drive_with_own_node(out: Path, *arguments: str) -> Path:
+    """The signals of the same run over DDS with own_node.py as the asr."""
+    command = " ".join([sys.executable, str(EXAMPLES / "own_node.py"), *arguments])
+    run_scenario(
+        ["shchur2019", "--no-record", "--duration", str(DURATION), "--out", str(out), "--node", f"asr={command}"]
+    )
+    return out / "signals.npz"
+
+
+def test_own_node_with_an_equal_law_gives_the_equal_hash(built_in: Path, tmp_path: Path):
+    """The limit of 1000 N m is never reached, so the law is that of `off`."""
+    own = drive_with_own_node(tmp_path / "own")
+    assert signal_hash(load(own)) == signal_hash(load(built_in / "signals.npz"))
+
+
+def test_own_node_replaces_the_built_in_one(tmp_path: Path):
+    limited = load(drive_with_own_node(tmp_path / "own", "--ros-args", "-p", f"limit:={LIMIT}"))
+    assert np.max(limited.channels["torque_request.drive.front_left"]) > LIMIT
+    assert np.max(limited.channels["torque_command.drive.front_left"]) == LIMIT
+
+
+@pytest.mark.parametrize(
+    ("module", "method"),
+    [("own_method", "limit"), ("own_law", "limit_in_python"), ("own_law", "limit_compiled")],
+)
+def test_own_method_is_found_by_its_entry_point(built_in: Path, tmp_path: Path, module: str, method: str):
+    """As installed: a folder on the path with the module and its metadata."""
+    package = tmp_path / f"{module}-1.0.dist-info"
+    package.mkdir()
+    (package / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\n")
+    (package / "entry_points.txt").write_text(f"[ev_stack.methods]\nasr = {module}\n")
+    (tmp_path / f"{module}.py").write_text((EXAMPLES / f"{module}.py").read_text())
+    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
+
+    def run(*options: str) -> str:
+        command = [sys.executable, "-c", "from ev_sim.run_scenario import main; main()", *options]
+        return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
+
+    assert "Limit the drive torque of every wheel" in run("--list")
+    short = ("shchur2019", "--offline", "--no-record", "--duration", str(DURATION), "--method", f"asr={method}")
+    run(*short, "--set", f"asr.limit={LIMIT}", "--out", str(tmp_path / "limited"))
+    assert np.max(load(tmp_path / "limited" / "signals.npz").channels["wheel_states.effort.front_left"]) == LIMIT
+    run(*short, "--out", str(tmp_path / "equal"))
+    assert signal_hash(load(tmp_path / "equal" / "signals.npz")) == signal_hash(load(built_in / "signals.npz"))

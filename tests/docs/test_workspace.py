@@ -1,0 +1,49 @@
+"""The workspace is one that colcon, pip and bash understand."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("ev_control", "ev_msgs_py", "ev_sim")
+SCRIPTS = sorted([*ROOT.glob("scripts/*.sh"), ROOT / ".ci" / "run"])
+
+
+def test_colcon_knows_every_package_as_ament_python():
+    """A package.xml that is not valid silently makes a plain `python` package of it, which `ros2 run` cannot find."""
+    command = [sys.executable, "-m", "colcon", "--log-base", "/dev/null", "list", "--base-paths", str(ROOT / "src")]
+    listed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    types = {name: build_type for name, _, build_type in (line.split("\t") for line in listed.splitlines())}
+    assert types == dict.fromkeys(PACKAGES, "(ros.ament_python)")
+
+
+def test_versions_agree():
+    versions = set()
+    for package in PACKAGES:
+        folder = ROOT / "src" / package
+        versions.add(ElementTree.parse(folder / "package.xml").findtext("version"))
+        versions.update(re.findall(r'version="([^"]+)"', (folder / "setup.py").read_text()))
+    assert len(versions) == 1
+
+
+def test_requirements_are_pinned():
+    lines = [line.partition("#")[0].strip() for line in (ROOT / "requirements.txt").read_text().splitlines()]
+    loose = [line for line in lines if line and not re.fullmatch(r"[\w.-]+(\[\w+\])?==\d+(\.\d+)+", line)]
+    assert not loose
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.name)
+def test_script_is_valid_and_executable(script: Path):
+    subprocess.run(["bash", "-n", str(script)], check=True)
+    assert script.stat().st_mode & 0o111 == 0o111
+
+
+@pytest.mark.parametrize("name", ["setup.sh", "test.sh"])
+def test_help_needs_no_set_up(name: str):
+    script = ROOT / "scripts" / name
+    shown = subprocess.run([script, "--help"], check=True, capture_output=True, text=True)
+    assert f"scripts/{name}" in shown.stdout

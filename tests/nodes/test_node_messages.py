@@ -1,0 +1,213 @@
+"""What nodes make of messages that nobody should send, and of commands that are too old."""
+
+import math
+import time
+from array import array
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from ros_graph import PATIENCE, Probe, node_of, ros_domain
+
+from ev_msgs_py.contract.signals import (
+    DriverCommand,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
+from ev_msgs_py.contract.stamps import from_seconds, to_seconds
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.lockstep.methods import create, find_method
+from ev_msgs_py.nodes.spinning import spin
+from ev_msgs_py.vehicle.description import Vehicle
+
+PERIOD = 0.01
+DRIVER = DriverCommand(drive_torque=100.0, brake_torque=0.0, hand_torque=1.0)
+TURNED = SteeringColumnState(0.8, 0.1, 1.0, 0.02, 0.0)
+
+
+class Bench:
+    """One node, and a probe that plays all the others."""
+
+    def __init__(self, context: Any, name: str, says: tuple[type, ...], hears: type, **values: Any) -> None:
+        self.node = node_of(context, name, values)
+        self.probe = Probe(context)
+        self.heard = self.probe.listen(hears)
+        writer = self.node.writers[hears].publisher
+        mouths = [self.probe.publisher_of(signal) for signal in says]
+        self.run(lambda: writer.get_subscription_count() and all(m.get_subscription_count() for m in mouths))
+
+    def run(self, until: Callable[[], Any]) -> None:
+        deadline = time.monotonic() + PATIENCE
+
+        def finished() -> bool:
+            self.probe.look()
+            assert time.monotonic() < deadline, f"{self.heard[-3:]}; {self.probe.reports}"
+            return bool(until())
+
+        spin([self.node], finished)
+
+    def say(self, seconds: float, signal: Any, spoil: Callable[[Any], None] = lambda message: None) -> None:
+        message = self.probe.message(seconds, signal)
+        spoil(message)
+        self.probe.publisher_of(type(signal)).publish(message)
+
+
+@pytest.fixture
+def law() -> Iterator[Bench]:
+    """A law with a memory, after its first step."""
+    with ros_domain() as context:
+        bench = Bench(
+            context,
+            "electronic_differential",
+            (DriverCommand, SteeringColumnState),
+            WheelTorqueRequest,
+            method="steer_by_wire",
+        )
+        bench.say(0.0, DRIVER)
+        bench.say(0.0, TURNED)
+        bench.run(lambda: bench.heard)
+        yield bench
+
+
+def expected(steps: int) -> list[WheelTorqueRequest]:
+    """What the law answers to equal inputs step by step; its integral makes each answer another one."""
+    method = find_method("electronic_differential", "steer_by_wire")
+    law = create(method, method.parameters(), Vehicle(), PERIOD)
+    return [law.step(DRIVER, TURNED) for _ in range(steps)]
+
+
+def assert_goes_on_as_if_nothing_had_been(law: Bench) -> None:
+    law.say(PERIOD, TURNED)
+    law.run(lambda: len(law.heard) == 2)
+    assert [to_seconds(stamp) for stamp, _ in law.heard] == [0.0, PERIOD]
+    assert [signal for _, signal in law.heard] == expected(2)
+    assert expected(2)[0] != expected(2)[1]
+
+
+def set_number(field: str, value: float) -> Callable[[Any], None]:
+    def spoil(message: Any) -> None:
+        getattr(message, field)[0] = value
+
+    return spoil
+
+
+def set_names(*names: str) -> Callable[[Any], None]:
+    def spoil(message: Any) -> None:
+        message.name = list(names)
+
+    return spoil
+
+
+def shorten(message: Any) -> None:
+    message.velocity = message.velocity[:1]
+
+
+def lengthen(message: Any) -> None:
+    message.name = [*message.name, "trailer"]
+    for field in ("position", "velocity", "effort"):
+        setattr(message, field, array("d", [*getattr(message, field), 0.0]))
+
+
+SPOILT = {
+    "NaN": (set_number("position", math.nan), "angle is nan"),
+    "infinity": (set_number("velocity", math.inf), "rate is inf"),
+    "a wrong name": (set_names("steering_wheel", "rear_wheels"), "rear_wheels"),
+    "a name twice": (set_names("steering_wheel", "steering_wheel"), "road_wheels"),
+    "a missing name": (set_names("steering_wheel"), "road_wheels"),
+    "no names": (set_names(), "road_wheels"),
+    "a missing number": (shorten, "velocity"),
+    "a joint too many": (lengthen, "trailer"),
+}
+
+
+@pytest.mark.parametrize(("spoil", "named"), SPOILT.values(), ids=SPOILT)
+def test_a_spoilt_message_is_reported_and_changes_nothing(law, spoil, named):
+    law.say(PERIOD, DRIVER)
+    law.say(PERIOD, TURNED, spoil)
+    law.run(lambda: law.probe.reports)
+    (report,) = law.probe.reports
+    assert report.startswith("/ev/electronic_differential: steering_column/state at 0.01 s ignored: ")
+    assert named in report
+    assert_goes_on_as_if_nothing_had_been(law)
+
+
+@pytest.mark.parametrize("seconds", [0.015, 0.03, 500.0])
+def test_a_stamp_of_no_step_that_can_come_is_reported_once_and_changes_nothing(law, seconds):
+    law.say(PERIOD, DRIVER)
+    law.say(seconds, TURNED)
+    law.say(seconds, TURNED)
+    law.run(lambda: law.probe.reports)
+    assert_goes_on_as_if_nothing_had_been(law)
+    (report,) = law.probe.reports
+    assert f"steering_column/state at {seconds} s ignored (reported once): 0.01 s is due" in report
+
+
+def test_joints_in_another_order_are_read_by_name(law):
+    """A stranger's node may list them as it likes."""
+
+    def turn_round(message: Any) -> None:
+        for field in ("name", "position", "velocity", "effort"):
+            setattr(message, field, getattr(message, field)[::-1])
+
+    law.say(PERIOD, DRIVER)
+    law.say(PERIOD, TURNED, turn_round)
+    law.run(lambda: len(law.heard) == 2)
+    assert [signal for _, signal in law.heard] == expected(2)
+    assert law.probe.reports == []
+
+
+def test_an_answered_stamp_cannot_be_rewritten(law):
+    """The driver is before the law: its repeated stamp asks for the answer again, whatever it says now."""
+    law.say(0.0, DriverCommand(-5.0, 0.0, 0.0))
+    law.run(lambda: len(law.heard) == 2)
+    assert [to_seconds(stamp) for stamp, _ in law.heard] == [0.0, 0.0]
+    assert law.heard[0] == law.heard[1]
+
+
+@pytest.fixture
+def plant() -> Iterator[Bench]:
+    """A car on the wall clock, on its wheels, with straight wheels."""
+    with ros_domain() as context:
+        says = (SteeringColumnState, WheelTorqueCommand)
+        bench = Bench(context, "plant", says, WheelStates, mode="realtime", method="kinematic")
+        bench.say(0.0, SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0))
+        bench.run(lambda: bench.node.now > 0)
+        yield bench
+
+
+def driven(plant: Bench) -> list[int]:
+    """Stamps of the states before which a drive torque acted."""
+    return [stamp for stamp, wheels in plant.heard if wheels.effort.front_left != 0.0]
+
+
+def command_while(plant: Bench, until: Callable[[], bool], **spoil: Any) -> int:
+    """Send commands of 50 N m that are stamped now; the last stamp."""
+    last = 0
+
+    def said_enough() -> bool:
+        nonlocal last
+        if until():
+            return True
+        last = plant.node.now
+        plant.say(to_seconds(last), WheelTorqueCommand(Wheels.front(50.0, 50.0)), **spoil)
+        return False
+
+    plant.run(said_enough)
+    return last
+
+
+def test_a_command_older_than_its_time_limit_becomes_zero_torque(plant):
+    """A state shows the torque of the period before it, so the last one comes one period after the limit of 0.1 s."""
+    last = command_while(plant, lambda: len(driven(plant)) >= 5)
+    plant.run(lambda: plant.heard[-1][0] > last + from_seconds(0.3))
+    assert last + from_seconds(0.1) <= driven(plant)[-1] <= last + from_seconds(0.1 + PERIOD)
+    assert {wheels.effort.front_left for _, wheels in plant.heard} == {0.0, 50.0}
+
+
+def test_a_spoilt_command_counts_as_none(plant):
+    start = plant.node.now
+    command_while(plant, lambda: plant.node.now > start + from_seconds(0.2), spoil=set_number("effort", math.nan))
+    assert driven(plant) == []
+    assert any("torque_command" in report and "drive.front_left is nan" in report for report in plant.probe.reports)

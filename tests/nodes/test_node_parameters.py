@@ -1,0 +1,121 @@
+"""Parameters of the nodes: described with unit and range, changed as a whole and live, or refused with a reason."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from rcl_interfaces.msg import ParameterType
+from rclpy.parameter import Parameter
+from ros_graph import node_of, ros_domain
+
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.lockstep.methods import all_methods
+from ev_msgs_py.parameters.declaration import entries
+from ev_sim.recording.recorder_parameters import RecorderParameters
+
+LAW = "electronic_differential"
+EVERY_METHOD = [(role, name) for role, methods in all_methods().items() for name in methods]
+
+
+@pytest.fixture(scope="module")
+def context() -> Iterator[Any]:
+    with ros_domain() as context:
+        yield context
+
+
+@pytest.fixture
+def law(context) -> Iterator[Any]:
+    node = node_of(context, LAW, {"method": "steer_by_wire"})
+    yield node
+    node.destroy_node()
+
+
+def tried(node: Any, **values: Any) -> str:
+    """Set all at once, as ros2 param load does; what the node says against it, empty if nothing."""
+    parameters = [Parameter(name.replace("__", "."), value=value) for name, value in values.items()]
+    result = node.set_parameters_atomically(parameters)
+    assert result.successful == (not result.reason)
+    return result.reason
+
+
+@pytest.mark.parametrize("name", [*ROLES, "recorder"])
+def test_every_parameter_is_described_with_unit_and_range(context, name, tmp_path):
+    node = node_of(context, name, {"directory": str(tmp_path)} if name == "recorder" else {})
+    declared = entries(RecorderParameters) if name == "recorder" else node.configuration.entries()
+    assert len(declared) > 5
+    for entry in declared:
+        shown = node.describe_parameter(entry.name)
+        assert shown.description.startswith(entry.spec.about)
+        assert entry.spec.allowed in shown.additional_constraints
+        assert f"[{entry.spec.unit}]" in shown.description or not entry.spec.unit
+        assert shown.read_only == entry.spec.read_only
+        ranges = [*shown.floating_point_range, *shown.integer_range]
+        if not entry.is_array and entry.spec.low is not None:
+            assert ranges[0].from_value == entry.spec.low
+        if not entry.is_array and entry.spec.high is not None:
+            assert ranges[0].to_value == entry.spec.high
+    node.destroy_node()
+
+
+def test_a_described_parameter_in_full(context, law):
+    """What `ros2 param describe` shows, in one example."""
+    shown = law.describe_parameter("natural_frequency")
+    assert shown.type == ParameterType.PARAMETER_DOUBLE
+    assert shown.description == "natural frequency of the servo, w_0 [rad/s] (assumption)"
+    assert [(r.from_value, r.to_value) for r in shown.floating_point_range] == [(0.1, 100.0)]
+    assert shown.additional_constraints == "allowed: 0.1 to 100 rad/s"
+
+
+def test_a_change_is_taken_over_live_and_the_state_lasts(law):
+    before = law.stepper.part
+    before.state = [3.0]  # the integral
+    assert tried(law, natural_frequency=9.0, max_torque_difference=80.0) == ""
+    assert law.get_parameter("natural_frequency").value == law.configuration.parameters.natural_frequency == 9.0
+    assert law.stepper.part is not before
+    assert law.stepper.part.state == [3.0]
+
+
+REFUSED = {
+    "too low": ({"natural_frequency": 0.0}, "natural_frequency"),
+    "too high": ({"natural_frequency": 1e6}, "natural_frequency"),
+    "not a number": ({"natural_frequency": float("nan")}, "natural_frequency"),
+    "infinite": ({"natural_frequency": float("inf")}, "natural_frequency"),
+    "of another type": ({"natural_frequency": "fast"}, "type"),
+    "read-only": ({"vehicle.mass": 1000.0}, "vehicle.mass"),
+    "the method": ({"method": "equal_torque"}, "method"),
+    "one good and one bad": ({"natural_frequency": 9.0, "damping_ratio": -1.0}, "damping_ratio"),
+}
+
+
+@pytest.mark.parametrize(("values", "named"), REFUSED.values(), ids=REFUSED)
+def test_a_bad_value_is_refused_with_a_reason_and_nothing_changes(law, values, named):
+    configuration, played = law.configuration, law.stepper.part
+    everything = {name: parameter.value for name, parameter in law.get_parameters_by_prefix("").items()}
+    assert named in tried(law, **values)
+    assert {name: parameter.value for name, parameter in law.get_parameters_by_prefix("").items()} == everything
+    assert law.configuration is configuration
+    assert law.stepper.part is played
+
+
+def test_an_unknown_choice_lists_the_known_ones(context):
+    driver = node_of(context, "driver", {})
+    assert "hand_torque, angle" in tried(driver, steering__mode="elbow")
+    driver.destroy_node()
+
+
+def test_values_that_belong_together_change_together(context):
+    """Times and speeds of a profile have the same number, so neither can change in length alone."""
+    driver = node_of(context, "driver", {})
+    assert "same number" in tried(driver, speed_profile__time=[0.0, 1.0, 2.0])
+    assert tried(driver, speed_profile__time=[0.0, 1.0, 2.0], speed_profile__speed=[0.0, 1.0, 1.0]) == ""
+    assert driver.configuration.parameters.speed_profile.speed == (0.0, 1.0, 1.0)
+    driver.destroy_node()
+
+
+def test_how_time_runs_can_change_without_touching_the_plant(context):
+    plant = node_of(context, "plant", {})
+    played = plant.stepper.part
+    assert tried(plant, real_time_factor=2.0) == ""
+    assert plant.configuration.extra.real_time_factor == 2.0
+    assert plant.stepper.part is played
+    plant.destroy_node()

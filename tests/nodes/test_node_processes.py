@@ -1,0 +1,125 @@
+"""Nodes as executables: Ctrl-C ends them in peace, and what is wrong is one line and exit status 1."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from ros_graph import NAMESPACE, PATIENCE, Probe, ros_domain
+
+from ev_msgs_py.contract.signals import WheelTorqueRequest
+from ev_msgs_py.contract.wheels import Wheels
+from ev_sim.scenario.processes import EXECUTABLES, command
+
+BROKEN_LAW = '''
+from dataclasses import dataclass
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.nodes.run_role import run_role
+from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
+from ev_msgs_py.contract.wheels import Wheels
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """None."""
+
+@method("asr", "broken")
+class Broken:
+    """Divide zero by zero."""
+
+    parameters = Parameters
+    state = None
+
+    def __init__(self, parameters, vehicle, period):
+        """Nothing to keep."""
+
+    def step(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
+        """Not a number."""
+        return WheelTorqueCommand(Wheels.all(float("inf") - float("inf")))
+
+run_role("asr")
+'''
+
+
+def start(words: list[str], domain: int = 0) -> subprocess.Popen:
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    return subprocess.Popen(words, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+
+def wait_until(holds: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+def test_every_node_ends_in_peace_when_it_is_told_to(kind, tmp_path):
+    """Without a run, in the middle of waiting for each other."""
+    with ros_domain() as context:
+        probe = Probe(context)
+        nodes = {}
+        more = {"recorder": ["-p", f"directory:={tmp_path}"], "plant": ["-p", "answer_timeout:=600.0"]}
+        for name in EXECUTABLES:
+            words = [*command(name), "--ros-args", "-r", f"__ns:={NAMESPACE}", *more.get(name, ())]
+            nodes[name] = start(words, context.get_domain_id())
+        wait_until(lambda: {*nodes} <= {name for name, _ in probe.get_node_names_and_namespaces()})
+        for process in nodes.values():
+            process.send_signal(kind)
+        said = {name: process.communicate(timeout=PATIENCE)[0] for name, process in nodes.items()}
+    assert {name: process.returncode for name, process in nodes.items()} == dict.fromkeys(nodes, 0)
+    assert said == dict.fromkeys(nodes, "")
+    assert (tmp_path / "signals.npz").exists()
+
+
+BAD = {
+    "out of range": (["--ros-args", "-p", "vehicle.mass:=-3.0"], "vehicle.mass: -3.0 is refused"),
+    "of a wrong type": (["--ros-args", "-p", "vehicle.mass:=heavy"], "vehicle.mass: 'heavy' is refused"),
+    "unknown parameter": (["--ros-args", "-p", "vehicle.mas:=3.0"], "known: vehicle.mass"),
+    "unknown method": (["--ros-args", "-p", "method:=flying"], "known: "),
+    "no YAML": (["--ros-args", "-p", "vehicle.mass:=[1, two]"], "vehicle.mass"),
+    "missing file": (["--ros-args", "--params-file", "/no/such/file.yaml"], "/no/such/file.yaml"),
+    "unknown ROS argument": (["--ros-args", "--fly"], "--fly"),
+    "argument without --ros-args": (["-p", "vehicle.mass:=3000.0"], "--ros-args"),
+}
+
+
+@pytest.mark.parametrize(("words", "named"), BAD.values(), ids=BAD)
+def test_bad_input_is_one_line_and_status_1(words, named):
+    process = start([*command("driver"), *words])
+    said, _ = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 1
+    assert said.count("\n") == 1 and said.startswith("driver: ")
+    assert named in said
+
+
+def test_a_recorder_without_a_place_to_write_says_so(tmp_path):
+    (tmp_path / "file").touch()
+    process = start([*command("recorder"), "--ros-args", "-p", f"directory:={tmp_path / 'file'}"])
+    said, _ = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, said.count("\n")) == (1, 1)
+    assert str(tmp_path / "file") in said
+
+
+def test_a_law_that_gives_no_number_ends_its_node(tmp_path: Path):
+    """Nobody may receive NaN as a torque: the node says what was wrong, and ends before it speaks."""
+    script = tmp_path / "asr.py"
+    script.write_text(BROKEN_LAW)
+    with ros_domain() as context:
+        probe = Probe(context)
+        mouth = probe.publisher_of(WheelTorqueRequest)
+        words = [sys.executable, str(script), "--ros-args", "-p", "method:=broken", "-r", f"__ns:={NAMESPACE}"]
+        process = start(words, context.get_domain_id())
+        request = probe.message(0.0, WheelTorqueRequest(Wheels.all(1.0)))
+
+        def ended() -> bool:
+            mouth.publish(request)  # again and again: the node may not have found the probe yet
+            return process.poll() is not None
+
+        wait_until(ended)
+        said, _ = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 1
+    assert said == "asr: WheelTorqueCommand.drive.front_left is nan, only finite numbers are allowed\n"

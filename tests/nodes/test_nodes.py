@@ -1,0 +1,145 @@
+"""All nodes in one process over DDS: the same numbers as offline, however they are run and whoever comes and goes."""
+
+from pathlib import Path
+
+import pytest
+from ros_graph import WAYS, Graph, graph, shchur
+
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.sensors.quantities import QUANTITIES
+from ev_sim.recording.recording import load, signal_hash
+from ev_sim.scenario.node_parameters import RECORDER
+from ev_sim.scenario.offline import run_offline
+from ev_sim.scenario.scenario import Overrides, Run, load_scenario
+
+NODES = (*ROLES, RECORDER)
+
+
+def offline_hash(run: Run) -> str:
+    return signal_hash(run_offline(run.configurations, run.duration))
+
+
+def recorded_hash(directory: Path) -> str:
+    return signal_hash(load(directory / "signals.npz"))
+
+
+class Said:
+    """What the nodes have logged since this was made."""
+
+    def __init__(self, capture: pytest.CaptureFixture) -> None:
+        capture.readouterr()
+        self._capture = capture
+        self.text = ""
+
+    def until_now(self) -> str:
+        self.text += self._capture.readouterr().err
+        return self.text
+
+
+def complete(run: Run, directory: Path, nodes: Graph) -> None:
+    """Run to the end, and compare with the offline runner."""
+    nodes.run()
+    assert recorded_hash(directory) == offline_hash(run)
+
+
+@pytest.mark.parametrize("way", WAYS.values(), ids=WAYS)
+def test_the_graph_gives_the_same_numbers_as_the_offline_runner(way, tmp_path):
+    run = shchur(2.0)
+    with graph(run, tmp_path) as nodes:
+        nodes.run(way=way)
+        assert nodes.probe.reports == []
+    assert recorded_hash(tmp_path) == offline_hash(run)
+
+
+def test_sensors_show_the_same_over_dds_as_offline(tmp_path):
+    """Noise, bias, quantisation, delay and drop-out in every sensor of plant and column; the seed decides."""
+    errors = {"noise": 0.01, "bias": -0.01, "quantisation": 1e-3, "delay": 2, "dropout": 0.1}
+    values = {
+        f"{role}__sensors.{quantity.name}.{error}": value
+        for role, configuration in shchur(1.0).configurations.items()
+        for quantity in QUANTITIES
+        if quantity.signal in configuration.method.writes
+        for error, value in errors.items()
+    }
+    assert {name.split("__")[0] for name in values} == {"plant", "steering_column"}
+    run = shchur(1.0, plant__seed=4, steering_column__seed=4, **values)
+    with graph(run, tmp_path) as nodes:
+        nodes.run()
+    recorded = recorded_hash(tmp_path)
+    assert recorded == offline_hash(run)
+    assert recorded != offline_hash(shchur(1.0, plant__seed=5, steering_column__seed=4, **values))
+
+
+def test_equal_hashes_say_something():
+    """Hashes that are always equal would prove nothing: a virtual spring that is one part in 10^12 softer shows."""
+    softer = shchur(12.0, electronic_differential__k_ck=0.051 * (1 - 1e-12))
+    assert offline_hash(shchur(12.0)) == offline_hash(shchur(12.0)) != offline_hash(softer)
+
+
+@pytest.mark.parametrize("late", NODES)
+def test_everybody_waits_for_a_node_that_starts_late(late, tmp_path):
+    run = shchur(0.3)
+    with graph(run, tmp_path, names=[name for name in NODES if name != late]) as nodes:
+        nodes.run_for(0.3)
+        nodes.start(late)
+        complete(run, tmp_path, nodes)
+        assert nodes.probe.reports == []
+
+
+@pytest.mark.parametrize("dead", [name for name in ROLES if name != "plant"])
+def test_the_master_names_a_dead_node_and_goes_on_with_its_successor(dead, tmp_path, capfd):
+    run = shchur(0.5, plant__answer_timeout=0.2, plant__real_time_factor=1.0)
+    with graph(run, tmp_path) as nodes:
+        nodes.run(lambda: nodes.time >= 0.2)
+        nodes.kill(dead)
+        said = Said(capfd)
+        nodes.run(lambda: "ERROR" in said.until_now())
+        assert f"not in the graph: {dead}\n" in said.text
+        assert nodes.time < 0.5
+        nodes.start(dead)
+        nodes.run()
+        assert [report for report in nodes.probe.reports if "joined" in report and "not reproducible" in report]
+    assert load(tmp_path / "signals.npz").duration == 0.5
+
+
+def test_the_master_says_that_it_waits_for_the_recorder(tmp_path, capfd):
+    """The recorder holds back the end, else the last steps could be lost."""
+    run = shchur(0.5, plant__answer_timeout=0.2)
+    with graph(run, tmp_path, names=ROLES) as nodes:
+        said = Said(capfd)
+        nodes.run(lambda: "ERROR" in said.until_now())
+        assert "waiting for the recorder at 0.0 s" in said.text
+        assert nodes.time == 0.0
+
+
+def test_a_restarted_master_begins_the_run_anew(tmp_path):
+    run = shchur(0.5, plant__real_time_factor=1.0)
+    with graph(run, tmp_path) as nodes:
+        nodes.run(lambda: nodes.time >= 0.2)
+        nodes.kill("plant")
+        assert not nodes.nodes[RECORDER].done
+        nodes.start("plant")
+        complete(run, tmp_path, nodes)
+
+
+@pytest.mark.parametrize(
+    ("driver", "differential", "asr"),
+    [
+        ("pulse", "adaptive", "least_squares"),
+        ("imposed_speed", "adhesion_share", "pi_slip"),
+        ("tracking", "limited_slip_variable", "adhesion_limit"),
+    ],
+)
+def test_the_urban_cycle_is_the_same_over_dds(driver, differential, asr, tmp_path):
+    """20 s of it, of which the last four pull away on snow; the speed is imposed where the driver needs that."""
+    values = [
+        ("*", "control_period", 0.01),
+        ("driver", "method", driver),
+        ("electronic_differential", "method", differential),
+        ("asr", "method", asr),
+        ("plant", "speed", "imposed" if driver == "imposed_speed" else "free"),
+    ]
+    (run,) = load_scenario("urban_mixed", Overrides((), values, 20.0)).runs
+    with graph(run, tmp_path) as nodes:
+        complete(run, tmp_path, nodes)
+    assert load(tmp_path / "signals.npz").channels["twist.longitudinal"][-1] > 2.0

@@ -1,0 +1,151 @@
+"""The command line of scripts/run.sh: what its words mean, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.run_scenario import main
+from ev_sim.scenario.command_line import arguments, overrides, own_nodes
+
+
+def values(*words: str) -> list:
+    return list(overrides(arguments(["shchur2019", *words])).values)
+
+
+def refused(*words: str) -> str:
+    given = arguments(["shchur2019", *words])
+    with pytest.raises(ParameterError) as error:
+        own_nodes(given)
+        overrides(given)
+    text = str(error.value)
+    assert "\n" not in text
+    return text
+
+
+def test_a_name_alone_runs_the_scenario_as_its_files_say():
+    given = arguments(["shchur2019"])
+    assert (given.scenario, given.offline, given.in_process, given.no_record) == ("shchur2019", False, False, False)
+    plain = overrides(given)
+    assert (list(plain.files), list(plain.values), plain.duration) == ([], [], None)
+    assert own_nodes(given) == {}
+
+
+def test_what_the_options_mean():
+    words = ["shchur2019", "--offline", "--params", "a.yaml", "--params", "b.yaml", "--duration", "2.5", "--out", "x"]
+    given = arguments([*words, "--no-record", "--seed", "7"])
+    assert (given.offline, given.no_record, given.out) == (True, True, Path("x"))
+    said = overrides(given)
+    assert (list(said.files), said.duration) == ([Path("a.yaml"), Path("b.yaml")], 2.5)
+    assert list(said.values) == [("*", "seed", 7)]
+    assert values("--realtime") == [("*", "mode", "realtime")]
+
+
+def test_methods_and_parameters_go_to_their_node_in_order():
+    """The first dot ends the node, the first = ends the parameter."""
+    assert values("--method", "asr=off", "--method", "asr=x") == [("asr", "method", "off"), ("asr", "method", "x")]
+    assert values("--set", "driver.steering.mode=angle") == [("driver", "steering.mode", "angle")]
+    assert values("--set", "plant.name=a=b.c") == [("plant", "name", "a=b.c")]
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("5", 5),
+        ("5.0", 5.0),
+        ("1e-3", 0.001),
+        ("-1E3", -1000.0),
+        ("true", True),
+        ("off", False),
+        ("ideal", "ideal"),
+        ("'5'", "5"),
+        ("[0, 1e-3, 2.5]", [0, 0.001, 2.5]),
+        ("[front_left, rear_left]", ["front_left", "rear_left"]),
+        ("''", ""),
+        ("a b", "a b"),
+    ],
+)
+def test_a_value_is_read_as_a_parameter_file_would_read_it(text, value):
+    ((_, _, parsed),) = values("--set", f"plant.x={text}")
+    assert parsed == value
+    assert type(parsed) is type(value)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--method", "asr"], "--method 'asr' is refused, allowed is NODE=NAME"),
+        (["--method", "=off"], "--method '=off' is refused, allowed is NODE=NAME"),
+        (["--method", "asr="], "--method 'asr=' is refused, allowed is NODE=NAME"),
+        (["--set", "plant.drive"], "--set 'plant.drive' is refused, allowed is NODE.PARAM=VALUE"),
+        (["--set", "drive=ideal"], "--set 'drive' is refused, allowed is NODE.PARAM=VALUE"),
+        (["--set", ".drive=ideal"], "--set '.drive' is refused, allowed is NODE.PARAM=VALUE"),
+        (["--set", "plant.=ideal"], "--set 'plant.' is refused, allowed is NODE.PARAM=VALUE"),
+        (["--set", "plant.x=[1, 2"], "--set: '[1, 2' is no YAML value"),
+        (["--set", "plant.x=2026-99-99"], "--set: '2026-99-99' is no YAML value"),
+        (["--node", "driver"], "--node 'driver' is refused, allowed is NODE=COMMAND"),
+        (["--node", "drivr=./mine"], "unknown node 'drivr'; known: driver, "),
+        (["--node", "driver=./mine 'x"], "--node \"driver=./mine 'x\" is refused: No closing quotation"),
+    ],
+)
+def test_words_without_sense_are_one_line(words, said):
+    assert refused(*words).startswith(said)
+
+
+def test_a_node_of_ones_own_is_a_command_with_its_arguments():
+    given = arguments(["shchur2019", "--node", "asr=python3 'my asr.py' --fast", "--node", "driver=./d"])
+    assert own_nodes(given) == {"asr": ["python3", "my asr.py", "--fast"], "driver": ["./d"]}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([], "which scenario? --list shows them"),
+        (["a", "b"], "unrecognized arguments: b"),
+        (["a", "--fast"], "unrecognized arguments: --fast"),
+        (["a", "--offline", "--in-process"], "not allowed with argument"),
+        (["a", "--offline", "--realtime"], "--realtime needs DDS"),
+        (["a", "--offline", "--node", "asr=x"], "--node starts a process"),
+        (["a", "--in-process", "--node", "asr=x"], "--node starts a process"),
+        (["a", "--seed", "1.5"], "invalid int value: '1.5'"),
+        (["a", "--duration", "long"], "invalid float value: 'long'"),
+        (["a", "--set"], "expected one argument"),
+    ],
+)
+def test_unknown_words_end_with_status_2(words, said, capsys):
+    """The status that argparse and most commands give for a wrong command line."""
+    with pytest.raises(SystemExit) as ended:
+        arguments(words)
+    assert ended.value.code == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["nowhere"], "unknown scenario or study 'nowhere'; known: "),
+        (["shchur2019", "--set", "plant.drive=magic"], "plant: parameter drive: 'magic' is refused, "),
+        (["shchur2019", "--method", "asr=on"], "asr: unknown asr method 'on'; known: "),
+        (["shchur2019", "--duration", "-1"], "duration: -1.0 is refused"),
+        (["shchur2019", "--params", "nowhere.yaml"], "nowhere.yaml: No such file or directory"),
+    ],
+)
+def test_what_is_refused_ends_the_command_with_one_line_and_leaves_nothing(words, said, tmp_path):
+    """sys.exit with a text prints it and gives status 1; the output folder is not even made."""
+    out = tmp_path / "out"
+    with pytest.raises(SystemExit) as ended:
+        main([*words, "--offline", "--out", str(out)])
+    assert ended.value.code.startswith(f"error: {said}")
+    assert "\n" not in ended.value.code
+    assert not out.exists()
+
+
+def test_list_shows_every_scenario_and_method_in_a_line(capsys):
+    main(["--list"])
+    lines = capsys.readouterr().out.splitlines()
+    assert any(line.split()[0] == "shchur2019" and "Fig 4" in line for line in lines)
+    assert any(line.split()[0] == "power_steering" for line in lines)
+    assert "methods of asr" in lines
+    assert all(len(line.split()) > 1 or line == "scenarios" for line in lines)

@@ -1,0 +1,134 @@
+"""Studies: many runs on worker processes, the same table whatever drives them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from ev_sim.scenario.outcome import RunFailed
+from ev_sim.study.case import Case, drive_case
+from ev_sim.study.workers import drive_cases
+
+CASES = [
+    Case(f"from {speed:g} m/s", "coast_down", (("plant", "initial_speed", speed),), duration=2.0)
+    for speed in (10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
+]
+
+
+def last_speed(recording, run) -> dict[str, float]:
+    return {"speed": float(recording.channels["twist.longitudinal"][-1])}
+
+
+def slow_last_speed(recording, run) -> dict[str, float]:
+    time.sleep(0.5)
+    return last_speed(recording, run)
+
+
+def last_speed_but_once_the_worker_dies(recording, run) -> dict[str, float]:
+    """Dies in the middle of the second case, the first time that it is driven by any worker."""
+    first = Path(os.environ["EV_STACK_TEST_MARK"])
+    if run.configurations["plant"].parameters.initial_speed == 20.0 and not first.exists():
+        first.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return last_speed(recording, run)
+
+
+def signals(results) -> list[tuple[str, str, float]]:
+    """What may not depend on who has driven the cases."""
+    return [(result.name, result.signal_hash, result.measured["speed"]) for result in results]
+
+
+@pytest.fixture(scope="module")
+def driven_here() -> list[tuple[str, str, float]]:
+    return signals(drive_case(case, last_speed) for case in CASES)
+
+
+def test_cases_differ_and_are_driven(driven_here):
+    """All coast: slower than at their start, in its order, and each run with signals of its own."""
+    speeds = [speed for _, _, speed in driven_here]
+    assert speeds == sorted(speeds) and all(0.0 < speed < 60.0 for speed in speeds)
+    assert len({digest for _, digest, _ in driven_here}) == len(CASES)
+
+
+def test_a_worker_that_dies_costs_no_results(driven_here, tmp_path, monkeypatch):
+    """Workers of this machine: one is killed while it has a case; the results are those of this process, in order."""
+    monkeypatch.setenv("EV_STACK_TEST_MARK", str(tmp_path / "died"))
+    heard = []
+    results = drive_cases(CASES, last_speed_but_once_the_worker_dies, heard.append, workers=2)
+    assert (tmp_path / "died").exists()
+    assert signals(results) == driven_here
+    assert sorted(result.name for result in heard) == sorted(case.name for case in CASES)
+
+
+@contextmanager
+def process(*words: str):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path[1:]])}
+    started = subprocess.Popen(
+        [sys.executable, "-m", *words], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        yield started
+    finally:
+        started.kill()
+        started.wait()
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here):
+    """A real scheduler and two workers, all processes of their own; one worker is killed after the first result."""
+    address = f"tcp://127.0.0.1:{free_port()}"
+    host, port = address.removeprefix("tcp://").split(":")
+    worker = ("distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
+    with (
+        process("distributed.cli.dask_scheduler", "--host", host, "--port", port, "--no-dashboard"),
+        process(*worker),
+        process(*worker) as victim,
+    ):
+        results = drive_cases(CASES, slow_last_speed, lambda result: victim.kill(), scheduler=address)
+        assert victim.wait() == -signal.SIGKILL
+    assert signals(results) == driven_here
+
+
+def test_no_scheduler_at_that_address(monkeypatch):
+    monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 0.5)
+    with pytest.raises(RunFailed, match="cannot be reached"):
+        drive_cases(CASES[:1], last_speed, scheduler="tcp://127.0.0.1:9")
+
+
+def test_scheduler_without_workers(monkeypatch):
+    monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 3.0)
+    address = f"tcp://127.0.0.1:{free_port()}"
+    port = address.rpartition(":")[2]
+    with (
+        process("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"),
+        pytest.raises(RunFailed, match="has no workers"),
+    ):
+        drive_cases(CASES[:1], last_speed, scheduler=address)
+
+
+@pytest.mark.parametrize(
+    ("case", "line"),
+    [
+        (Case("a", "coast_down", (("plant", "initial_speed", 1e9),)), "initial_speed"),
+        (Case("a", "coast_dawn"), "coast_down"),
+        (Case("a", "launch_split_mu"), "unknown run of launch_split_mu ''; known: fixed_steering, steered"),
+        (Case("a", "coast_down", (("electronic_differential", "method", "slip_target"),)), "rear_left and rear_right"),
+    ],
+)
+def test_a_case_that_cannot_be_driven_says_why_in_one_line(case, line):
+    result = drive_case(case, last_speed)
+    assert line in result.refused and "\n" not in result.refused
+    assert not result.measured and not result.signal_hash
