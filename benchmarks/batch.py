@@ -2,8 +2,8 @@
 
     python benchmarks/batch.py [--json FILE] [--runs N]
 
-Each run has 10 s with a speed and a seed of its own, and noise in the sensors that a yaw-rate control reads: driver,
-steering column, laws and sensors every 10 ms, the plant every 1 ms. The plant alone is one object that is advanced over
+Each run has 10 s with a speed and a seed of its own, and noise in what the driver reads: driver, steering column, laws
+and sensors every 10 ms, the plant every 1 ms. The plant alone is one object that is advanced over
 seconds at a time, with fixed torques and wheels: nothing but its fused loop, on one core.
 """
 
@@ -30,7 +30,7 @@ from ev_sim.scenario.scenario import Overrides, load_scenario
 
 DURATION = 10.0  # [s]
 FUSED_STEPS = 3000
-SENSORS = {"imu_yaw_rate": 0.002, "imu_acceleration": 0.05, "wheel_speed": 0.03}  # noise [rad/s], [m/s^2], [rad/s]
+SENSORS = {"body_velocity": 0.05, "imu_yaw_rate": 0.002}  # noise [m/s], [rad/s]
 METRICS = {
     "lateral_velocity": largest_magnitude("twist.lateral"),
     "lateral_acceleration": largest_magnitude("imu.lateral_acceleration"),
