@@ -50,7 +50,8 @@ class Method:
     @property
     def writes(self) -> tuple[type, ...]:
         """The signals it writes: those of its role, or the part of them that it can know."""
-        return getattr(self.factory, "writes", None) or ROLES[self.role].writes
+        said = getattr(self.factory, "writes", None)
+        return ROLES[self.role].writes if said is None else said
 
     @property
     def requires(self) -> dict[str, str]:
