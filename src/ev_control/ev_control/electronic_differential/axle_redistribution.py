@@ -102,6 +102,7 @@ def first_branch(p: AxleRedistributionParameters) -> AxleRedistributionState:
     state=AxleRedistributionState,
     start=first_branch,
     needs=(ALL_WHEELS_DRIVEN,),
+    mirrored=True,
 )
 @compilable
 def axle_redistribution(

@@ -41,6 +41,7 @@ class Shape:
         self.size = len(self.channels)
         self.has_single = any(field.single_precision for field in self.fields.values())
         self.single = tuple(field.single_precision for field in self.fields.values() for _ in ends)
+        self.lateral = tuple(field.lateral for field in self.fields.values() for _ in ends)
 
     def flat(self, signal: Any) -> tuple[float, ...]:
         """The numbers of a signal, in the order of `channels`."""

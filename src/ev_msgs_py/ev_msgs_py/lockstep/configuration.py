@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.lockstep.hooks import ReadingFiles
 from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout
 from ev_msgs_py.parameters.declaration import Entry, ParameterError, Spec, entries, flatten, group, parameter
 from ev_msgs_py.parameters.values import entries_by_name, replaced, unknown_name
@@ -128,8 +129,9 @@ def _fitting(configuration: Configuration) -> Configuration:
     """The configuration with what its files hold; ParameterError if its method does not suit the vehicle."""
     method, common = configuration.method, configuration.common
     common = dataclasses.replace(common, vehicle=with_map_from_file(common.vehicle))
-    load_files = getattr(method.factory, "load_files", None)
-    parameters = load_files(configuration.parameters) if load_files is not None else configuration.parameters
+    parameters = configuration.parameters
+    if isinstance(method.factory, ReadingFiles):
+        parameters = method.factory.load_files(parameters)
     refuse_layout(method, parameters, common.vehicle)
     return dataclasses.replace(configuration, common=common, parameters=parameters)
 

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.lockstep.hooks import refuse_lacking
 from ev_msgs_py.lockstep.law import Law, given_names
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
@@ -58,6 +59,11 @@ class Method:
         return getattr(self.factory, "requires", {})
 
     @property
+    def mirrored(self) -> bool:
+        """Whether it claims that left and right are alike to it."""
+        return getattr(self.factory, "mirrored", False)
+
+    @property
     def law(self) -> Law | None:
         """The functions that it consists of; None if it is a class."""
         return self.factory if isinstance(self.factory, Law) else None
@@ -76,21 +82,22 @@ class Method:
 def method(role: str, name: str, parameters: type | None = None, **how: Any) -> Callable[[T], T]:
     """Register a class or a function as a method of a role.
 
-    A class has `parameters` (a parameter dataclass), `__init__(parameters, vehicle, period)` and, by the kind of
-    its role, `step(...)` (answers at once) or `outputs()` and `advance(...)` (integrates). All that lasts between steps
-    is in its attribute `state`. It may say `writes` (the part of its role's signals that it can know) and `requires`
-    (by role the method without which it makes no sense).
-
-    A function comes with its parameter dataclass and, in `how`, what else `lockstep.law.Law` has.
+    A class has what `lockstep.hooks` says: by the kind of its role that of `Answering` or `Integrating`, and what it
+    declares and offers besides. A function comes with its parameter dataclass and, in `how`, what else
+    `lockstep.law.Law` has.
 
     The annotations of `step`, `advance` or the function name the signals that are read; TypeError if the role may not
-    read one of them.
+    read one of them, or if a hook is missing.
     """
 
     def register(defined: T) -> T:
         factory: Any = defined
         if parameters is not None:
             factory = Law(defined, parameters, **how)
+            if factory.outputs is None and ROLES[role].kind is RoleKind.INTEGRATES:
+                raise TypeError(f"{role} method {name}: a {role} integrates, so its law needs outputs=")
+        else:
+            refuse_lacking(role, name, defined)
         function = _stepping(role, factory)
         hints = typing.get_type_hints(function)
         given = given_names(function) if parameters is not None else ()
