@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ev_msgs_py.check.bits import differing_bits
@@ -74,8 +74,9 @@ def _findings(
         if found:  # what plain Python shows need not be said twice, and compiled code would fail less gently
             return
     if can_compile:
-        differences = (differing_bits(configuration, steps, seed, inputs) for seed in seeds)
-        yield from (f"compiled and interpreted differ, {found}" for found in differences if found)
+        differs = _first(differing_bits(configuration, steps, seed, inputs) for seed in seeds)
+        if differs:
+            yield f"compiled and interpreted differ, {differs}"
 
 
 def _of(subject: Subject, seeds: Sequence[int], mirrored: bool) -> Iterator[str]:
@@ -90,6 +91,11 @@ def _of(subject: Subject, seeds: Sequence[int], mirrored: bool) -> Iterator[str]
     if unnamed:
         yield unnamed
     for check in checks:
-        found = next(filter(None, (check(subject, seed) for seed in seeds)), "")
+        found = _first(check(subject, seed) for seed in seeds)
         if found:
             yield f"{subject.form}, {found}"
+
+
+def _first(found: Iterable[str]) -> str:
+    """The first of these texts that is not empty; empty if all are."""
+    return next(filter(None, found), "")
