@@ -14,13 +14,14 @@ from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.lockstep.methods import create
 
 
 def differing_bits(configuration: Configuration, steps: int, seed: int, inputs: MakesInputs = RandomInputs) -> str:
     """What differs first between the compiled and the interpreted form of a configured law; empty if nothing does."""
     method = configuration.method
     settings = (configuration.parameters, configuration.common.vehicle, configuration.common.control_period)
-    compiled, plain = CompiledPart(method, *settings), method.law(*settings)
+    compiled, plain = CompiledPart(method, *settings), create(method, *settings)
     integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
     given = inputs(method.reads, seed, configuration.common.control_period)
     for step in range(steps):

@@ -45,7 +45,8 @@ class Subject:
 
     def part(self) -> Part:
         """A new part, at rest; heavy laws are compiled in any case."""
-        return method_part(self.configuration, self.compiled)
+        part: Part = method_part(self.configuration, self.compiled)
+        return part
 
     def frames(self, seed: int) -> list[Frame]:
         """What the method reads, step by step."""

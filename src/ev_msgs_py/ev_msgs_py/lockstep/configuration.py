@@ -64,7 +64,7 @@ class Configuration:
     @property
     def is_ideal(self) -> bool:
         """Whether all its sensors show the truth."""
-        return self.sensors == type(self.sensors)()
+        return bool(self.sensors == type(self.sensors)())
 
     def create(self) -> Any:
         """A new object of the method, at rest, in plain Python and in front of its sensors."""
@@ -110,8 +110,8 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     rest.pop(_METHOD, None)
     common = _take(rest, CommonParameters)
     further = _take(rest, extra) if extra is not None else None
-    parameters = _take(rest, method.parameters)
-    sensors = _take(rest, sensors_for(method.writes), _SENSORS)
+    parameters: Any = _take(rest, method.parameters)
+    sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
     others = [(other.parameters, "") for other in methods_of(role).values()]
     others.append((sensors_for(ROLES[role].writes), _SENSORS))
     for of, prefix in others:
@@ -138,7 +138,8 @@ def _fitting(configuration: Configuration) -> Configuration:
 
 def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:
     """A parameter dataclass with what a dictionary says about it, and that is taken out of the dictionary."""
-    known = entries_by_name(type(instance), prefix)
+    kind: type = type(instance)
+    known = entries_by_name(kind, prefix)
     return replaced(instance, {name: values.pop(name) for name in [*values] if name in known}, prefix)
 
 

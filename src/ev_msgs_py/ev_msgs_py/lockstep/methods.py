@@ -51,7 +51,8 @@ class Method:
     @property
     def writes(self) -> tuple[type, ...]:
         """The signals it writes: those of its role, or the part of them that it can know."""
-        return getattr(self.factory, "writes", None) or ROLES[self.role].writes
+        known: tuple[type, ...] | None = getattr(self.factory, "writes", None)
+        return ROLES[self.role].writes if known is None else known
 
     @property
     def requires(self) -> dict[str, str]:
@@ -93,11 +94,11 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
     def register(defined: T) -> T:
         factory: Any = defined
         if parameters is not None:
-            factory = Law(defined, parameters, **how)
+            factory = Law(factory, parameters, **how)
             if factory.outputs is None and ROLES[role].kind is RoleKind.INTEGRATES:
                 raise TypeError(f"{role} method {name}: a {role} integrates, so its law needs outputs=")
         else:
-            refuse_lacking(role, name, defined)
+            refuse_lacking(role, name, factory)
         function = _stepping(role, factory)
         hints = typing.get_type_hints(function)
         given = given_names(function) if parameters is not None else ()
@@ -114,7 +115,8 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
 def _stepping(role: str, factory: Any) -> Callable[..., Any]:
     if isinstance(factory, Law):
         return factory.function
-    return factory.advance if ROLES[role].kind is RoleKind.INTEGRATES else factory.step
+    hook: Callable[..., Any] = factory.advance if ROLES[role].kind is RoleKind.INTEGRATES else factory.step
+    return hook
 
 
 @cache

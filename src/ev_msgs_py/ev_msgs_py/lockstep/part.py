@@ -109,7 +109,7 @@ class PythonPart:
         return 0
 
 
-def _numbers_at(address: int) -> memoryview:
+def _numbers_at(address: int) -> memoryview[float]:
     return memoryview((ctypes.c_char * _BYTES).from_address(address)).cast("B").cast("d")
 
 

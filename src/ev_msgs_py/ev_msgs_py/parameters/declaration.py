@@ -96,7 +96,8 @@ def entries(of: type | object, prefix: str = "") -> tuple[Entry, ...]:
 
 def _entries(of: Any, prefix: str) -> Iterator[Entry]:
     instance = of() if isinstance(of, type) else of
-    hints = _type_hints(type(instance))
+    kind: type = type(instance)
+    hints = _type_hints(kind)
     for f in fields(instance):
         value = getattr(instance, f.name)
         if is_dataclass(value):
