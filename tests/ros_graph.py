@@ -20,6 +20,7 @@ from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
+from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
 from ev_msgs_py.contract.topics import TOPICS
@@ -29,11 +30,14 @@ from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.wire.message_classes import message_class
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 from ev_sim.nodes.recorder import RecorderNode
+from ev_sim.recording.recording import load, signal_hash
 from ev_sim.scenario.domain import free_domain
 from ev_sim.scenario.node_parameters import RECORDER, node_parameters
+from ev_sim.scenario.offline import run_offline
 from ev_sim.scenario.scenario import Overrides, Run, load_scenario
 
 NAMESPACE = "/ev"
+NODES = (*ROLES, RECORDER)
 SERVICES = ("pause", "resume", "step", "reset")
 PATIENCE = 30.0  # s of wall time after which a test that waits in vain fails
 _LOOK_PERIOD = 0.005
@@ -43,6 +47,16 @@ def shchur(duration: float, **values: Any) -> Run:
     """The run of shchur2019; `plant__drive="averaged"` sets a parameter."""
     words = [(*name.split("__", 1), value) for name, value in values.items()]
     return load_scenario("shchur2019", Overrides(values=words, duration=duration)).runs[0]
+
+
+def offline_hash(run: Run) -> str:
+    """The hash of a run without DDS."""
+    return signal_hash(run_offline(run.configurations, run.duration))
+
+
+def recorded_hash(directory: Path) -> str:
+    """The hash of what the recorder has written."""
+    return signal_hash(load(directory / "signals.npz"))
 
 
 @contextmanager
