@@ -120,16 +120,16 @@ class Inbox:
     def missing(self) -> tuple[type, ...]:
         """The signal types that the next step still waits for, in order of `reads`; all before the first step."""
         if self._missing is None:
-            self._missing = self.reads if self.last is None else self._find_missing()
+            self._missing = self.reads if self.last is None else self._find_missing(self.last)
         return self._missing
 
-    def _find_missing(self) -> tuple[type, ...]:
-        due = self.last + self.period
+    def _find_missing(self, last: int) -> tuple[type, ...]:
+        due = last + self.period
         step, after = self._pending.get(due), self._pending.get(due + self.period)
-        came = step.came if step is not None else ()
+        came = step.came if step is not None else set()
         if not self._followed:
             return tuple([kind for kind in self.reads if kind not in came])
-        gone_on = after.came if after is not None else ()
+        gone_on = after.came if after is not None else set()
         return tuple(
             [kind for kind in self.reads if kind not in came or (kind in self._followed and kind not in gone_on)]
         )

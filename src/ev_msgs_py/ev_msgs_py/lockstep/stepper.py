@@ -85,7 +85,7 @@ class Stepper:
 
     def answers_to(self, kind: type, stamp: int, arrival: Arrival) -> list[Answer]:
         """What a message that has been taken in leads to: an answer, or recent answers again."""
-        answers = []
+        answers: list[Answer] = []
         if arrival is Arrival.REPEATED and kind in self.upstream:
             answers += self._recent_answers()
         if self.integrates and self._at_rest and self._must_begin(stamp):
