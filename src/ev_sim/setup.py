@@ -36,8 +36,8 @@ setup(
             "steering_column = ev_sim.nodes.steering_column:main",
             "driver = ev_sim.nodes.driver:main",
             "recorder = ev_sim.nodes.recorder:main",
-            "run_scenario = ev_sim.run_scenario:main",
-            "inspect = ev_sim.inspect_graph:main",
+            "run_scenario = ev_sim.commands.run_scenario:main",
+            "inspect = ev_sim.commands.inspect_graph:main",
         ],
         "ev_stack.methods": [
             "plant = ev_sim.methods.plant",

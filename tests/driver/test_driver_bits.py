@@ -9,7 +9,7 @@ import pytest
 from ev_msgs_py.check.bits import differing_bits
 from ev_msgs_py.lockstep.configuration import Configuration, configure
 from ev_msgs_py.lockstep.methods import methods_of
-from ev_sim.scenario.scenario import load_scenario, scenario_names
+from ev_sim.run.scenarios.scenario import load_scenario, scenario_names
 
 # Long enough for 400 steps to see 100 s of every profile.
 PERIOD = 0.25

@@ -13,7 +13,7 @@ from ros_graph import NAMESPACE, PATIENCE, Probe, ros_domain
 
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.scenario.processes import EXECUTABLES, command
+from ev_sim.run.processes import EXECUTABLES, command
 
 BROKEN_LAW = '''
 from dataclasses import dataclass

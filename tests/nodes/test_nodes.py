@@ -7,10 +7,10 @@ from ros_graph import WAYS, Graph, graph, shchur
 
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.sensors.quantities import QUANTITIES
-from ev_sim.recording.recording import load, signal_hash
-from ev_sim.scenario.node_parameters import RECORDER
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import Overrides, Run, load_scenario
+from ev_sim.run.node_parameters import RECORDER
+from ev_sim.run.offline import run_offline
+from ev_sim.run.recording.recording import load, signal_hash
+from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
 
 NODES = (*ROLES, RECORDER)
 

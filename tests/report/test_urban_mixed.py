@@ -14,13 +14,13 @@ from urban_runs import CAR, PARAMETERS, driven, parameters_of, scenario
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.profiles.cycle_modes import MODES, TRACTION
-from ev_sim.recording.recording import Recording
-from ev_sim.report import cycle_efficiency as cycle
-from ev_sim.report.cycle_bands import stretches
+from ev_sim.report.figures.cycle_bands import stretches
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.registry import report_for
-from ev_sim.report.slip_curve import first_passed_peak
-from ev_sim.report.surfaces_under import share_of, surfaces_under
+from ev_sim.report.quantities import cycle_efficiency as cycle
+from ev_sim.report.quantities.slip_curve import first_passed_peak
+from ev_sim.report.quantities.surfaces_under import share_of, surfaces_under
+from ev_sim.report.reports import report_for
+from ev_sim.run.recording.recording import Recording
 from ev_sim.surfaces.road import RoadParameters, left_and_right
 
 ROOT = Path(__file__).parents[2]
@@ -211,7 +211,7 @@ def test_figures_have_quantities_and_units(driver):
 
 def test_figures_say_what_is_missing(tmp_path):
     """No cycle, no tyre forces, all wheels driven: drawn, with the reason in place of curves."""
-    from ev_sim.report.drawing import save_figures
+    from ev_sim.report.figures.drawing import save_figures
 
     few = Recording(np.arange(200) * PERIOD, {"twist.longitudinal": np.zeros(200), "twist.lateral": np.zeros(200)})
     for car in (CAR, dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES), dataclasses.replace(CAR, driven_wheels=())):

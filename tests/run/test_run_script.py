@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
 
-from ev_sim.recording.recording import load
+from ev_sim.run.recording.recording import load
 
 ROOT = Path(__file__).parents[2]
 RUN = ROOT / "scripts" / "run.sh"

@@ -16,9 +16,9 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.lockstep.methods import methods_of
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.recording.recording import Recording
-from ev_sim.report import handling
-from ev_sim.run_scenario import main as run_scenario
+from ev_sim.commands.run_scenario import main as run_scenario
+from ev_sim.report.quantities import handling
+from ev_sim.run.recording.recording import Recording
 from ev_sim.study import compare
 from ev_sim.study.case import drive_case
 from ev_sim.tyres.curve import peak_slip

@@ -17,15 +17,15 @@ from ev_msgs_py.parameters.values import build, unknown_name
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.analysis.linearised_plant import LinearisedPlant, OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
-from ev_sim.analysis.understeer import (
+from ev_sim.report.figures.drawing import save_figures
+from ev_sim.report.quantities.understeer import (
     axle_cornering_stiffnesses,
     axle_masses,
     characteristic_speed,
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.report.drawing import save_figures
-from ev_sim.scenario.parameter_file import ParameterFile
+from ev_sim.run.scenarios.parameter_file import ParameterFile
 from ev_sim.surfaces.table import REFERENCE, SURFACES
 
 _PREFIX = "vehicle."

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ev_msgs_py.lockstep.methods import methods_of
-from ev_sim.recording.recording import Recording
+from ev_sim.report.figures.panels import Curve, Panel
 from ev_sim.report.metric import Metric, metric
-from ev_sim.report.motion import distance_on_path, heading
-from ev_sim.report.panels import Curve, Panel
+from ev_sim.report.quantities.motion import distance_on_path, heading
 from ev_sim.report.samples import channel
-from ev_sim.scenario.scenario import Run
+from ev_sim.report.text_table import text_table
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-from ev_sim.study.text_table import text_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -212,7 +212,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """The slip of the front left wheel over time on some roads, with some controls."""
-    from ev_sim.report.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
 
     roads, names = _chosen(given)
     panels = []

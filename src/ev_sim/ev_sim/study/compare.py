@@ -13,12 +13,12 @@ import numpy as np
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.lockstep.methods import methods_of
 from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.recording.recording import Recording
-from ev_sim.report import handling, motion, quantities
+from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured
-from ev_sim.report.panels import Curve, panel
+from ev_sim.report.quantities import derived, handling, motion
 from ev_sim.report.samples import channel
-from ev_sim.scenario.scenario import Run, load_scenario
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 
@@ -78,7 +78,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
         "y": channel(recording, "pose.y"),
         "yaw_rate": channel(recording, motion.YAW_RATE),
         "sideslip": np.degrees(motion.sideslip_angle(recording)),
-        "speed": quantities.speed(recording),
+        "speed": derived.speed(recording),
         "torque_difference": _right_minus_left(recording),
     }
 
@@ -113,8 +113,8 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Paths, and yaw rate, sideslip angle, speed and torque difference over time, of all methods one over the other."""
-    from ev_sim.report.drawing import sheet  # matplotlib is slow to import
-    from ev_sim.report.plan_view import plan_view
+    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.plan_view import plan_view
 
     driven = {name: result.measured for name, result in results.items() if not result.refused}
 

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ev_sim.report.metric import Metric, Reference, mean_over_seeds
+from ev_sim.report.text_table import text_table
 from ev_sim.study import dissertation_tables as printed
 from ev_sim.study import urban_cases
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-from ev_sim.study.text_table import text_table
 from ev_sim.study.urban_cases import DRIVERS, METHODS, TITLES, case_name, roads
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ev_sim.recording.recording import Recording
 from ev_sim.report.metric import Metric
-from ev_sim.scenario.scenario import Run
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult
 
 if TYPE_CHECKING:

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ev_sim.report.metric import Metric, mean_over_seeds
+from ev_sim.report.text_table import text_table
 from ev_sim.study import urban_cases
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-from ev_sim.study.text_table import text_table
 from ev_sim.study.urban_cases import DRIVERS, METHODS, Values, roads
 from ev_sim.surfaces.table import SURFACES
 

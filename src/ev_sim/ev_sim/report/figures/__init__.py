@@ -1,0 +1,1 @@
+"""Panels, sheets, maps and views: everything that imports matplotlib."""

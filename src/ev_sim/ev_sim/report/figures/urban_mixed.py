@@ -1,0 +1,266 @@
+"""Figures of the urban cycle on mixed surfaces, counterparts of the dissertation's 2.13, 3.1 to 3.10 and 5.1 to 5.25.
+
+Imports matplotlib: import this module only where something is drawn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.cycle_bands import MODE_COLOURS, SURFACE_COLOURS, draw_strip, shade_traction, stretches
+from ev_sim.report.figures.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE, sheet, thinned
+from ev_sim.report.figures.panels import Curve, Panel, panel
+from ev_sim.report.metric import NotMeasured
+from ev_sim.report.quantities import cycle_efficiency as cycle
+from ev_sim.report.quantities import derived, motion
+from ev_sim.report.quantities.surfaces_under import surfaces_under
+from ev_sim.report.samples import channel
+from ev_sim.run.recording.recording import Recording
+
+WIDTH, NARROW = 9.2, 6.2  # of a panel alone, and of one beside another [inch]
+DETAIL = 15.0  # [s], length of the figure in which single pulses can be seen
+TIME = "time [s]"
+
+
+def cycle_figure(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+    """Figure 2.13: the cycle over time, what lies under the wheels, and the windows."""
+    figure = Figure(figsize=(WIDTH, 4.2), dpi=DPI)
+    rows = figure.subplots(4, 1, sharex=True, height_ratios=(8, 1, 1, 1))
+    figure.subplots_adjust(left=0.085, right=0.985, bottom=0.2, top=0.94, hspace=0.16)
+    speed, *strips = rows
+    _draw_speed(speed, run, driver)
+    shown: dict[str, str] = {}
+    for axes, wheel in zip(strips[:2], _left_and_right(vehicle), strict=True):
+        _strip(axes, run, lambda wheel=wheel: surfaces_under(run, vehicle, wheel), SURFACE_COLOURS, wheel, shown)
+    _strip(strips[2], run, lambda: cycle.modes_over_time(run, driver), MODE_COLOURS, "window", shown)
+    for axes in rows:
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
+    strips[2].set_xlabel(TIME, fontsize=TEXT_SIZE)
+    strips[2].set_xlim(run.time[0], run.time[-1])
+    patches = [Patch(facecolor=colour, edgecolor="0.6", linewidth=0.5, label=name) for name, colour in shown.items()]
+    if patches:
+        figure.legend(handles=patches, loc="lower center", ncols=len(patches), fontsize=TEXT_SIZE, frameon=False)
+    return figure
+
+
+def torques_and_speeds(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+    """Figures 3.1, 3.3, 3.5, 3.7 and 3.9: torques and speeds at the shafts of the motors, left and right."""
+    return _over_cycle(
+        [
+            *_each(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
+            *_each(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
+        ],
+        run,
+        driver,
+    )
+
+
+def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+    """Figures 3.2, 3.4, 3.6, 3.8 and 3.10: running wheel efficiency over the friction under the wheel, and torques."""
+
+    def running(wheel: str) -> list[Curve]:
+        shares = cycle.wheel_shares(run, vehicle, driver)
+        if wheel not in shares:
+            raise NotMeasured(f"{wheel.replace('_', ' ')} is not driven")
+        found = shares[wheel].running_efficiency()
+        # The first fractions of a turn give any quotient.
+        return [Curve(run.time, np.where((found >= 0.0) & (found <= 1.0), found, np.nan))]
+
+    wheels = _left_and_right(vehicle)
+    figure = _thin(
+        [
+            *(
+                panel(
+                    f"Wheel efficiency since the start, {wheel.replace('_', ' ')} (grey: largest friction of the road)",
+                    "efficiency, friction [1]",
+                    lambda wheel=wheel: running(wheel),
+                )
+                for wheel in wheels
+            ),
+            *_each(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
+        ],
+    )
+    for axes, wheel in zip(figure.axes, wheels, strict=False):
+        _ground_of_friction(axes, run, wheel)
+        axes.set_ylim(0.0, 1.05)
+        for line in axes.lines:
+            line.set_linewidth(1.5)
+    return figure
+
+
+def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+    """Some seconds of the first window in which the accelerator is pressed: what the torque control does."""
+    try:
+        begin = run.time[motion.first(cycle.traction(run, driver), "traction")] - 0.5
+    except NotMeasured:
+        begin = run.time[0]
+    part = (run.time >= begin) & (run.time <= begin + DETAIL)
+    shorter = Recording(run.time[part], {name: values[part] for name, values in run.channels.items()})
+    wheels = _left_and_right(vehicle)
+
+    def rims() -> list[Curve]:
+        named = [(wheel, f"{wheel.replace('_', ' ')} rim") for wheel in wheels]
+        curves = [
+            Curve(shorter.time, vehicle.wheel_radius * channel(shorter, f"wheel_states.velocity.{wheel}"), label)
+            for wheel, label in named
+        ]
+        return [*curves, Curve(shorter.time, derived.speed(shorter), "car")]
+
+    def asked() -> list[Curve]:
+        share = channel(shorter, motion.DRIVE_TORQUE) / len(vehicle.driven_wheels)
+        return [
+            *_both(shorter, vehicle, "torque_command.drive"),
+            Curve(shorter.time, share, "driver, per wheel"),
+        ]
+
+    figure = sheet(
+        [
+            panel("Wheel torque after the torque control", "torque [N m]", asked),
+            panel("Speed", "speed [m/s]", rims),
+            panel("Slip ratio", "slip ratio [1]", lambda: _both(shorter, vehicle, "tire_forces.slip_ratio")),
+            panel(
+                "Largest friction of the road",
+                "friction [1]",
+                lambda: _both(shorter, vehicle, "tire_forces.friction_coefficient"),
+            ),
+        ],
+        TIME,
+        columns=1,
+        start=float(shorter.time[0]),
+        panel_width=WIDTH,
+    )
+    figure.axes[2].set_ylim(-0.1, 0.6)  # the first turn of a wheel has any slip
+    figure.axes[3].set_ylim(0.0, 1.2)
+    return figure
+
+
+def electrical(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+    """Figures 5.1 to 5.25: the electrical side, and the running efficiency of the drives (eq 2.38)."""
+
+    def in_kilowatts(place: int) -> list[Curve]:
+        return [Curve(run.time, cycle.powers(run)[place] / 1e3)]
+
+    def running() -> list[Curve]:
+        shaft, battery = cycle.energies_since_start(run, driver)
+        used = battery > 0.0
+        share = np.full(len(used), np.nan)
+        share[used] = shaft[used] / battery[used]
+        return [Curve(run.time, np.where(share >= 0.0, share, np.nan))]
+
+    def one(title: str, ylabel: str, name: str) -> Panel:
+        return panel(title, ylabel, lambda: [Curve(run.time, channel(run, name))])
+
+    figure = _over_cycle(
+        [
+            *_each(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
+            *_each(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
+            one("Battery voltage", "voltage [V]", "battery.voltage"),
+            one("Battery current, negative while it gives", "current [A]", "battery.current"),
+            panel("Power at the terminals of the battery", "power [kW]", lambda: in_kilowatts(1)),
+            panel("Power at the shafts of the motors", "power [kW]", lambda: in_kilowatts(0)),
+            panel("Drive efficiency in the traction windows since the start", "efficiency [1]", running),
+        ],
+        run,
+        driver,
+        columns=2,
+    )
+    figure.axes[-1].set_ylim(0.5, 1.0)
+    return figure
+
+
+def _thin(panels: list[Panel], columns: int = 1) -> Figure:
+    """A sheet whose curves are thin enough for the pulses of a whole cycle."""
+    figure = sheet(panels, TIME, columns=columns, panel_width=WIDTH if columns == 1 else NARROW)
+    for line in (line for axes in figure.axes for line in axes.lines):
+        line.set_linewidth(0.7)
+    return figure
+
+
+def _over_cycle(panels: list[Panel], run: Recording, driver: Mapping[str, Any], columns: int = 1) -> Figure:
+    """The same with the traction windows behind the curves."""
+    figure = _thin(panels, columns)
+    try:
+        shade_traction(figure, stretches(run.time, cycle.modes_over_time(run, driver)))
+    except NotMeasured:
+        return figure  # nothing to shade: the panels stand for themselves
+    return figure
+
+
+def _left_and_right(vehicle: Vehicle) -> tuple[str, ...]:
+    """The first two driven wheels; the front ones where fewer are driven."""
+    return vehicle.driven_wheels[:2] if len(vehicle.driven_wheels) > 1 else ("front_left", "front_right")
+
+
+def _each(run: Recording, vehicle: Vehicle, title: str, ylabel: str, quantity: str) -> list[Panel]:
+    """A panel for each side: pulses would hide each other."""
+    return [
+        panel(
+            f"{title}, {wheel.replace('_', ' ')}",
+            ylabel,
+            lambda wheel=wheel: [Curve(run.time, channel(run, f"{quantity}.{wheel}"))],
+        )
+        for wheel in _left_and_right(vehicle)
+    ]
+
+
+def _both(run: Recording, vehicle: Vehicle, quantity: str) -> list[Curve]:
+    return [
+        Curve(run.time, channel(run, f"{quantity}.{wheel}"), wheel.replace("_", " "))
+        for wheel in _left_and_right(vehicle)
+    ]
+
+
+def _draw_speed(axes: Axes, run: Recording, driver: Mapping[str, Any]) -> None:
+    curves = (
+        ("driven", STROKES[1][0], 0.8, lambda: derived.speed(run)),
+        ("cycle", STROKES[0][0], 1.2, lambda: cycle.wanted_speed(run, driver)),
+    )
+    missing = []
+    for label, colour, width, values in curves:
+        try:
+            axes.plot(*thinned(run.time, values(), int(WIDTH * DPI)), color=colour, linewidth=width, label=label)
+        except NotMeasured as why:
+            missing.append(f"{label} not measured: {why}")
+    if missing:
+        axes.text(0.5, 0.5, "\n".join(missing), transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE, color="0.4")
+    axes.set_title("Urban cycle and what lies under the wheels", loc="left", fontsize=TITLE_SIZE, pad=3)
+    axes.set_ylabel("speed [m/s]", fontsize=TEXT_SIZE)
+    axes.set_ylim(bottom=0.0)
+    axes.grid(True, color="0.88", linewidth=0.6)
+    if axes.lines:
+        axes.legend(loc="upper right", bbox_to_anchor=(1.0, 1.1), ncols=2, fontsize=TEXT_SIZE, frameon=False)
+
+
+def _strip(
+    axes: Axes,
+    run: Recording,
+    names: Callable[[], np.ndarray],
+    colours: Mapping[str, str],
+    label: str,
+    shown: dict[str, str],
+) -> None:
+    """Draw a strip and note which colours it shows, by the words of the legend."""
+    try:
+        pieces = stretches(run.time, names())
+    except NotMeasured as why:
+        pieces = []
+        axes.text(0.5, 0.3, f"not measured: {why}", transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE)
+    draw_strip(axes, pieces, colours, label.replace("_", " "))
+    present = {piece for _, _, piece in pieces}
+    shown.update({name.replace("_", " "): colour for name, colour in colours.items() if name in present})
+
+
+def _ground_of_friction(axes: Axes, run: Recording, wheel: str) -> None:
+    try:
+        friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
+    except NotMeasured:
+        return
+    axes.fill_between(run.time[::10], friction[::10], step="post", color="0.87", linewidth=0.0, zorder=1)
