@@ -20,6 +20,7 @@ from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
+from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
 from ev_msgs_py.contract.topics import TOPICS
@@ -31,12 +32,23 @@ from ev_msgs_py.wire.message_format import format_of, stamp_of
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.run.domain import free_domain
 from ev_sim.run.node_parameters import RECORDER, node_parameters
+from ev_sim.run.offline import run_offline
+from ev_sim.run.recording.recording import load, signal_hash
 from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
 
 NAMESPACE = "/ev"
+NODES = (*ROLES, RECORDER)
 SERVICES = ("pause", "resume", "step", "reset")
 PATIENCE = 30.0  # s of wall time after which a test that waits in vain fails
 _LOOK_PERIOD = 0.005
+
+
+def offline_hash(run: Run) -> str:
+    return signal_hash(run_offline(run.configurations, run.duration))
+
+
+def recorded_hash(directory: Path) -> str:
+    return signal_hash(load(directory / "signals.npz"))
 
 
 def shchur(duration: float, **values: Any) -> Run:

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from ros_graph import NAMESPACE, PATIENCE, Probe, ros_domain
+from ros_graph import NAMESPACE, NODES, PATIENCE, Probe, ros_domain
 
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.run.processes import EXECUTABLES, command
+from ev_sim.run.processes import command
 
 BROKEN_LAW = '''
 from dataclasses import dataclass
@@ -63,7 +63,7 @@ def test_every_node_ends_in_peace_when_it_is_told_to(kind, tmp_path):
         probe = Probe(context)
         nodes = {}
         more = {"recorder": ["-p", f"directory:={tmp_path}"], "plant": ["-p", "answer_timeout:=600.0"]}
-        for name in EXECUTABLES:
+        for name in NODES:
             words = [*command(name), "--ros-args", "-r", f"__ns:={NAMESPACE}", *more.get(name, ())]
             nodes[name] = start(words, context.get_domain_id())
         wait_until(lambda: {*nodes} <= {name for name, _ in probe.get_node_names_and_namespaces()})

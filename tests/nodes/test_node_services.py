@@ -3,9 +3,8 @@
 from collections.abc import Iterator
 
 import pytest
-from ros_graph import Graph, graph, shchur
+from ros_graph import NODES, Graph, graph, offline_hash, recorded_hash, shchur
 from rosbags.highlevel import AnyReader
-from test_nodes import NODES, offline_hash, recorded_hash
 
 from ev_msgs_py.contract.signals import WheelStates
 from ev_msgs_py.contract.stamps import to_seconds

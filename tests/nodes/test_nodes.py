@@ -3,24 +3,13 @@
 from pathlib import Path
 
 import pytest
-from ros_graph import WAYS, Graph, graph, shchur
+from ros_graph import NODES, WAYS, Graph, graph, offline_hash, recorded_hash, shchur
 
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.sensors.quantities import QUANTITIES
 from ev_sim.run.node_parameters import RECORDER
-from ev_sim.run.offline import run_offline
-from ev_sim.run.recording.recording import load, signal_hash
+from ev_sim.run.recording.recording import load
 from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
-
-NODES = (*ROLES, RECORDER)
-
-
-def offline_hash(run: Run) -> str:
-    return signal_hash(run_offline(run.configurations, run.duration))
-
-
-def recorded_hash(directory: Path) -> str:
-    return signal_hash(load(directory / "signals.npz"))
 
 
 class Said:

@@ -12,7 +12,7 @@ import pytest
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
-from ev_sim.report.metric_table import print_table, table
+from ev_sim.report.metric_table import metric_table, print_metrics
 from ev_sim.report.papers import shchur2019 as paper
 from ev_sim.report.quantities import derived
 from ev_sim.report.quantities.step_response import step_response
@@ -511,7 +511,7 @@ METRICS = {
 def test_table_on_a_pipe(monkeypatch):
     monkeypatch.delenv("COLUMNS", raising=False)
     pipe = io.StringIO()
-    print_table(METRICS, pipe)
+    print_metrics(METRICS, pipe)
     assert pipe.getvalue() == (
         "metric                                  value  unit  published  band                  verdict\n"
         "-------------------------  ------------------  ----  ---------  --------------------  ----------------\n"
@@ -528,8 +528,8 @@ def test_table_on_a_pipe(monkeypatch):
 def test_table_fits_into_the_terminal(width):
     metrics = report_for("shchur2019").metrics(cycle_run(), VEHICLE, SWITCHED)
     metrics |= report_for("shchur2019_steps").metrics(steps_runs(), VEHICLE, SWITCHED) | METRICS
-    assert max(map(len, table(metrics, width).splitlines())) <= width
+    assert max(map(len, metric_table(metrics, width).splitlines())) <= width
 
 
 def test_table_of_nothing():
-    assert table({}).splitlines()[0].split() == ["metric", "value", "unit", "published", "band", "verdict"]
+    assert metric_table({}).splitlines()[0].split() == ["metric", "value", "unit", "published", "band", "verdict"]

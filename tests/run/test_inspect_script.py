@@ -7,9 +7,8 @@ import subprocess
 from collections.abc import Iterator
 
 import pytest
-from ros_graph import NAMESPACE
-from test_nodes import NODES
-from test_run_script import ENVIRONMENT, ROOT, Running
+from ros_graph import NAMESPACE, NODES
+from running import ENVIRONMENT, ROOT, Running
 
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS

@@ -8,7 +8,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,13 +15,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
+from running import ENVIRONMENT, RUN, Running
 
 from ev_sim.run.recording.recording import load
-
-ROOT = Path(__file__).parents[2]
-RUN = ROOT / "scripts" / "run.sh"
-ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "ROS_DOMAIN_ID"}
-LONG = ("shchur2019", "--duration", "1000")
 
 
 def run(*arguments: object, check: bool = True) -> subprocess.CompletedProcess:
@@ -53,56 +48,6 @@ def both_cores_busy() -> Iterator[None]:
         for hog in hogs:
             hog.kill()
             hog.wait()
-
-
-class Running:
-    """A long run under way in a process group of its own."""
-
-    def __init__(self, folder: Path, *arguments: str) -> None:
-        self.folder = folder
-        self.output = folder.with_suffix(".txt").open("w+")
-        words = [RUN, *LONG, "--out", str(folder), *arguments]
-        self.script = subprocess.Popen(
-            words, env=ENVIRONMENT, stdout=self.output, stderr=subprocess.STDOUT, start_new_session=True
-        )
-        self.shared_memory = set(os.listdir("/dev/shm"))
-        bag = folder / "bag" / "metadata.yaml"
-        deadline = time.monotonic() + 60
-        # Some hundred messages in the bag say that the graph steps; a bag exists as soon as the recorder does.
-        while not (bag.exists() and int(re.search(r"message_count: (\d+)", bag.read_text())[1]) > 500):
-            assert self.script.poll() is None, self.text()
-            assert time.monotonic() < deadline, self.text()
-            time.sleep(0.05)
-
-    def processes(self) -> dict[int, str]:
-        """Process ids and command lines of everything that works for this run."""
-        found = {}
-        for place in Path("/proc").glob("[0-9]*"):
-            try:
-                words = (place / "cmdline").read_bytes().decode(errors="replace").replace("\0", " ")
-            except OSError:
-                continue
-            if str(self.folder) in words:
-                found[int(place.name)] = words
-        return found
-
-    def node(self, name: str) -> int:
-        """Process id of a node."""
-        (found,) = [pid for pid, words in self.processes().items() if f"/{name} --ros-args" in words]
-        return found
-
-    def end(self, within: float) -> int:
-        """Exit status of the script."""
-        return self.script.wait(within)
-
-    def text(self) -> str:
-        """What the script has printed."""
-        self.output.seek(0)
-        return self.output.read()
-
-    def left_behind(self) -> tuple[dict[int, str], set[str]]:
-        """Processes and shared memory of this run that are still there."""
-        return self.processes(), set(os.listdir("/dev/shm")) - self.shared_memory
 
 
 @pytest.fixture(scope="module")

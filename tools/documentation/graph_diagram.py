@@ -7,7 +7,7 @@ from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES, ROLES, RoleKind
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.graph import sequence, writers
 from ev_sim.run.node_parameters import RECORDER
-from ev_sim.run.processes import EXECUTABLES
+from ev_sim.run.processes import package_of
 
 _THICK = "==>"
 _DOTTED = "-.->"
@@ -20,8 +20,7 @@ def graph_diagram() -> str:
     """
     lines = ["```mermaid", "flowchart LR"]
     for name in (*sequence(ROLES), RECORDER):
-        package, executable = EXECUTABLES[name]
-        lines.append(f'    {name}["<b>{executable}</b><br/>{package}"]')
+        lines.append(f'    {name}["<b>{name}</b><br/>{package_of(name)}"]')
     for (writer, arrow, topics), readers in _edges().items():
         lines.append(f'    {writer} {arrow}|"{"<br/>".join(topics)}"| {" & ".join(readers)}')
     lines.append('    everything(["all topics"]) -.-> recorder')

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.lockstep.methods import Method, methods_of
-
-PACKAGES = ("ev_control", "ev_sim")
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.lockstep.methods import Method, methods_of, node_package
 
 
 def own_methods(role: str) -> dict[str, Method]:
-    """The methods of a role that ev_sim and ev_control bring, by name."""
-    found = methods_of(role)
-    return {name: method for name, method in found.items() if method.documented.__module__.split(".")[0] in PACKAGES}
+    """The methods of a role that come with the packages of our nodes, by name."""
+    own = {node_package(name) for name in ROLES}
+    return {name: method for name, method in methods_of(role).items() if method.package in own}
 
 
 def writing_methods(role: str, signal: type) -> list[str]:

@@ -59,9 +59,14 @@ class Quantity:
         return "rad" if self.kind == HEADING else shape_of(self.signal).fields[self.fields[0]].unit
 
     @property
+    def largest(self) -> float:
+        """Largest error that its parameters accept, in its unit."""
+        return shape_of(self.signal).fields[self.fields[0]].largest
+
+    @property
     def parameters(self) -> type:
         """The parameter dataclass of its sensor."""
-        return sensor_parameters(self.unit, shape_of(self.signal).fields[self.fields[0]].largest)
+        return sensor_parameters(self.unit, self.largest)
 
     @property
     def places(self) -> tuple[int, ...]:

@@ -15,7 +15,7 @@ from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.commands.command_line import arguments, overrides, own_nodes
 from ev_sim.report.figures.drawing import save_figures
-from ev_sim.report.metric_table import print_table
+from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.reports import report_for
 from ev_sim.report.samples import Parameters
 from ev_sim.report.summary import Summary, write_summary
@@ -79,7 +79,7 @@ def run_scenario(given: argparse.Namespace) -> None:
     figures = report_for(scenario.name).figures(summary.runs, summary.vehicle, _parameters_by_role(scenario))
     save_figures(figures, folder.directory)
     write_summary(folder.directory / "summary.json", summary)
-    print_table(summary.metrics)
+    print_metrics(summary.metrics)
     for note in summary.notes:
         print(f"note: {note}")
     for reason in summary.not_reproducible:

@@ -7,18 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import derived
-from ev_sim.report.samples import Parameters, Runs, channel
+from ev_sim.report.samples import Runs, channel
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs) -> dict[str, Metric]:
     """Speeds and largest torque and angle of each run; the name of the run stands in front if there are several."""
     return {
         f"{name}_{key}" if len(runs) > 1 else key: value
@@ -27,7 +26,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     }
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Figure]:
     """One sheet for each run."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
 

@@ -10,34 +10,39 @@ from collections.abc import Mapping
 from typing import TextIO
 
 from ev_sim.report.metric import Metric
+from ev_sim.report.text_table import text_table
 
 COLUMNS = ("metric", "value", "unit", "published", "band", "verdict")
 NARROW = ("metric", "value", "unit", "published", "verdict")
 WIDTH_OF_A_PIPE = 120
-_NUMERIC = ("value", "published")
+_TEXT = ("metric", "unit", "band", "verdict")
 
 
-def print_table(metrics: Mapping[str, Metric], file: TextIO | None = None) -> None:
+def print_metrics(metrics: Mapping[str, Metric], file: TextIO | None = None) -> None:
     """Print the table of metrics, in a narrow terminal without the bands and without the angles in degrees."""
     width = shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns
-    print(table(metrics, width), file=file or sys.stdout)
+    print(metric_table(metrics, width), file=file or sys.stdout)
 
 
-def table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) -> str:
+def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) -> str:
     """Name, value, unit, published value, band and verdict of each metric in aligned columns.
 
     Angles stand in rad with deg beside. Assumptions and reasons are numbered and follow below the table.
     """
     notes: list[str] = []
     rows = [_row(name, metric, notes) for name, metric in metrics.items()]
-    lines = _aligned(COLUMNS, rows)
+    lines = _lines(COLUMNS, rows)
     if max(map(len, lines)) > width:
         rows = [{**row, "value": row["value in rad"]} for row in rows]
-        lines = _aligned(NARROW, rows)
+        lines = _lines(NARROW, rows)
     for number, note in enumerate(notes, start=1):
         indent = f"[{number}] "
         lines += textwrap.wrap(note, max(width, 40), initial_indent=indent, subsequent_indent=" " * len(indent))
     return "\n".join(lines)
+
+
+def _lines(columns: tuple[str, ...], rows: list[dict[str, str]]) -> list[str]:
+    return text_table(columns, [[row[column] for column in columns] for row in rows], left=_TEXT).splitlines()
 
 
 def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
@@ -68,13 +73,3 @@ def _judgement(metric: Metric, notes: list[str]) -> str:
     if note not in notes:
         notes.append(note)
     return f"{metric.judgement} [{notes.index(note) + 1}]"
-
-
-def _aligned(columns: tuple[str, ...], rows: list[dict[str, str]]) -> list[str]:
-    widths = [max(len(column), *(len(row[column]) for row in rows), 0) for column in columns]
-    table = [{column: column for column in columns}, {c: "-" * w for c, w in zip(columns, widths, strict=True)}, *rows]
-    return ["  ".join(_cell(row[c], c, w) for c, w in zip(columns, widths, strict=True)).rstrip() for row in table]
-
-
-def _cell(text: str, column: str, width: int) -> str:
-    return text.rjust(width) if column in _NUMERIC else text.ljust(width)

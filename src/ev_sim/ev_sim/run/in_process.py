@@ -80,4 +80,3 @@ def _node(name: str, namespace: str, values: dict, context: rclpy.Context) -> ob
         "parameter_overrides": parameter_overrides(values),
     }
     return RecorderNode(**arguments) if name == RECORDER else make_node(name, **arguments)
-

@@ -17,6 +17,7 @@ import rclpy
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.lockstep.methods import node_package
 from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_sim.run.domain import free_domain
 from ev_sim.run.node_parameters import RECORDER, node_parameters, write_parameter_file
@@ -26,14 +27,6 @@ from ev_sim.run.progress_bar import announce
 from ev_sim.run.recording.recording import load
 from ev_sim.run.scenarios.scenario import Run
 
-EXECUTABLES = {
-    MASTER: ("ev_sim", "plant"),
-    "steering_column": ("ev_sim", "steering_column"),
-    "driver": ("ev_sim", "driver"),
-    "electronic_differential": ("ev_control", "electronic_differential"),
-    "asr": ("ev_control", "asr"),
-    RECORDER: ("ev_sim", "recorder"),
-}
 _LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
 _PATIENCE = 2.0  # s for a process to stop when it is asked to, and for a last word to arrive
 
@@ -85,24 +78,30 @@ def run_in_processes(
             context.try_shutdown()
 
 
+def package_of(node: str) -> str:
+    """The package with the node of a role, or with the recorder; LookupError as `node_package`."""
+    return __package__.partition(".")[0] if node == RECORDER else node_package(node)
+
+
 def command(name: str) -> list[str]:
     """How the node of a role is started: by `ros2 run` where there is one, else what that would start.
 
-    RunFailed if the workspace is not built or not sourced.
+    RunFailed if the workspace is not built or not sourced, or if the node comes from several packages.
     """
-    package, executable = EXECUTABLES[name]
+    try:
+        package = package_of(name)
+    except LookupError as error:
+        raise RunFailed(str(error)) from None
     if shutil.which("ros2") is not None and "ROS_DISTRO" in os.environ:
-        return ["ros2", "run", package, executable]
+        return ["ros2", "run", package, name]
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-        path = Path(prefix) / "lib" / package / executable
+        path = Path(prefix) / "lib" / package / name
         if path.exists():
             return [str(path)]
-    raise RunFailed(f"executable {package} {executable} is not found: source install/local_setup.bash of the workspace")
+    raise RunFailed(f"executable {package} {name} is not found: source install/local_setup.bash of the workspace")
 
 
-def _start(
-    name: str, words: Sequence[str], run: Run, parameters: Path, logs: Path, domain: int
-) -> NodeProcess:
+def _start(name: str, words: Sequence[str], run: Run, parameters: Path, logs: Path, domain: int) -> NodeProcess:
     logs.mkdir(exist_ok=True)
     log = logs / f"{name}.log"
     arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]

@@ -17,6 +17,7 @@ from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured
 from ev_sim.report.quantities import derived, handling, motion
 from ev_sim.report.samples import channel
+from ev_sim.report.text_table import text_table
 from ev_sim.run.recording.recording import Recording
 from ev_sim.run.scenarios.scenario import Run, load_scenario
 from ev_sim.study.case import Case
@@ -36,6 +37,7 @@ QUANTITIES = {  # name -> unit, in the order of the columns
     "drive_energy": "J",
     "time_over_limit": "s",
 }
+COLUMNS = ("method", *(f"{name} [{unit}]" for name, unit in QUANTITIES.items()))
 CURVES = ("time", "x", "y", "yaw_rate", "sideslip", "speed", "torque_difference")
 _WIDTH = 120
 
@@ -94,20 +96,16 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
-    """One line for each method: its quantities, or why it cannot be driven here."""
-    first = max(map(len, ("method", *results)))
-    widths = [max(len(f"{name} [{unit}]"), 10) for name, unit in QUANTITIES.items()]
-    head = [f"{name} [{unit}]".rjust(width) for (name, unit), width in zip(QUANTITIES.items(), widths, strict=True)]
-    lines = ["  ".join(["method".ljust(first), *head])]
+    """One line for each method with its quantities; below, why the others cannot be driven here."""
+    driven = [
+        (name, *(_cell(result.measured[quantity]) for quantity in QUANTITIES))
+        for name, result in results.items()
+        if not result.refused
+    ]
+    lines = [text_table(COLUMNS, driven, left=COLUMNS[:1])]
     for name, result in results.items():
         if result.refused:
-            indent = " " * (first + 2)
-            lines += textwrap.wrap(
-                f"{name.ljust(first)}  not driven: {result.refused}", _WIDTH, subsequent_indent=indent
-            )
-            continue
-        cells = [_cell(result.measured[quantity]).rjust(w) for quantity, w in zip(QUANTITIES, widths, strict=True)]
-        lines.append("  ".join([name.ljust(first), *cells]))
+            lines += textwrap.wrap(f"{name}: not driven: {result.refused}", _WIDTH, subsequent_indent="    ")
     return "\n".join(lines)
 
 

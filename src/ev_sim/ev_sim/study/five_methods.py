@@ -131,7 +131,7 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=2)
+    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
 
 
 def _shown(metric: Metric, factor: float = 1.0, form: str = ".3f") -> str:
@@ -151,4 +151,3 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
         for driver in given.drivers
     }
     return {"wheel_efficiency": efficiency_figure(points, printed.WHEEL_EFFICIENCY, TITLES)}
-

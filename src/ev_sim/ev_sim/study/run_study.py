@@ -16,7 +16,7 @@ from tqdm import tqdm
 from ev_sim.commands.command_line import add_overrides, overrides
 from ev_sim.report.figures.drawing import save_figures
 from ev_sim.report.metric import Metric
-from ev_sim.report.metric_table import print_table
+from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.summary import versions
 from ev_sim.run.output_folder import OutputFolder
 from ev_sim.run.recording.atomic import atomic_file
@@ -65,7 +65,7 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         file.write(json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False).encode() + b"\n")
     if tables := study.tables(given, results):
         print(tables, end="\n\n")
-    print_table(metrics)
+    print_metrics(metrics)
     for result in driven:
         if result.refused:
             print(f"not driven: {result.name}: {result.refused}")

@@ -137,7 +137,7 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text: wheel efficiencies, and in brackets how far they are from the first line."""
-    return text_table(COLUMNS, rows(given, results))
+    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:1])
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

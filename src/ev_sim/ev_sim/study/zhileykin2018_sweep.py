@@ -100,7 +100,7 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text."""
-    table = text_table(COLUMNS, rows(given, results), left=0)
+    table = text_table(COLUMNS, rows(given, results), left=())
     return f"largest sideslip angle [deg], ** where it passes {math.degrees(LIMIT):g} deg\n{table}"
 
 

@@ -14,7 +14,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.report.quantities import derived, motion
-from ev_sim.report.samples import Parameters, Runs
+from ev_sim.report.samples import Runs
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def road_load(run: Recording, vehicle: Vehicle) -> tuple[float, float]:
     return float(rolling), float(area)
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     """The fitted road load beside that of the vehicle description, and the time from 100 to 80 km/h."""
     area = vehicle.drag_coefficient * vehicle.frontal_area
     if vehicle.air_density > 0.0:  # the part of the rolling resistance that grows with V^2 looks like drag
@@ -70,7 +70,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     )
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Speed over time, and deceleration over speed with the fitted road load."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
 

@@ -11,14 +11,14 @@ from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.quantities import lane_change_course as course
-from ev_sim.report.samples import Parameters, Runs, channel
+from ev_sim.report.samples import Runs, channel
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     """Cones hit, speed at the entry and largest values between the first and the last cone, for each run."""
 
     def of(run: Recording) -> dict[str, Metric]:
@@ -40,7 +40,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return motion.of_each_run(runs, of)
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """The course with its cones and the car's path, and the motion over time."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
     from ev_sim.report.figures.plan_view import plan_view

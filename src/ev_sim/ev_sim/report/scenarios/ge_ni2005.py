@@ -18,7 +18,7 @@ from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Band, Metric, Reference, metric, within
 from ev_sim.report.papers import ge_ni2005 as paper
 from ev_sim.report.quantities import motion
-from ev_sim.report.samples import Parameters, Runs, channel, run_named
+from ev_sim.report.samples import Runs, channel, run_named
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ FREE_CLAIMS = {quantity: claim for quantity, claim in CLAIMS.items() if quantity
 }
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs) -> dict[str, Metric]:
     """Each quantity of figs 3 and 4 at 3 s in each run, the chatter of the torque, and the published claims.
 
     Of runs that differ in the boundary layer only, the chatter.
@@ -141,7 +141,7 @@ def _in(runs: Runs, name: str, quantity: str) -> Callable[[], float]:
     return lambda: QUANTITIES[quantity][1](run_named(runs, name))
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Figs 3 and 4 with u held, the same with u free, and the torques with and without boundary layer."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
 

@@ -10,7 +10,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import derived, motion
-from ev_sim.report.samples import Parameters, Runs, channel
+from ev_sim.report.samples import Runs, channel
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ ROLLING = 0.1  # [m/s], above it the car has pulled away and slip is more than t
 DISTANCE = 1.0  # [m], the pull-away is timed over it
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     """Movement while the brake holds, roll-back, slip and time for the first metre, for each run."""
     return motion.of_each_run(
         runs,
@@ -35,7 +35,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     )
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Pedals, travelled distance, speed and slip around the pull-away."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
 

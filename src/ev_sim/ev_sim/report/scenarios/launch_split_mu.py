@@ -10,7 +10,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.split_friction import split_friction_figures
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import derived, motion
-from ev_sim.report.samples import Parameters, Runs, channel
+from ev_sim.report.samples import Runs, channel
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ SPEED = 5.0  # [m/s], the launch is timed up to it
 ROLLING = 0.1  # [m/s], above it slip is more than the first turn of a wheel
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     """Time and distance to 5 m/s, deviations by then, slip of the driven wheels, for each run."""
 
     def of(run: Recording) -> dict[str, Metric]:
@@ -43,7 +43,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return motion.of_each_run(runs, of)
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Speed, heading and steering-wheel angle of all runs, rim speeds of the first, and the paths."""
     return split_friction_figures("launch", runs, vehicle, vehicle.driven_wheels)
 

@@ -92,7 +92,7 @@ def _speed_reference(speed: float, angle: float, parameters: Parameters) -> Refe
     return Reference(value, band, references.follows("eqs. 8 to 12"), "; ".join(assumptions))
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Fig. 4 as one sheet, with the panels of the paper."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, Reference, metric, within
 from ev_sim.report.papers import shchur2019 as paper
@@ -28,7 +27,7 @@ SETTLING_BAND = 0.05
 WINDOW = 1.0  # mean values are taken over the last second [s]
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs, parameters: Parameters) -> dict[str, Metric]:
     """The numbers of figs. 1a and 1b and the hand torques at 30 deg."""
     return {
         **_step_metrics("object", runs, parameters, paper.OBJECT, paper.HAND_TORQUE_OBJECT, "eq. 6"),
@@ -57,7 +56,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     }
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Figure]:
     """Fig. 1: a, road-wheel angle of the object and of the closed loop; b, differential torque."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
 

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import motion
-from ev_sim.report.samples import Parameters, Runs, channel, run_named
+from ev_sim.report.samples import Runs, channel, run_named
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
@@ -28,7 +27,7 @@ DISPLACEMENT = 1.83  # [m], at least, for cars up to 3500 kg and amplitudes of 5
 YAW_LIMITS = ((1.0, 35.0), (1.75, 20.0))  # [s] after the completion of steer, [%] of the peak yaw rate at most
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs) -> dict[str, Metric]:
     """The angle A, and for each sine its amplitude over A, yaw rate ratios, lateral displacement and verdict."""
     result = {"steering_wheel_angle_at_0_3_g": metric(lambda: _angle_at_reference(run_named(runs, SLOW)), "rad")}
     for name, run in _sines(runs).items():
@@ -47,7 +46,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return result
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Figure]:
     """Steering-wheel angle, yaw rate, sideslip angle and lateral displacement of all sines."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
 

@@ -17,7 +17,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.report.quantities import derived, motion
-from ev_sim.report.samples import Parameters, Runs, channel
+from ev_sim.report.samples import Runs, channel
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def sideslip_gradient(vehicle: Vehicle) -> float:
     return -vehicle.mass * front_arm / (2 * vehicle.tyre.rear_cornering_stiffness * length)
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     """Gradients of each run, those of the linear ones beside the closed form, and the largest lateral acceleration."""
     result = {}
     for name, run in runs.items():
@@ -72,7 +72,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return result
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Steering angle beyond rolling, sideslip angle, yaw rate, speed over lateral acceleration by method, and paths."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
     from ev_sim.report.figures.plan_view import plan_view

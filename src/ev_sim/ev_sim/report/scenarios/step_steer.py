@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import panel
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import motion
-from ev_sim.report.samples import Parameters, Runs, channel, last, mean_between
+from ev_sim.report.samples import Runs, channel, last, mean_between
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
@@ -64,12 +63,12 @@ def response(run: Recording, values: np.ndarray) -> Response:
     )
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs) -> dict[str, Metric]:
     """Response times, overshoot, gains and the TB factor of each run."""
     return motion.of_each_run(runs, _metrics)
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Figure]:
     """Steering-wheel angle, yaw rate, lateral acceleration and sideslip angle of all runs."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
 

@@ -11,7 +11,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.split_friction import split_friction_figures
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import derived, motion
-from ev_sim.report.samples import Parameters, Runs, channel
+from ev_sim.report.samples import Runs, channel
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ LOCKED_SLIP = -0.95  # a wheel with this slip ratio counts as locked
 ONE_SECOND = 1.0  # after the onset of braking, where ISO 14512 reads the deviation
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs) -> dict[str, Metric]:
     """Stopping distance and time, deviations and times of locked wheels, for each run."""
 
     def of(run: Recording) -> dict[str, Metric]:
@@ -45,7 +45,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return motion.of_each_run(runs, of)
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Speed, heading, steering-wheel angle and path of all runs, and the wheels of each."""
     return split_friction_figures("braking", runs, vehicle, WHEEL_NAMES)
 

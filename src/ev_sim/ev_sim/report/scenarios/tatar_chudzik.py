@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.claim import LARGER, SMALLER, comparison
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Band, Metric, NotMeasured, metric
 from ev_sim.report.quantities import derived, handling, motion
-from ev_sim.report.samples import Parameters, Runs, channel, run_named
+from ev_sim.report.samples import Runs, channel, run_named
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
@@ -35,7 +34,7 @@ FIGURES = {"front": "12 against 3", "rear": "13 against 6", "all": "14 against 9
 ASSUMPTION = f"drive torque, gain and sign of the correction, tyre (none is given); compared at {SPEED:g} m/s"
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs) -> dict[str, Metric]:
     """Lateral forces, total tyre force and drive energy at equal speed, and the published claims."""
     result = {}
     for name in (f"{layout}_{control}" for layout in LAYOUTS for control in CONTROLS):
@@ -58,7 +57,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return result
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Figure]:
     """Lateral forces of each wheel as in figs 3 to 14, equal beside corrected, over the speed in the bend."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
 

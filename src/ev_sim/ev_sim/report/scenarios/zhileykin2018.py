@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, Reference, metric
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.quantities.handling import peak_sideslip
-from ev_sim.report.samples import Parameters, Runs, channel, run_named
+from ev_sim.report.samples import Runs, channel, run_named
 from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
@@ -32,7 +31,7 @@ CALM = 1  # reversal of one share that entering the bend explains
 ASSUMPTION = "drive force, steering angle, car but for its mass, slopes of the tyre curve"
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs) -> dict[str, Metric]:
     """Peak sideslip angle, whether it is held, speed in the end, and reversals of the shares of the law."""
     result = {}
     for name in runs:
@@ -97,7 +96,7 @@ def _rear_share(side: str) -> Callable[[Recording], np.ndarray]:
 SHARES = {"h_n": _front_share, "h_2": _rear_share("left"), "h_4": _rear_share("right")}
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Figure]:
     """Paths (figs 3 and 4), shares (fig. 5), sideslip angle, yaw rate and speed."""
     from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
     from ev_sim.report.figures.plan_view import plan_view
