@@ -92,7 +92,7 @@ def _cell(metric: Metric) -> str:
 
 def save_images(driven: Mapping[str, Mapping[str, Driven]], folder: Path) -> None:
     """The figures of the runs with ideal drives, under the names that the pages use."""
-    from ev_sim.report.figures.drawing import save_figures  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import save_figures
 
     for scenario, file in FIGURES.items():
         figures = driven[scenario][DRIVES[0]].figures

@@ -89,7 +89,7 @@ def study_table(name: str, results: Results) -> str:
 
 def save_study_images(name: str, results: Results, folder: Path) -> None:
     """The figures of a study as STUDY_FIGURE.png."""
-    from ev_sim.report.figures.drawing import save_figures  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import save_figures
 
     figures = study_named(name).figures(arguments(name, ()), results)
     save_figures({f"{name}_{key}": figure for key, figure in figures.items()}, folder)
@@ -97,7 +97,7 @@ def save_study_images(name: str, results: Results, folder: Path) -> None:
 
 def save_images(page: Page, driven: Driven, folder: Path) -> None:
     """The figures of a page as SCENARIO_FIGURE.png."""
-    from ev_sim.report.figures.drawing import save_figures  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import save_figures
 
     figures = driven.figures
     save_figures({f"{page.scenario}_{name}": figures[name] for name in page.figures}, folder)

@@ -45,7 +45,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     model = side_slip_model(vehicle, given.speed, plant.acceleration, given.drive_force, share, given.surface)
     for label, value, unit in rows(vehicle, given.surface, model, plant):
         print(f"{label:52}{value:>12.5g} {unit}")
-    from ev_sim.analysis.bode_figure import bode_figure  # matplotlib is slow to import
+    from ev_sim.analysis.bode_figure import bode_figure
 
     given.out.mkdir(parents=True, exist_ok=True)
     (path,) = save_figures({f"bode_{given.vehicle}": bode_figure(model, plant)}, given.out)

@@ -1,32 +1,16 @@
-"""Run a scenario from the command line: drive its runs, write what they leave behind, print the metrics."""
+"""The command scripts/run.sh. What drives and draws is imported when it is needed, so that help comes at once."""
 
 from __future__ import annotations
 
-import argparse
 import signal
 import sys
-import time
-from pathlib import Path
 
-from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.commands.command_line import arguments, overrides, own_nodes
-from ev_sim.report.figures.drawing import save_figures
-from ev_sim.report.metric_table import print_metrics
-from ev_sim.report.reports import report_for
-from ev_sim.report.samples import Parameters
-from ev_sim.report.summary import Summary, write_summary
-from ev_sim.run.node_parameters import node_parameters, recorded_topics, write_parameter_file
-from ev_sim.run.offline import run_offline
-from ev_sim.run.outcome import Outcome, Progress, RunFailed
-from ev_sim.run.output_folder import OutputFolder
-from ev_sim.run.progress_bar import progress_bar
-from ev_sim.run.recording.recording import save
-from ev_sim.run.recording.run_recorder import write_bag
-from ev_sim.run.scenarios.scenario import Run, Scenario, describe_scenario, load_scenario, scenario_names
+from ev_sim.commands.command_line import arguments
+from ev_sim.run.outcome import RunFailed
+from ev_sim.run.scenarios.scenario import describe_scenario, scenario_names
 from ev_sim.study.study import STUDIES, study_named
 
 _INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
@@ -38,7 +22,7 @@ def main(argv: list[str] | None = None) -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         if words and words[0] in STUDIES:
-            from ev_sim.study.run_study import run_study  # dask is slow to import
+            from ev_sim.study.run_study import run_study
 
             run_study(words[0], words[1:])
             return
@@ -46,7 +30,9 @@ def main(argv: list[str] | None = None) -> None:
         if given.list:
             print_list()
         else:
-            run_scenario(given)
+            from ev_sim.commands.drive_scenario import drive_scenario
+
+            drive_scenario(given)
     except (ParameterError, SignalError, RunFailed, FileNotFoundError) as error:
         sys.exit(f"error: {error}")
     except KeyboardInterrupt:
@@ -66,86 +52,3 @@ def print_list() -> None:
         print(f"methods of {role}")
         for name, method in methods.items():
             print(f"  {name:24} {method.about}")
-
-
-def run_scenario(given: argparse.Namespace) -> None:
-    """Drive all runs of a scenario and report; see `main` for what is raised."""
-    if given.scenario not in scenario_names():
-        raise unknown_name("scenario or study", given.scenario, [*scenario_names(), *STUDIES])
-    scenario = load_scenario(given.scenario, overrides(given))
-    folder = OutputFolder(given.out or Path("results") / scenario.name, scenario.runs)
-    outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
-    summary = _summary(scenario, outcomes, given)
-    figures = report_for(scenario.name).figures(summary.runs, summary.vehicle, _parameters_by_role(scenario))
-    save_figures(figures, folder.directory)
-    write_summary(folder.directory / "summary.json", summary)
-    print_metrics(summary.metrics)
-    for note in summary.notes:
-        print(f"note: {note}")
-    for reason in summary.not_reproducible:
-        print(f"not reproducible: {reason}")
-    content = summary.as_json()
-    print(f"signal hash {content['signal_hash']}")
-    print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
-    print(f"figures, signals and summary: {folder.directory}")
-
-
-def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
-    with progress_bar(run.name, run.duration) as progress:
-        if given.offline:
-            return _drive_offline(run, directory, not given.no_record, progress)
-        if given.in_process:
-            from ev_sim.run.in_process import run_in_process
-
-            return run_in_process(run, directory, not given.no_record, progress)
-        from ev_sim.run.processes import run_in_processes
-
-        return run_in_processes(run, directory, not given.no_record, progress, own_nodes(given))
-
-
-def _drive_offline(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
-    write_parameter_file(directory / "parameters.yaml", run, node_parameters(run, directory, bag))
-    for configuration in run.configurations.values():
-        configuration.create()  # compiled code is loaded before the clock starts
-    start = time.monotonic()
-    notes: list[str] = []
-    recording = run_offline(
-        run.configurations, run.duration, progress, lambda role, text: notes.append(f"{run.namespace}/{role}: {text}")
-    )
-    wall_time = time.monotonic() - start
-    save(recording, directory / "signals.npz")
-    if bag:
-        topics = recorded_topics(run)
-        names = [f"{run.namespace}/{topic.name}" for topic in topics]
-        write_bag(recording, topics, names, run.period, directory / "bag")
-    return Outcome(recording, wall_time, notes=tuple(notes))
-
-
-def _parameters_by_role(scenario: Scenario) -> Parameters:
-    return {role: configuration.values() for role, configuration in scenario.runs[0].configurations.items()}
-
-
-def _summary(scenario: Scenario, outcomes: dict[str, Outcome], given: argparse.Namespace) -> Summary:
-    runs = {name: outcome.recording for name, outcome in outcomes.items()}
-    nodes = {
-        role if len(scenario.runs) == 1 else f"{run.name}/{role}": configuration
-        for run in scenario.runs
-        for role, configuration in run.configurations.items()
-    }
-    first = scenario.runs[0].configurations
-    vehicle = first[MASTER].common.vehicle
-    way = "offline" if given.offline else "in-process" if given.in_process else "processes"
-    return Summary(
-        scenario=scenario.name,
-        mode=f"{way}, realtime" if given.realtime else way,
-        seed=first[MASTER].common.seed,
-        methods={node: configuration.method.name for node, configuration in nodes.items()},
-        own_nodes={role: " ".join(words) for role, words in own_nodes(given).items()},
-        parameters={node: configuration.values() for node, configuration in nodes.items()},
-        vehicle=vehicle,
-        runs=runs,
-        metrics=report_for(scenario.name).metrics(runs, vehicle, _parameters_by_role(scenario)),
-        wall_time=sum(outcome.wall_time for outcome in outcomes.values()),
-        not_reproducible=tuple(reason for outcome in outcomes.values() for reason in outcome.not_reproducible),
-        notes=tuple(note for outcome in outcomes.values() for note in outcome.notes),
-    )

@@ -28,7 +28,7 @@ def metrics(runs: Runs) -> dict[str, Metric]:
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """One sheet for each run."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
 
     return {
         f"overview_{name}" if len(runs) > 1 else "overview": sheet(_panels(run), "time [s]")

@@ -172,7 +172,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """The slip of the front left wheel over time on some roads, with some controls."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
 
     roads, names = _chosen(given)
     panels = []

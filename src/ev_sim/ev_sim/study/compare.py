@@ -111,7 +111,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Paths, and yaw rate, sideslip angle, speed and torque difference over time, of all methods one over the other."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
     from ev_sim.report.figures.plan_view import plan_view
 
     driven = {name: result.measured for name, result in results.items() if not result.refused}

@@ -144,7 +144,7 @@ def _shown(metric: Metric, factor: float = 1.0, form: str = ".3f") -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Wheel efficiency of the methods, mean and single seeds, beside the printed one, for each driver."""
-    from ev_sim.study.efficiency_figure import efficiency_figure  # matplotlib is slow to import
+    from ev_sim.study.efficiency_figure import efficiency_figure
 
     points = {
         driver: {method: _wheel(_values(given, results, method, driver), driver) for method in METHODS}

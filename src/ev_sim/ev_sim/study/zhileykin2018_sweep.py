@@ -106,7 +106,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """A map of the largest sideslip angle for each control."""
-    from ev_sim.report.figures.heat_map import HeatMap, heat_maps  # matplotlib is slow to import
+    from ev_sim.report.figures.heat_map import HeatMap, heat_maps
 
     maps = [HeatMap(control.replace("_", " "), np.degrees(peaks(results, control))) for control in CONTROLS]
     return {

@@ -21,7 +21,7 @@ def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequ
 
     The sheet is called `name`, the plan view `path`.
     """
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
     from ev_sim.report.figures.plan_view import plan_view
 
     def degrees(quantity):

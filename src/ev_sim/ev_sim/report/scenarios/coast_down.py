@@ -72,7 +72,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Speed over time, and deceleration over speed with the fitted road load."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
 
     def loads() -> list[Curve]:
         run = next(iter(runs.values()))

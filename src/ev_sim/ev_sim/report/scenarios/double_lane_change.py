@@ -42,7 +42,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """The course with its cones and the car's path, and the motion over time."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
     from ev_sim.report.figures.plan_view import plan_view
 
     run = next(iter(runs.values()))

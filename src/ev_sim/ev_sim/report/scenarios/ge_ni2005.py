@@ -143,7 +143,7 @@ def _in(runs: Runs, name: str, quantity: str) -> Callable[[], float]:
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Figs 3 and 4 with u held, the same with u free, and the torques with and without boundary layer."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
 
     torques = [
         panel(

@@ -37,7 +37,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Pedals, travelled distance, speed and slip around the pull-away."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
 
     def pedals() -> list[Curve]:
         run = next(iter(runs.values()))

@@ -94,7 +94,7 @@ def _speed_reference(speed: float, angle: float, parameters: Parameters) -> Refe
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Fig. 4 as one sheet, with the panels of the paper."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
 
     def panel_of(title: str, ylabel: str, values: Callable[[Recording], np.ndarray]) -> Panel:
         return panel(title, ylabel, lambda: [Curve(run_named(runs, RUN).time, values(run_named(runs, RUN)))])

@@ -58,7 +58,7 @@ def metrics(runs: Runs, parameters: Parameters) -> dict[str, Metric]:
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """Fig. 1: a, road-wheel angle of the object and of the closed loop; b, differential torque."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
 
     def after_step(name: str, quantity: Callable[[Recording], np.ndarray], label: str = "") -> Curve:
         run = run_named(runs, name)

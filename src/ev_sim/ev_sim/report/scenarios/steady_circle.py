@@ -74,7 +74,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Steering angle beyond rolling, sideslip angle, yaw rate, speed over lateral acceleration by method, and paths."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
     from ev_sim.report.figures.plan_view import plan_view
 
     at_radius = {name: run for name, run in runs.items() if name.startswith(CONSTANT_RADIUS)}

@@ -70,7 +70,7 @@ def metrics(runs: Runs) -> dict[str, Metric]:
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """Steering-wheel angle, yaw rate, lateral acceleration and sideslip angle of all runs."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
 
     def degrees(name: str):
         return lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(channel(run, name)))

@@ -59,7 +59,7 @@ def metrics(runs: Runs) -> dict[str, Metric]:
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """Lateral forces of each wheel as in figs 3 to 14, equal beside corrected, over the speed in the bend."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
 
     over_speed = [_panel(runs, wheel, layout) for wheel in WHEEL_NAMES for layout in LAYOUTS]
     return {

@@ -36,7 +36,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
 def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Counterparts of figures 2.8, 2.13, 3.1 to 3.10 and 5.1 to 5.25, of the first run."""
-    from ev_sim.report.figures.slip_curve import slip_curve_figure  # matplotlib is slow to import
+    from ev_sim.report.figures.slip_curve import slip_curve_figure
     from ev_sim.report.figures.urban_cycle import cycle_figure
     from ev_sim.report.figures.urban_mixed import detail, electrical, torques_and_speeds, wheel_efficiency
 

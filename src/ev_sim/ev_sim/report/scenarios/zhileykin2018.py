@@ -98,7 +98,7 @@ SHARES = {"h_n": _front_share, "h_2": _rear_share("left"), "h_4": _rear_share("r
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """Paths (figs 3 and 4), shares (fig. 5), sideslip angle, yaw rate and speed."""
-    from ev_sim.report.figures.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
     from ev_sim.report.figures.plan_view import plan_view
 
     shown = {name: run for name, run in runs.items() if name != "k1_estimated"}
