@@ -24,6 +24,7 @@ setup(
     packages=find_packages(exclude=["test"]),
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
+        ("share/ament_index/resource_index/ev_stack_config", ["resource/ev_sim"]),
         ("share/ev_sim", ["package.xml"]),
         *config_files(),
     ],

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -39,7 +38,6 @@ QUANTITIES = {  # name -> unit, in the order of the columns
 }
 COLUMNS = ("method", *(f"{name} [{unit}]" for name, unit in QUANTITIES.items()))
 CURVES = ("time", "x", "y", "yaw_rate", "sideslip", "speed", "torque_difference")
-_WIDTH = 120
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -96,17 +94,13 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
-    """One line for each method with its quantities; below, why the others cannot be driven here."""
-    driven = [
+    """The quantities of each method that could be driven."""
+    rows = [
         (name, *(_cell(result.measured[quantity]) for quantity in QUANTITIES))
         for name, result in results.items()
         if not result.refused
     ]
-    lines = [text_table(COLUMNS, driven, left=COLUMNS[:1])]
-    for name, result in results.items():
-        if result.refused:
-            lines += textwrap.wrap(f"{name}: not driven: {result.refused}", _WIDTH, subsequent_indent="    ")
-    return "\n".join(lines)
+    return text_table(COLUMNS, rows, left=COLUMNS[:1])
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
