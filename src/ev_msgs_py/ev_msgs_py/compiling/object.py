@@ -21,6 +21,10 @@ class CompiledObject:
     def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
         self._part = CompiledPart(method, parameters, vehicle, period)
         self._here, self._there = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
+        self._function, *self._memory = self._part.addresses()
+        self._now, self._next = self._here.ctypes.data, self._there.ctypes.data
+        self._is_shown = False  # whether `_there` is what the state shows
+        self._is_lent = False  # whether others have the row, who may change it at any time
         self._reads = [(_place(kind), shape_of(kind).per_wheel) for kind in method.reads]
         self._writes = [(frame.PLACES[kind], shape_of(kind)) for kind in method.writes]
 
@@ -33,11 +37,13 @@ class CompiledObject:
         """Integrate to the next instant; what is not finite is let through to the law, as in plain Python."""
         for (place, per_wheel), signal in zip(self._reads, signals, strict=True):
             self._here[place] = sum(signal, ()) if per_wheel else signal
-        self._call(self._here.ctypes.data)
+        call_part(self._function, self._now, self._next, *self._memory)
+        self._is_shown = True
 
     def outputs(self) -> tuple[Any, ...]:
         """Everything that it writes, at the instant of its state."""
-        self._call(0)
+        if self._is_lent or not self._is_shown:
+            call_part(self._function, 0, self._next, *self._memory)
         return self._said()
 
     def reports(self) -> tuple[str, ...]:
@@ -47,15 +53,12 @@ class CompiledObject:
     @property
     def state(self) -> np.ndarray:
         """All that lasts between steps, the row itself; may be set to that of another object of the law."""
+        self._is_lent = True
         return self._part.state
 
     @state.setter
     def state(self, row: Sequence[float]) -> None:
-        self._part.state[:] = row
-
-    def _call(self, now: int) -> None:
-        function, state, constants = self._part.addresses()
-        call_part(function, now, self._there.ctypes.data, state, constants)
+        self.state[:] = row
 
     def _said(self) -> tuple[Any, ...]:
         return tuple([shape.signal_of(self._there[place].tolist()) for place, shape in self._writes])
