@@ -91,7 +91,7 @@ record_environment() {
 }
 
 source_fingerprint() {
-    find src -name '*.py' | sort | xargs cat | sha256sum
+    find src -name __pycache__ -prune -o -name '*.py' -print | sort | xargs cat | sha256sum
 }
 
 # A law that cannot be compiled says so when it is run: it must not keep the others from running.

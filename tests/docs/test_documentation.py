@@ -76,6 +76,14 @@ def test_links_lead_somewhere(page: Path):
             assert not anchor or anchor in _anchors(linked), target
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_files_that_are_named_with_their_folder_are_there(page: Path):
+    """From the top of the repository, or from the one of the three packages."""
+    named = re.findall(r"`(\w[\w/]*/\w+\.(?:py|sh|yaml|csv))`", page.read_text())
+    folders = [ROOT, *ROOT.glob("src/*"), *(folder / folder.name for folder in ROOT.glob("src/*"))]
+    assert [name for name in named if not any((folder / name).exists() for folder in folders)] == []
+
+
 def _anchors(page: Path) -> set[str]:
     """The anchors that GitHub gives to the headings of a page."""
     headings = re.findall(r"^#+ (.+)$", page.read_text(), re.MULTILINE)

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.cycle_bands import MODE_COLOURS, SURFACE_COLOURS, draw_strip, stretches
 from ev_sim.report.figures.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE, thinned
-from ev_sim.report.figures.urban_mixed import TIME, WIDTH, left_and_right
+from ev_sim.report.figures.urban_sheets import TIME, WIDTH, left_and_right
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import cycle_efficiency as cycle
 from ev_sim.report.quantities import derived

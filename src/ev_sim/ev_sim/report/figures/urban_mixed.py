@@ -13,26 +13,32 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.figures.cycle_bands import shade_traction, stretches
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.panels import Curve, Panel, panel
+from ev_sim.report.figures.urban_sheets import (
+    TIME,
+    WIDTH,
+    both_sides,
+    each_side,
+    left_and_right,
+    sheet_over_cycle,
+    thin_sheet,
+)
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import cycle_efficiency as cycle
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.samples import channel
 from ev_sim.run.recording.recording import Recording
 
-WIDTH, NARROW = 9.2, 6.2  # of a panel alone, and of one beside another [inch]
 DETAIL = 15.0  # [s], length of the figure in which single pulses can be seen
-TIME = "time [s]"
 
 
 def torques_and_speeds(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
     """Figures 3.1, 3.3, 3.5, 3.7 and 3.9: torques and speeds at the shafts of the motors, left and right."""
-    return _over_cycle(
+    return sheet_over_cycle(
         [
-            *_each(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
-            *_each(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
+            *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
+            *each_side(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
         ],
         run,
         driver,
@@ -51,7 +57,7 @@ def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
         return [Curve(run.time, np.where((found >= 0.0) & (found <= 1.0), found, np.nan))]
 
     wheels = left_and_right(vehicle)
-    figure = _thin(
+    figure = thin_sheet(
         [
             *(
                 panel(
@@ -61,7 +67,7 @@ def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
                 )
                 for wheel in wheels
             ),
-            *_each(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
+            *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
         ],
     )
     for axes, wheel in zip(figure.axes, wheels, strict=False):
@@ -93,7 +99,7 @@ def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figur
     def asked() -> list[Curve]:
         share = channel(shorter, motion.DRIVE_TORQUE) / len(vehicle.driven_wheels)
         return [
-            *_both(shorter, vehicle, "torque_command.drive"),
+            *both_sides(shorter, vehicle, "torque_command.drive"),
             Curve(shorter.time, share, "driver, per wheel"),
         ]
 
@@ -101,11 +107,11 @@ def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figur
         [
             panel("Wheel torque after the torque control", "torque [N m]", asked),
             panel("Speed", "speed [m/s]", rims),
-            panel("Slip ratio", "slip ratio [1]", lambda: _both(shorter, vehicle, "tire_forces.slip_ratio")),
+            panel("Slip ratio", "slip ratio [1]", lambda: both_sides(shorter, vehicle, "tire_forces.slip_ratio")),
             panel(
                 "Largest friction of the road",
                 "friction [1]",
-                lambda: _both(shorter, vehicle, "tire_forces.friction_coefficient"),
+                lambda: both_sides(shorter, vehicle, "tire_forces.friction_coefficient"),
             ),
         ],
         TIME,
@@ -134,10 +140,10 @@ def electrical(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> F
     def one(title: str, ylabel: str, name: str) -> Panel:
         return panel(title, ylabel, lambda: [Curve(run.time, channel(run, name))])
 
-    figure = _over_cycle(
+    figure = sheet_over_cycle(
         [
-            *_each(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
-            *_each(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
+            *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
+            *each_side(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
             one("Battery voltage", "voltage [V]", "battery.voltage"),
             one("Battery current, negative while it gives", "current [A]", "battery.current"),
             panel("Power at the terminals of the battery", "power [kW]", lambda: in_kilowatts(1)),
@@ -150,48 +156,6 @@ def electrical(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> F
     )
     figure.axes[-1].set_ylim(0.5, 1.0)
     return figure
-
-
-def _thin(panels: list[Panel], columns: int = 1) -> Figure:
-    """A sheet whose curves are thin enough for the pulses of a whole cycle."""
-    figure = sheet(panels, TIME, columns=columns, panel_width=WIDTH if columns == 1 else NARROW)
-    for line in (line for axes in figure.axes for line in axes.lines):
-        line.set_linewidth(0.7)
-    return figure
-
-
-def _over_cycle(panels: list[Panel], run: Recording, driver: Mapping[str, Any], columns: int = 1) -> Figure:
-    """The same with the traction windows behind the curves."""
-    figure = _thin(panels, columns)
-    try:
-        shade_traction(figure, stretches(run.time, cycle.modes_over_time(run, driver)))
-    except NotMeasured:
-        return figure  # nothing to shade: the panels stand for themselves
-    return figure
-
-
-def left_and_right(vehicle: Vehicle) -> tuple[str, ...]:
-    """The first two driven wheels; the front ones where fewer are driven."""
-    return vehicle.driven_wheels[:2] if len(vehicle.driven_wheels) > 1 else ("front_left", "front_right")
-
-
-def _each(run: Recording, vehicle: Vehicle, title: str, ylabel: str, quantity: str) -> list[Panel]:
-    """A panel for each side: pulses would hide each other."""
-    return [
-        panel(
-            f"{title}, {wheel.replace('_', ' ')}",
-            ylabel,
-            lambda wheel=wheel: [Curve(run.time, channel(run, f"{quantity}.{wheel}"))],
-        )
-        for wheel in left_and_right(vehicle)
-    ]
-
-
-def _both(run: Recording, vehicle: Vehicle, quantity: str) -> list[Curve]:
-    return [
-        Curve(run.time, channel(run, f"{quantity}.{wheel}"), wheel.replace("_", " "))
-        for wheel in left_and_right(vehicle)
-    ]
 
 
 def _ground_of_friction(axes: Axes, run: Recording, wheel: str) -> None:
