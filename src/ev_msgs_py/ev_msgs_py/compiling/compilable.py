@@ -17,3 +17,16 @@ def compilable(function: F) -> F:
     """
     FUNCTIONS.append(function)
     return function
+
+
+INLINED: set[Callable[..., Any]] = set()
+
+
+def inlined(function: F) -> F:
+    """Mark a function as `compilable` that the compiler shall put into the place of each call.
+
+    For what runs several times within each step of the plant: handing over its arguments would cost as much as its
+    work. It takes the compiler longer.
+    """
+    INLINED.add(function)
+    return compilable(function)

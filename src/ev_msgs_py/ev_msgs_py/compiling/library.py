@@ -13,7 +13,7 @@ from typing import Any
 import numba
 from numba.extending import register_jitable
 
-from ev_msgs_py.compiling.compilable import FUNCTIONS
+from ev_msgs_py.compiling.compilable import FUNCTIONS, INLINED
 from ev_msgs_py.compiling.fingerprint import fingerprint
 from ev_msgs_py.compiling.part_source import part_source
 from ev_msgs_py.lockstep.law import Given
@@ -30,7 +30,8 @@ def register_functions() -> None:
     """Make all functions that are marked as compilable so far known to the compiler."""
     global _registered
     while _registered < len(FUNCTIONS):
-        register_jitable(**OPTIONS)(FUNCTIONS[_registered])
+        function = FUNCTIONS[_registered]
+        register_jitable(**OPTIONS, forceinline=function in INLINED)(function)
         _registered += 1
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import sqrt
 from ev_msgs_py.vehicle.battery import Battery
 
 
-@compilable
+@inlined
 def open_circuit_voltage(table: tuple[float, ...], state_of_charge: float) -> float:
     """Voltage without current [V], linear in a table at equally spaced states of charge from 0 to 1."""
     last = len(table) - 1
@@ -16,7 +16,7 @@ def open_circuit_voltage(table: tuple[float, ...], state_of_charge: float) -> fl
     return table[index] + (place - index) * (table[index + 1] - table[index])
 
 
-@compilable
+@inlined
 def current_at_power(voltage: float, resistance: float, power: float) -> float:
     """Current [A] that gives a power [W] at the terminals, both positive out of the battery.
 
@@ -26,7 +26,7 @@ def current_at_power(voltage: float, resistance: float, power: float) -> float:
     return (voltage - sqrt(max(voltage * voltage - 4.0 * resistance * power, 0.0))) / (2.0 * resistance)
 
 
-@compilable
+@inlined
 def power_limits(battery: Battery, voltage: float, state_of_charge: float) -> tuple[float, float]:
     """Largest power out of and into the battery [W]; nothing out of an empty one, nothing into a full one."""
     most = min(battery.discharge_power, voltage * voltage / (4.0 * battery.resistance))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import tanh
 from ev_msgs_py.vehicle.car import Car
 
@@ -12,7 +12,7 @@ COUPLINGS = ("individual", "open", "limited_slip", "clutch")
 INDIVIDUAL, OPEN, LIMITED_SLIP, CLUTCH = range(len(COUPLINGS))
 
 
-@compilable
+@inlined
 def shaft_speeds(car: Car, wheel_speed: Sequence[float], shaft: MutableSequence[float]) -> None:
     """Speed of the shaft of each wheel's motor, at the wheel side of the gear [rad/s], into `shaft`.
 
@@ -37,7 +37,7 @@ def shaft_speeds(car: Car, wheel_speed: Sequence[float], shaft: MutableSequence[
             shaft[left] = shaft[right] = mean
 
 
-@compilable
+@inlined
 def motor_commands(car: Car, command: Sequence[float], motor: MutableSequence[float]) -> None:
     """Torque asked of each motor, at the wheel side of the gear [N m], into `motor`.
 
@@ -59,7 +59,7 @@ def motor_commands(car: Car, command: Sequence[float], motor: MutableSequence[fl
                 motor[left] = motor[right] = 0.5 * (motor[left] + motor[right])
 
 
-@compilable
+@inlined
 def follow_shares(car: Car, command: Sequence[float], share: MutableSequence[float], approach: float) -> None:
     """Let the clutches follow the commanded shares h of the torque [1], in place.
 
@@ -75,7 +75,7 @@ def follow_shares(car: Car, command: Sequence[float], share: MutableSequence[flo
         share[i] += approach * (wanted - share[i])
 
 
-@compilable
+@inlined
 def wheel_torques(
     car: Car,
     motor: Sequence[float],

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.motor import Motor
 from ev_sim.surfaces.lookup import segment_at
 
 
-@compilable
+@inlined
 def loss_power(motor: Motor, torque: float, speed: float) -> float:
     """Loss [W] at a shaft torque [N m] and speed [rad/s]: copper, iron and inverter losses.
 
@@ -23,7 +23,7 @@ def loss_power(motor: Motor, torque: float, speed: float) -> float:
     return of_torque + of_speed + motor.eddy_loss * turns * turns + motor.inverter_loss + of_inverter
 
 
-@compilable
+@inlined
 def map_loss_power(
     torque: float, speed: float, speeds: Sequence[float], torques: Sequence[float], efficiency: Sequence[float]
 ) -> float:
@@ -49,7 +49,7 @@ def map_loss_power(
     return (1.0 - share) * driving + share * generating
 
 
-@compilable
+@inlined
 def _place(axis: Sequence[float], value: float) -> tuple[int, float]:
     index = min(segment_at(axis, value, 0), len(axis) - 2)
     share = (value - axis[index]) / (axis[index + 1] - axis[index])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.motor import Motor
 
 # Overshoot of the thermal state over which the peak torque shrinks to the nominal one, and share of the maximum speed
@@ -11,7 +11,7 @@ HEAT_FADE = 0.1
 SPEED_FADE = 0.02
 
 
-@compilable
+@inlined
 def limited_torque(motor: Motor, wanted: float, speed: float, heat: float) -> float:
     """The torque [N m] that the inverter goes for when `wanted` [N m] is asked at a shaft speed [rad/s].
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 
 
-@compilable
+@inlined
 def segment_at(start: tuple[float, ...], distance: float, previous: int) -> int:
     """Index of the segment that holds a distance [m], looked for from the previous one on; `start` [m] rises."""
     index = previous
@@ -16,7 +16,7 @@ def segment_at(start: tuple[float, ...], distance: float, previous: int) -> int:
     return index
 
 
-@compilable
+@inlined
 def interpolate(
     distances: tuple[float, ...], values: tuple[float, ...], distance: float, previous: int
 ) -> tuple[float, int]:

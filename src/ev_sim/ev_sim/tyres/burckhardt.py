@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import exp
 
 
-@compilable
+@inlined
 def friction(slip: float, c1: float, c2: float, c3: float, _unused: float) -> float:
     """Friction use over slip, phi = C1 (1 - exp(-C2 S)) - C3 S.
 

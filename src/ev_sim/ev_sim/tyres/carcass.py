@@ -11,10 +11,10 @@ contact sticks and the carcass is a damped spring. No eigenvalue exceeds k/d, so
 carcass suits every speed, and F v = d/dt(k u^2 / 2) + d u'^2 + (f/V_t)(v - u')^2 shows that it never gives energy.
 """
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 
 
-@compilable
+@inlined
 def force_and_rate(
     deflection: float, slip_velocity: float, transport: float, secant: float, stiffness: float, damping: float
 ) -> tuple[float, float]:

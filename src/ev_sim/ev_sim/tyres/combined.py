@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import sqrt
 from ev_msgs_py.vehicle.tyre import Tyre
 from ev_sim.tyres.curve import Coefficients, secant
@@ -14,7 +14,7 @@ SLIP_VECTOR, UNCOUPLED = range(len(COMBINATIONS))
 STILL = 1e-9
 
 
-@compilable
+@inlined
 def slip_vector(
     tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float, transport: float
 ) -> tuple[float, float]:
@@ -29,7 +29,7 @@ def slip_vector(
     return common, tyre.lateral_ratio * common
 
 
-@compilable
+@inlined
 def uncoupled(
     tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float, transport_x: float, transport_y: float
 ) -> tuple[float, float]:

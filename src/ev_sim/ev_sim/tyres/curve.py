@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_sim.tyres import burckhardt, linear, magic_formula, rational, two_exponential
 
 CURVES = ("burckhardt", "rational", "two_exponential", "magic_formula", "linear")
@@ -27,7 +27,7 @@ class Coefficients(NamedTuple):
     c3: float
 
 
-@compilable
+@inlined
 def friction(curve: float, slip: float, c: Coefficients) -> float:
     """Friction use [1] at a slip [1] of at least 0, of the curve with this place in `CURVES`."""
     if curve == BURCKHARDT:
@@ -41,7 +41,7 @@ def friction(curve: float, slip: float, c: Coefficients) -> float:
     return linear.friction(slip, c.c0, c.c1, c.c2, c.c3)
 
 
-@compilable
+@inlined
 def secant(curve: float, slip: float, c: Coefficients) -> float:
     """Friction use divided by slip [1], finite at zero slip, never negative.
 

@@ -1,9 +1,9 @@
 """The linear tyre, for comparison with closed-form solutions."""
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 
 
-@compilable
+@inlined
 def friction(slip: float, slope: float, _second: float, _third: float, _fourth: float) -> float:
     """Friction use over slip, mu = c S, without a peak.
 

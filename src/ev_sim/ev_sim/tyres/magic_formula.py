@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import atan, sin
 
 
-@compilable
+@inlined
 def friction(slip: float, b: float, c: float, d: float, e: float) -> float:
     """Friction use over slip, mu = D sin(C atan(B S - E (B S - atan(B S)))).
 

@@ -1,9 +1,9 @@
 """The rational friction curve of Ge & Ni."""
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 
 
-@compilable
+@inlined
 def friction(slip: float, peak: float, peak_slip: float, _third: float, _fourth: float) -> float:
     """Friction use over slip, mu = 2 mu_p l_p l / (l^2 + l_p^2).
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import exp
 
 
-@compilable
+@inlined
 def friction(slip: float, full_slip: float, rise: float, fall: float, _fourth: float) -> float:
     """Friction use over slip, mu = mu_s (1 - exp(-S/S0)) (1 + exp(-S/S1)).
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.contact import contact, secants
@@ -37,7 +37,7 @@ from ev_sim.plant.planar.state import (
 from ev_sim.tyres.carcass import force_and_rate
 
 
-@compilable
+@inlined
 def rates(
     y: Sequence[float],
     dy: MutableSequence[float],
@@ -128,7 +128,7 @@ def rates(
     dy[HOLDING_WORK] = -car.mass * holding * vx
 
 
-@compilable
+@inlined
 def decide_motion(step: Step, i: int, wheel_speed: float, torque: float, dry: float) -> None:
     """Which direction dry friction opposes at wheel i during this step (Coulomb's law, set-valued at rest).
 

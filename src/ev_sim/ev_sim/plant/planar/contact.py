@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import sqrt
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
@@ -27,7 +27,7 @@ class Contact(NamedTuple):
     slip_y: float
 
 
-@compilable
+@inlined
 def contact(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int, wheel_speed: float) -> Contact:
     """The velocities at wheel i, which turns with `wheel_speed` [rad/s]."""
     cosine, sine = step.cos_steer[i], step.sin_steer[i]
@@ -39,7 +39,7 @@ def contact(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: in
     return Contact(along, sqrt(along * along + across * across), rim, rim - along, -across)
 
 
-@compilable
+@inlined
 def secants(car: Car, body: BodyConstants, step: Step, i: int, at: Contact) -> tuple[float, float, float, float]:
     """Friction per slip [1] and transport velocity [m/s], for both directions of wheel i.
 
@@ -59,7 +59,7 @@ def secants(car: Car, body: BodyConstants, step: Step, i: int, at: Contact) -> t
     return along_secant, across_secant, transport_x, transport_y
 
 
-@compilable
+@inlined
 def slips(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int) -> tuple[float, float]:
     """The slips [1] at which the friction curve gives the present forces of wheel i, along and across.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.driveline.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, wheel_torques
 from ev_sim.drives.drive import advance_drive
@@ -24,7 +24,7 @@ class Lags(NamedTuple):
     heat: float
 
 
-@compilable
+@inlined
 def apply_drives(
     s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants, lags: Lags, step: Step, h: float
 ) -> None:
@@ -77,7 +77,7 @@ def apply_drives(
             step.brake[i] -= min(max(delivered, 0.0), step.brake_command[i])
 
 
-@compilable
+@inlined
 def _blended(car: Car, wheel_speed: float, brake: float) -> float:
     """The part of a brake torque that the motor is asked for, with the sign of the wheel speed [N m]."""
     motor, gear = car.motor, car.gear_ratio

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.battery.resistive import current_at_power, open_circuit_voltage, power_limits
 from ev_sim.driveline.couplings import shaft_speeds
@@ -30,7 +30,7 @@ class PowerConstants(NamedTuple):
     map: EfficiencyMap
 
 
-@compilable
+@inlined
 def motor_loss(p: PlanarParameters, car: Car, map: EfficiencyMap, torque: float, speed: float) -> float:
     """Loss of one torque-controlled motor with inverter [W] at its shaft torque [N m] and speed [rad/s].
 
@@ -43,14 +43,14 @@ def motor_loss(p: PlanarParameters, car: Car, map: EfficiencyMap, torque: float,
     return loss_power(car.motor, torque, speed)
 
 
-@compilable
+@inlined
 def terminal_voltage(s: PlanarState, car: Car, voltages: tuple[float, ...]) -> float:
     """Voltage at the terminals of the battery under the power of the last step [V]."""
     source, resistance = open_circuit_voltage(voltages, s.state_of_charge), car.battery.resistance
     return source - resistance * current_at_power(source, resistance, s.battery_power)
 
 
-@compilable
+@inlined
 def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants, step: Step) -> float:
     """Factor on all motor torques [1] that keeps the battery within its limits.
 
@@ -75,7 +75,7 @@ def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerCon
     return 1.0
 
 
-@compilable
+@inlined
 def _idle_and_loss(
     p: PlanarParameters, car: Car, map: EfficiencyMap, torque: float, shaft: float, driven: float
 ) -> tuple[float, float]:
@@ -85,7 +85,7 @@ def _idle_and_loss(
     return motor_loss(p, car, map, 0.0, speed), motor_loss(p, car, map, torque, speed)
 
 
-@compilable
+@inlined
 def account(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants, step: Step, h: float) -> None:
     """Book the energies of this step of h [s], in which the wheels have `turned`, and discharge the battery."""
     shaft, mean_speed, motor, gear = step.shaft, step.mean_speed, step.motor, car.gear_ratio

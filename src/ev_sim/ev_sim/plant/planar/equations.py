@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.compiling.function import compiled, one_record
 from ev_msgs_py.contract.wheels import NO_WHEELS
 from ev_msgs_py.parameters.declaration import number_tree
@@ -62,21 +62,21 @@ class Equations:
 # Compiled code is called with arrays of one record each.
 
 
-@compilable
+@inlined
 def _rates(y: Row, dy: Row, p: One, cars: One, bodies: One, steps: One, starts: bool) -> None:
     rates(y, dy, p[0], cars[0], bodies[0], steps[0], starts)
 
 
-@compilable
+@inlined
 def _advance(y: Row, p: One, cars: One, bodies: One, steps: One, stages: One, h: float) -> None:
     integrate(y, p[0], cars[0], bodies[0], steps[0], stages[0], h)
 
 
-@compilable
+@inlined
 def _hold(cars: One, steps: One, angle: float) -> None:
     steer(cars[0], steps[0], angle)
 
 
-@compilable
+@inlined
 def _look(y: Row, bodies: One, steps: One, road: RoadTables) -> None:
     find_road(y, bodies[0], steps[0], road, True)

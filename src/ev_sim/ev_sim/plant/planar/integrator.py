@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import MutableSequence
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.body import rates
 from ev_sim.plant.planar.constants import BodyConstants
@@ -13,7 +13,7 @@ from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.state import INTEGRATED_SIZE, WHEEL_SPEED
 
 
-@compilable
+@inlined
 def integrate(
     y: MutableSequence[float],
     p: PlanarParameters,

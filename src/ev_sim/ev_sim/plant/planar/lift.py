@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.commands import guard_notes
@@ -11,7 +11,7 @@ from ev_sim.plant.planar.road_under_wheels import RoadTables, gravity_at
 from ev_sim.plant.planar.state import BODY_DISTANCE, PlanarState
 
 
-@compilable
+@inlined
 def note_lifted(s: PlanarState, car: Car, road: RoadTables) -> None:
     """Keep which wheels are off the ground in this state."""
     _, _, gravity_z = gravity_at(road.slope, s.motion[BODY_DISTANCE])

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.state import TRANSFER_X, TRANSFER_Y
 
 
-@compilable
+@inlined
 def loads(y: Sequence[float], car: Car, gravity_z: float) -> Wheels:
     """Loads of the four wheels [N] in a state, under gravity that presses the car on the road [m/s^2]."""
     moment_arm = car.centre_of_mass_height * car.mass
     return wheel_loads(car, car.mass * gravity_z, moment_arm * y[TRANSFER_X], moment_arm * y[TRANSFER_Y])
 
 
-@compilable
+@inlined
 def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float) -> Wheels:
     """Loads of the four wheels [N]; their sum is always `normal`, none is below zero.
 
@@ -49,6 +49,6 @@ def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float
     )
 
 
-@compilable
+@inlined
 def _within(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)

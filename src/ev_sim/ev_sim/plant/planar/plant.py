@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.elementary import cos, sin
 from ev_msgs_py.lockstep.methods import method
@@ -38,7 +38,7 @@ from ev_sim.profiles.profile import value_at
     load_files=load_files,
     heavy=True,
 )
-@compilable
+@inlined
 def planar(
     p: PlanarParameters,
     car: Car,
@@ -63,7 +63,7 @@ def planar(
     note_lifted(s, car, c.road)
 
 
-@compilable
+@inlined
 def _run(
     p: PlanarParameters,
     car: Car,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import sqrt
 from ev_msgs_py.vehicle.car import GRAVITY
 from ev_msgs_py.vehicle.description import Vehicle
@@ -57,7 +57,7 @@ def _track(segments: Segments, vehicle: Vehicle, scale: float) -> Track:
     return Track(segments.start, tuple(number for name in segments.surface for number in of[name]))
 
 
-@compilable
+@inlined
 def find_road(y: Sequence[float], body: BodyConstants, step: Step, road: RoadTables, first: bool) -> None:
     """Set the tyre on the surface under each wheel, and gravity by the slope under the centre of mass.
 
@@ -74,14 +74,14 @@ def find_road(y: Sequence[float], body: BodyConstants, step: Step, road: RoadTab
     step.gravity_x, step.gravity_y, step.gravity_z = gravity_on(rise, side_rise)
 
 
-@compilable
+@inlined
 def gravity_on(rise: float, side_rise: float) -> tuple[float, float, float]:
     """Gravity in the frame of a road [m/s^2] with a grade and a side slope [1]: along, to the left, and onto it."""
     onto = GRAVITY / sqrt(1.0 + rise * rise + side_rise * side_rise)
     return -rise * onto, -side_rise * onto, onto
 
 
-@compilable
+@inlined
 def gravity_at(slope: Slope, distance: float) -> tuple[float, float, float]:
     """The same at a travelled distance of the centre of mass [m]."""
     rise, segment = interpolate(slope.distance, slope.grade, distance, 0)
@@ -89,7 +89,7 @@ def gravity_at(slope: Slope, distance: float) -> tuple[float, float, float]:
     return gravity_on(rise, side_rise)
 
 
-@compilable
+@inlined
 def _look_under(y: Sequence[float], body: BodyConstants, step: Step, track: Track, i: int, first: bool) -> None:
     """Set the tyre of wheel i from its track, where it has come to another segment."""
     distance = y[DISTANCE + i] + body.wheel_x[i]

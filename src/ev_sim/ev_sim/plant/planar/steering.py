@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import sqrt, tan
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.memory import Step
 
 
-@compilable
+@inlined
 def steer(car: Car, step: Step, angle: float) -> None:
     """Set the direction of the front wheels from the mean road-wheel angle [rad]; the rear wheels are straight."""
     cos_left, sin_left, cos_right, sin_right = front_wheels(car, angle)
@@ -17,7 +17,7 @@ def steer(car: Car, step: Step, angle: float) -> None:
     step.cos_steer[2] = step.cos_steer[3] = 1.0
 
 
-@compilable
+@inlined
 def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
     """Cosine and sine of the left, cosine and sine of the right front wheel's angle.
 
