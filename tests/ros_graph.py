@@ -43,18 +43,20 @@ PATIENCE = 30.0  # s of wall time after which a test that waits in vain fails
 _LOOK_PERIOD = 0.005
 
 
-def offline_hash(run: Run) -> str:
-    return signal_hash(run_offline(run.configurations, run.duration))
-
-
-def recorded_hash(directory: Path) -> str:
-    return signal_hash(load(directory / "signals.npz"))
-
-
 def shchur(duration: float, **values: Any) -> Run:
     """The run of shchur2019; `plant__drive="averaged"` sets a parameter."""
     words = [(*name.split("__", 1), value) for name, value in values.items()]
     return load_scenario("shchur2019", Overrides(values=words, duration=duration)).runs[0]
+
+
+def offline_hash(run: Run) -> str:
+    """The hash of a run without DDS."""
+    return signal_hash(run_offline(run.configurations, run.duration))
+
+
+def recorded_hash(directory: Path) -> str:
+    """The hash of what the recorder has written."""
+    return signal_hash(load(directory / "signals.npz"))
 
 
 @contextmanager

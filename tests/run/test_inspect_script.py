@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 from ros_graph import NAMESPACE, NODES
-from running import ENVIRONMENT, ROOT, Running
+from run_script import ENVIRONMENT, ROOT, Running
 
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS

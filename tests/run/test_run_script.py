@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
-from running import ENVIRONMENT, RUN, Running
+from run_script import ENVIRONMENT, RUN, Running
 
 from ev_sim.run.recording.recording import load
 

@@ -117,13 +117,10 @@ def test_every_method_has_its_line():
     assert sorted([*lines, *refused]) == list(compared(False))
     for name in ("equal_torque", "steering_correction"):
         assert len(lines[name].split()) == 1 + len(compare.QUANTITIES)
-    assert refused["slip_target"].startswith(
-        "slip_target needs rear_left and rear_right among the driven wheels, vehicle audi_a2 drives front_left"
-    )
-    assert (
-        refused["steer_by_wire"]
-        == "steer_by_wire requires steering_column method by_wire, but steering_robot is chosen"
-    )
+    needed = "slip_target needs rear_left and rear_right among the driven wheels, vehicle audi_a2 drives front_left"
+    assert needed in refused["slip_target"]
+    needed = "steer_by_wire requires steering_column method by_wire, but steering_robot is chosen"
+    assert needed in refused["steer_by_wire"]
 
 
 def test_methods_that_a_layout_forbids_are_driven_on_another_one():

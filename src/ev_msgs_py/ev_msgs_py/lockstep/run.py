@@ -14,7 +14,8 @@ from ev_msgs_py.lockstep.configuration import Configuration, check_graph
 from ev_msgs_py.lockstep.graph import step_order
 from ev_msgs_py.lockstep.parts import compiled_parts
 
-_CHUNK = 100  # instants between two looks at progress and notes
+_CHUNK = 100  # instants between two looks at progress
+_CHUNKS_PER_LOOK = 50  # chunks between two looks at what the parts note
 
 
 def roles_in_order() -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -62,7 +63,7 @@ class GraphRun:
 
     def drive(self, progress: Callable[[float], None], note: Callable[[str, str], None]) -> None:
         """Drive all instants; SignalError, and nothing behind it is done, if a number is not finite."""
-        last, said = len(self.frames) - 1, set()
+        last, said = len(self.frames) - 1, set[tuple[str, str]]()
         stopped = np.zeros(2, np.int64)
         progress(0.0)
         for begin in range(0, max(last, 1), _CHUNK):
@@ -73,12 +74,17 @@ class GraphRun:
                 if status == NOT_FINITE:
                     refuse_not_finite(self.frames[stopped[0]], self.writes[role])
                 raise part.error
-            for role, part in self.parts:
-                for text in part.notes():
-                    if (role, text) not in said:
-                        said.add((role, text))
-                        note(role, text)
+            if end == last or begin % (_CHUNK * _CHUNKS_PER_LOOK) == 0:
+                self._pass_on_notes(said, note)
             progress(float(self.frames[end, frame.TIME]))
+
+    def _pass_on_notes(self, said: set[tuple[str, str]], note: Callable[[str, str], None]) -> None:
+        """Tell what the parts note for the first time."""
+        for role, part in self.parts:
+            for text in part.notes():
+                if (role, text) not in said:
+                    said.add((role, text))
+                    note(role, text)
 
     def drive_alone(self, role: str) -> None:
         """Drive the parts of one role that integrates through all instants; what it reads is in the frames already."""

@@ -1,4 +1,4 @@
-"""Scripts as a user calls them, and a long run under way."""
+"""scripts/run.sh under way, for tests that look at it or disturb it."""
 
 from __future__ import annotations
 
