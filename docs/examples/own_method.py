@@ -22,6 +22,7 @@ class Limit:
 
     parameters = LimitParameters
     state = None  # nothing lasts between steps
+    mirrored = True  # left and right are alike to it
 
     def __init__(self, parameters: LimitParameters, vehicle: Vehicle, period: float) -> None:
         self._limit = parameters.limit

@@ -138,6 +138,12 @@ def test_own_node_replaces_the_built_in_one(tmp_path: Path):
     assert np.max(limited.channels["torque_command.drive.front_left"]) == LIMIT
 
 
+def test_own_methods_are_held_against_the_contract():
+    command = [sys.executable, str(EXAMPLES / "check_own_law.py")]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert said.count("keeps the contract") == 3
+
+
 @pytest.mark.parametrize(
     ("module", "method"),
     [("own_method", "limit"), ("own_law", "limit_in_python"), ("own_law", "limit_compiled")],

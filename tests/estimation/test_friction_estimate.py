@@ -86,3 +86,13 @@ def test_wheels_without_a_motor_keep_the_first_belief():
     estimate = Estimate()
     found = estimate.step(1000.0, Wheels(20.0, 20.0, 90.0, 20.0), 0.4)
     assert (found.rear_left, found.rear_right) == (1.2, 1.2)
+
+
+def test_an_absurd_measurement_changes_nothing():
+    """A wheel at 1e200 rad/s overflows in the slip; without a guard NaN would stay in the filter for ever."""
+    estimate = Estimate()
+    for _ in range(200):
+        before = estimate.step(1000.0, SLIPPING, 0.4)
+    assert estimate.step(1000.0, Wheels(1e200, -1e200, 1e308, 20.0), 0.4) == before
+    assert estimate.step(1000.0, SLIPPING, 1e300) == before
+    assert estimate.step(1000.0, SLIPPING, 0.4) == before

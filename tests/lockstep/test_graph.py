@@ -147,6 +147,9 @@ def test_advance_counts_for_a_role_that_integrates(register):
         def step(self, command: WheelTorqueCommand):
             """Not what a column is stepped by."""
 
+        def outputs(self) -> tuple[SteeringColumnState]:
+            """Nothing."""
+
         def advance(self, driver: DriverCommand) -> None:
             """Its inputs."""
 

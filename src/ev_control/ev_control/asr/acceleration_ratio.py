@@ -78,6 +78,7 @@ class AccelerationRatioState:
     AccelerationRatioParameters,
     state=AccelerationRatioState,
     needs=(free_wheels_for("reference"),),
+    mirrored=True,
 )
 @compilable
 def acceleration_ratio(

@@ -79,6 +79,7 @@ def at_rest(p: AdhesionLimitParameters) -> AdhesionLimitState:
     state=AdhesionLimitState,
     start=at_rest,
     needs=(free_wheels_for("reference"),),
+    mirrored=True,
 )
 @compilable
 def adhesion_limit(

@@ -66,6 +66,7 @@ class FeedbackLinearisationState:
     FeedbackLinearisationParameters,
     state=FeedbackLinearisationState,
     needs=(free_wheels_for("regulator.reference"),),
+    mirrored=True,
 )
 @compilable
 def feedback_linearisation(

@@ -80,7 +80,9 @@ class FuzzyState:
     wheels: list[FuzzyWheel] = each_wheel(FuzzyWheel)
 
 
-@method("asr", "fuzzy", FuzzyParameters, state=FuzzyState, needs=(free_wheels_for("regulator.reference"),))
+@method(
+    "asr", "fuzzy", FuzzyParameters, state=FuzzyState, needs=(free_wheels_for("regulator.reference"),), mirrored=True
+)
 @compilable
 def fuzzy(
     p: FuzzyParameters,

@@ -47,7 +47,14 @@ class LeastSquaresState:
     wheels: list[LeastSquaresWheel] = each_wheel(LeastSquaresWheel)
 
 
-@method("asr", "least_squares", LeastSquaresParameters, state=LeastSquaresState, needs=(free_wheels_for("reference"),))
+@method(
+    "asr",
+    "least_squares",
+    LeastSquaresParameters,
+    state=LeastSquaresState,
+    needs=(free_wheels_for("reference"),),
+    mirrored=True,
+)
 @compilable
 def least_squares(
     p: LeastSquaresParameters,

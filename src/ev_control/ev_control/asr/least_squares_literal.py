@@ -56,6 +56,7 @@ class LeastSquaresLiteralState:
     LeastSquaresLiteralParameters,
     state=LeastSquaresLiteralState,
     needs=(free_wheels_for("reference"),),
+    mirrored=True,
 )
 @compilable
 def least_squares_literal(

@@ -80,6 +80,7 @@ class MaximumTransmissibleTorqueState:
     MaximumTransmissibleTorqueParameters,
     state=MaximumTransmissibleTorqueState,
     needs=(free_wheels_for("reference"),),
+    mirrored=True,
 )
 @compilable
 def maximum_transmissible_torque(

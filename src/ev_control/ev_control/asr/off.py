@@ -14,7 +14,7 @@ class OffParameters:
     """Nothing to choose."""
 
 
-@method("asr", "off", OffParameters)
+@method("asr", "off", OffParameters, mirrored=True)
 @compilable
 def off(request: WheelTorqueRequest) -> WheelTorqueCommand:
     """Let the requested wheel torques through unchanged."""

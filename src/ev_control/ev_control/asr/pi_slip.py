@@ -58,7 +58,14 @@ class PiSlipState:
     wheels: list[PiSlipWheel] = each_wheel(PiSlipWheel)
 
 
-@method("asr", "pi_slip", PiSlipParameters, state=PiSlipState, needs=(free_wheels_for("regulator.reference"),))
+@method(
+    "asr",
+    "pi_slip",
+    PiSlipParameters,
+    state=PiSlipState,
+    needs=(free_wheels_for("regulator.reference"),),
+    mirrored=True,
+)
 @compilable
 def pi_slip(
     p: PiSlipParameters,

@@ -77,7 +77,14 @@ class SlipWindowState:
     wheels: list[SlipWindowWheel] = each_wheel(SlipWindowWheel)
 
 
-@method("asr", "slip_window", SlipWindowParameters, state=SlipWindowState, needs=(free_wheels_for("reference"),))
+@method(
+    "asr",
+    "slip_window",
+    SlipWindowParameters,
+    state=SlipWindowState,
+    needs=(free_wheels_for("reference"),),
+    mirrored=True,
+)
 @compilable
 def slip_window(
     p: SlipWindowParameters,

@@ -48,7 +48,9 @@ class AdaptiveState:
     refused: list[float] = per_wheel(unit="N m", about="how much of it was refused")
 
 
-@method("electronic_differential", "adaptive", AdaptiveParameters, state=AdaptiveState, needs=(any_driven,))
+@method(
+    "electronic_differential", "adaptive", AdaptiveParameters, state=AdaptiveState, needs=(any_driven,), mirrored=True
+)
 @compilable
 def adaptive(
     p: AdaptiveParameters, car: Car, s: AdaptiveState, period: float, driver: DriverCommand, wheels: WheelStates
@@ -77,9 +79,7 @@ def adaptive(
 
 
 @compilable
-def refused(
-    car: Car, s: AdaptiveState, wheel: int, other: int, share: float, effort: float, approach: float
-) -> float:
+def refused(car: Car, s: AdaptiveState, wheel: int, other: int, share: float, effort: float, approach: float) -> float:
     """What a wheel did not take of its share, for the other one [N m]; `effort` is the torque that acts on it."""
     before = s.share[wheel]
     if car.driven[wheel] == 0.0 or car.driven[other] == 0.0 or before * share <= 0.0:

@@ -69,6 +69,7 @@ def begin(p: AdhesionShareParameters) -> AdhesionShareState:
     state=AdhesionShareState,
     start=begin,
     needs=(any_driven, free_wheels_for("estimate.reference")),
+    mirrored=True,
 )
 @compilable
 def adhesion_share(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.slip_angle_observer import (
     SlipAngleObserverParameters,
     SlipAngleObserverState,
@@ -102,6 +103,7 @@ def first_branch(p: AxleRedistributionParameters) -> AxleRedistributionState:
     state=AxleRedistributionState,
     start=first_branch,
     needs=(ALL_WHEELS_DRIVEN,),
+    mirrored=True,
 )
 @compilable
 def axle_redistribution(
@@ -122,14 +124,16 @@ def axle_redistribution(
     The front wheels get equal halves. Of the rear torque the slow (inner) wheel gets (1 + q)/2 and the fast (outer)
     one (1 - q)/2 with q = L |Theta| h_n/(2 B (1 - h_n)), at most 1 (eq 7 at constant speed), by the mean road-wheel
     angle Theta [rad]. A driver who brakes, with a negative drive torque or the brake, has all drive torque on the rear
-    axle. The torques [N m] add up to the driver's. The lag of the clutches is the plant's.
+    axle. The torques [N m] add up to the driver's. The lag of the clutches is the plant's. With `estimated` slip angles
+    an absurd measurement changes nothing.
     """
     delta = column.road_wheel_angle
     if p.source == TRUTH:
         angles = axle_slip_angles(car, body.longitudinal, body.lateral, body.yaw_rate, delta, p.observer.slowest)
-    else:
+        follow(p, s, abs(angles.front) - abs(angles.rear), imu)
+    elif is_plausible(column, wheels, imu):
         angles = observed_slip_angles(p.observer, car, s.observer, period, driver, column, wheels, imu)
-    follow(p, s, abs(angles.front) - abs(angles.rear), imu)
+        follow(p, s, abs(angles.front) - abs(angles.rear), imu)
     braking = driver.drive_torque < 0.0 or driver.brake_torque > 0.0
     h = 0.0 if braking else front_share(p, s)
     half, rear_torque = driver.drive_torque * h / 2.0, driver.drive_torque * (1.0 - h)

@@ -33,7 +33,8 @@ class DriveByWireParameters:
     "drive_by_wire",
     DriveByWireParameters,
     needs=(FRONT_WHEELS_DRIVEN,),
-    requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well
+    requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well,
+    mirrored=True,
 )
 @compilable
 def drive_by_wire(

@@ -20,7 +20,7 @@ class EqualTorqueParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "equal_torque", EqualTorqueParameters, needs=(any_driven,))
+@method("electronic_differential", "equal_torque", EqualTorqueParameters, needs=(any_driven,), mirrored=True)
 @compilable
 def equal_torque(p: EqualTorqueParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
     """Give every driven wheel the same share of the drive torque, for any layout."""

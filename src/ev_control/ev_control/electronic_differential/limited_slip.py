@@ -38,7 +38,7 @@ class LimitedSlipParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "limited_slip", LimitedSlipParameters, needs=(any_driven,))
+@method("electronic_differential", "limited_slip", LimitedSlipParameters, needs=(any_driven,), mirrored=True)
 @compilable
 def limited_slip(p: LimitedSlipParameters, car: Car, driver: DriverCommand, wheels: WheelStates) -> WheelTorqueRequest:
     """Give the slower wheel of each driven axle K times the torque of the faster one.

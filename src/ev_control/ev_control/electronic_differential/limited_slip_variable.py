@@ -37,7 +37,13 @@ class LimitedSlipVariableParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "limited_slip_variable", LimitedSlipVariableParameters, needs=(any_driven,))
+@method(
+    "electronic_differential",
+    "limited_slip_variable",
+    LimitedSlipVariableParameters,
+    needs=(any_driven,),
+    mirrored=True,
+)
 @compilable
 def limited_slip_variable(
     p: LimitedSlipVariableParameters, car: Car, driver: DriverCommand, wheels: WheelStates

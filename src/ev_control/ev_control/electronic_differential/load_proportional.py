@@ -28,6 +28,7 @@ class LoadProportionalParameters:
         high=1e6,
         about="of front left, front right, rear left and rear right wheel; only their ratios count",
         source="assumption: the same under all wheels",
+        per_wheel=True,
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
@@ -51,7 +52,12 @@ def prepare(parameters: LoadProportionalParameters, vehicle: Vehicle, _period: f
 
 
 @method(
-    "electronic_differential", "load_proportional", LoadProportionalParameters, prepare=prepare, needs=(any_driven,)
+    "electronic_differential",
+    "load_proportional",
+    LoadProportionalParameters,
+    prepare=prepare,
+    needs=(any_driven,),
+    mirrored=True,
 )
 @compilable
 def load_proportional(

@@ -21,7 +21,7 @@ class OpenDifferentialParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "open_differential", OpenDifferentialParameters, needs=(any_driven,))
+@method("electronic_differential", "open_differential", OpenDifferentialParameters, needs=(any_driven,), mirrored=True)
 @compilable
 def open_differential(p: OpenDifferentialParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
     """Equal torques left and right as behind a mechanical differential, whose wheels cannot get more than both grip.

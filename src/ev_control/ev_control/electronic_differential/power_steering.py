@@ -29,7 +29,9 @@ class PowerSteeringParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "power_steering", PowerSteeringParameters, needs=(FRONT_WHEELS_DRIVEN,))
+@method(
+    "electronic_differential", "power_steering", PowerSteeringParameters, needs=(FRONT_WHEELS_DRIVEN,), mirrored=True
+)
 @compilable
 def power_steering(
     p: PowerSteeringParameters, car: Car, driver: DriverCommand, column: SteeringColumnState

@@ -108,6 +108,7 @@ class SlipTargetState:
     SlipTargetParameters,
     state=SlipTargetState,
     needs=(REAR_WHEELS_DRIVEN, only_driven("rear_left", "rear_right")),
+    mirrored=True,
 )
 @compilable
 def slip_target(

@@ -60,7 +60,8 @@ class SteerByWireState:
     SteerByWireParameters,
     state=SteerByWireState,
     needs=(FRONT_WHEELS_DRIVEN,),
-    requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well
+    requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well,
+    mirrored=True,
 )
 @compilable
 def steer_by_wire(

@@ -55,7 +55,11 @@ def corrected_axle_driven(parameters: SteeringCorrectionParameters, vehicle: Veh
 
 
 @method(
-    "electronic_differential", "steering_correction", SteeringCorrectionParameters, needs=(corrected_axle_driven,)
+    "electronic_differential",
+    "steering_correction",
+    SteeringCorrectionParameters,
+    needs=(corrected_axle_driven,),
+    mirrored=True,
 )
 @compilable
 def steering_correction(

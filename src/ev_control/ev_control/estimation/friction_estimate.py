@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.estimation.friction_learning import FrictionLearningParameters, learnt_friction
+from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
 from ev_control.shared.first_order_filter import filter_share
 from ev_msgs_py.compiling.compilable import compilable
@@ -53,8 +54,11 @@ def estimated_friction(
     """Friction [1] of each wheel, by their loads [N]; of the drive torque of all wheels [N m] only the sign counts.
 
     mu = (M - J w')/(F_z r) of a wheel that slips; of one that does not, a value that slowly rises (assumption), see
-    `learnt_friction`.
+    `learnt_friction`. An absurd measurement changes nothing.
     """
+    if not is_plausible(column, wheels, imu):
+        s.known = 0.0
+        return Wheels(s.friction[0], s.friction[1], s.friction[2], s.friction[3])
     velocity, radius = wheels.velocity, car.wheel_radius
     direction = 0.0
     if drive_torque != 0.0:

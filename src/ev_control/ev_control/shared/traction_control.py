@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
+from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
 from ev_control.shared.wheel_dynamics import WheelMotion
 from ev_msgs_py.compiling.compilable import compilable
@@ -21,13 +22,6 @@ from ev_msgs_py.contract.signals import (
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.elementary import copysign
 from ev_msgs_py.vehicle.car import Car
-
-# Beyond these a number is no measurement of a road vehicle: 3 km/s at the tyre, a hundred motors, a collision.
-LARGEST_SPEED = 1e4  # [rad/s]
-LARGEST_TORQUE = 1e6  # [N m]
-LARGEST_ACCELERATION = 1e3  # [m/s^2]
-LARGEST_YAW_RATE = 1e2  # [rad/s]
-LARGEST_ANGLE = 1.5  # [rad]
 
 # Slower than this against the request, a car is not braked by its drives but about to pull away, perhaps on a hill.
 PULLING_AWAY = 0.3  # [m/s]
@@ -106,7 +100,7 @@ def watch(
     """Go on with the state by what was measured; the limits of the wheels are then those of this step."""
     known, drive, velocity, effort = s.control, request.drive, wheels.velocity, wheels.effort
     is_braked = request.brake != NO_WHEELS
-    asked = sign(drive[0] + drive[1] + drive[2] + drive[3])
+    asked = sign((drive[0] + drive[1]) + (drive[2] + drive[3]))
     direction = -sign(known.reference.speed) if is_braked else asked
     rolling = rolling_speeds(reference, car, known.reference, period, velocity, column.road_wheel_angle, imu, direction)
     for i in range(4):
@@ -148,22 +142,3 @@ def sign(number: float) -> float:
     if number > 0.0:
         return 1.0
     return -1.0 if number < 0.0 else 0.0
-
-
-@compilable
-def is_plausible(column: SteeringColumnState, wheels: WheelStates, imu: InertialMeasurement) -> bool:
-    """Whether all that is measured is finite and could be a road vehicle's."""
-    along, across = imu.longitudinal_acceleration, imu.lateral_acceleration
-    return (
-        sum_of_squares(wheels.velocity) < LARGEST_SPEED * LARGEST_SPEED
-        and sum_of_squares(wheels.effort) < LARGEST_TORQUE * LARGEST_TORQUE
-        and along * along + across * across < LARGEST_ACCELERATION * LARGEST_ACCELERATION
-        and abs(imu.yaw_rate) < LARGEST_YAW_RATE
-        and abs(column.road_wheel_angle) < LARGEST_ANGLE
-    )
-
-
-@compilable
-def sum_of_squares(of: Wheels) -> float:
-    """Left and right first, so that a mirrored car gets the same number."""
-    return (of[0] * of[0] + of[1] * of[1]) + (of[2] * of[2] + of[3] * of[3])

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 import struct
-from typing import Any
 
 import numpy as np
 
 from ev_msgs_py.check.inputs import RandomInputs
+from ev_msgs_py.check.stepping import MakesInputs, frame_of
 from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.compiling.part import CompiledPart
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.lockstep.methods import create
 
 
-def differing_bits(configuration: Configuration, steps: int, seed: int) -> str:
+def differing_bits(configuration: Configuration, steps: int, seed: int, inputs: MakesInputs = RandomInputs) -> str:
     """What differs first between the compiled and the interpreted form of a configured law; empty if nothing does."""
     method = configuration.method
     settings = (configuration.parameters, configuration.common.vehicle, configuration.common.control_period)
-    compiled, plain = CompiledPart(method, *settings), method.law(*settings)
+    compiled, plain = CompiledPart(method, *settings), create(method, *settings)
     integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
-    inputs = RandomInputs(method.reads, seed, configuration.common.control_period)
+    given = inputs(method.reads, seed, configuration.common.control_period)
     for step in range(steps):
-        signals = inputs.next()
-        here, there = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
-        _write(here, method.reads, signals)
+        signals = given.next()
+        here, there = np.array(frame_of(method.reads, signals).numbers), np.zeros(frame.SIZE)
         function, state, constants = compiled.addresses()
         if integrates:
             call_part(function, here.ctypes.data, there.ctypes.data, state, constants)
@@ -45,14 +45,6 @@ def differing_bits(configuration: Configuration, steps: int, seed: int) -> str:
             if _bits(one) != _bits(other):
                 return f"step {step}: number {place} of the state is {one!r} compiled, {other!r} interpreted"
     return ""
-
-
-def _write(row: np.ndarray, reads: tuple[type, ...], signals: tuple[Any, ...]) -> None:
-    for kind, signal in zip(reads, signals, strict=True):
-        if kind in frame.PLACES:
-            row[frame.PLACES[kind]] = shape_of(kind).flat(signal)
-        else:
-            row[frame.TIME] = signal.time
 
 
 def _bits(number: float) -> bytes:

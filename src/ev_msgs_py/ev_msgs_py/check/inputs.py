@@ -6,6 +6,7 @@ import random
 from collections.abc import Sequence
 from typing import Any
 
+from ev_msgs_py.contract.field import Field
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.signals import Instant
 
@@ -38,15 +39,33 @@ class RandomInputs:
         values = []
         for channel, before in zip(shape.channels, last, strict=True):
             field = channel.partition(".")[0]
-            values.append(self._number(shape.fields[field].unit, before, field in _NEVER_NEGATIVE))
+            values.append(self._number(shape.fields[field], before, field in _NEVER_NEGATIVE))
         self._last[kind] = tuple(values)
         return shape.signal_of(tuple(values))
 
-    def _number(self, unit: str, before: float, never_negative: bool) -> float:
+    def _number(self, field: Field, before: float, never_negative: bool) -> float:
         chance = self._random.random()
         if chance < _REPEATED:
             return before
         if chance < _REPEATED + _ZERO:
             return 0.0
-        value = self._random.uniform(-1.0, 1.0) * _LARGEST.get(unit, 1.0)
+        value = self._random.uniform(-1.0, 1.0) * _LARGEST.get(field.unit, 1.0)
         return abs(value) if never_negative else value
+
+
+_EXTREME = (0.0, 5e-324, 1e-300, 1e-30, 1e6, 1e20, 3e38, 1e150, 1e300, 1.7976931348623157e308)
+_LARGEST_SINGLE = 3e38  # that single precision holds
+_ABSURD = 0.3  # probability that a number is absurd
+
+
+class ExtremeInputs(RandomInputs):
+    """The same, with numbers in between that no car has: tiny ones, and up to the largest that a message carries."""
+
+    def _number(self, field: Field, before: float, never_negative: bool) -> float:
+        plausible = super()._number(field, before, never_negative)
+        if self._random.random() >= _ABSURD:
+            return plausible
+        value = self._random.choice(_EXTREME)
+        if field.single_precision:
+            value = min(value, _LARGEST_SINGLE)
+        return value if never_negative else self._random.choice((-1.0, 1.0)) * value

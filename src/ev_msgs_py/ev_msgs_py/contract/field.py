@@ -12,7 +12,8 @@ class Field:
 
     `place` is a path in the message, such as twist.linear.x; in a JointState it is JOINT.ARRAY, such as drive.effort,
     where {wheel} stands for the name of each wheel. `sensor` names the sensor, which fields with one name share, and
-    `largest` is the largest error that its parameters accept, in the unit.
+    `largest` is the largest error that its parameters accept, in the unit. `lateral` quantities change their sign where
+    left and right are exchanged: what points to the left, or turns to the left.
     """
 
     unit: str
@@ -21,6 +22,7 @@ class Field:
     single_precision: bool = False
     sensor: str = ""
     largest: float = 0.0
+    lateral: bool = False
 
 
 def field_of(hint: Any) -> Field:

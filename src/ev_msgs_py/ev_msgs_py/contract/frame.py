@@ -44,7 +44,7 @@ def channels() -> dict[str, int]:
 def stack(instants: int, period: int) -> np.ndarray:
     """Empty frames of so many instants from time zero, `period` nanoseconds apart: (instants, frame size)."""
     frames = np.zeros((instants, SIZE))
-    frames[:, TIME] = stamps.to_seconds(np.arange(instants) * period)
+    frames[:, TIME] = np.arange(instants) * period / stamps.NANOSECONDS
     return frames
 
 
@@ -62,7 +62,7 @@ class Frame:
         self.numbers[where] = other.numbers[where]
 
 
-def numbers_of(values: Sequence[float]) -> array:
+def numbers_of(values: Sequence[float]) -> array[float]:
     """Numbers in the form that a part of a frame can be set to."""
     return array("d", values)
 
@@ -72,4 +72,5 @@ _TIME = struct.Struct("d")
 
 def time_in(raw: memoryview) -> float:
     """The time [s] in the bytes of a frame."""
-    return _TIME.unpack_from(raw, TIME * _DOUBLE)[0]
+    time: float = _TIME.unpack_from(raw, TIME * _DOUBLE)[0]
+    return time

@@ -79,7 +79,7 @@ def _with_attributes(kind: np.dtype) -> np.dtype:
         return np.dtype((_with_attributes(inner), shape))
     if kind.names is None:
         return kind
-    return np.dtype((np.record, [(name, _with_attributes(kind.fields[name][0])) for name in kind.names]))
+    return np.dtype((np.record, [(name, _with_attributes(kind[name])) for name in kind.names]))
 
 
 def _items(values: Any) -> Iterator[tuple[str, Any]]:

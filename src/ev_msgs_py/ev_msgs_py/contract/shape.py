@@ -31,8 +31,8 @@ class Shape:
     def __init__(self, signal: type) -> None:
         hints = typing.get_type_hints(signal, include_extras=True)
         self.signal = signal
-        self.fields: dict[str, Field] = {name: field_of(hints[name]) for name in signal._fields}
-        per_wheel = {hints[name].__origin__ is Wheels for name in signal._fields}
+        self.fields: dict[str, Field] = {name: field_of(hint) for name, hint in hints.items()}
+        per_wheel = {hint.__origin__ is Wheels for hint in hints.values()}
         if len(per_wheel) > 1:
             raise TypeError(f"{signal.__name__} mixes numbers and values per wheel")
         self.per_wheel = per_wheel == {True}
@@ -41,6 +41,7 @@ class Shape:
         self.size = len(self.channels)
         self.has_single = any(field.single_precision for field in self.fields.values())
         self.single = tuple(field.single_precision for field in self.fields.values() for _ in ends)
+        self.lateral = tuple(field.lateral for field in self.fields.values() for _ in ends)
 
     def flat(self, signal: Any) -> tuple[float, ...]:
         """The numbers of a signal, in the order of `channels`."""
@@ -51,7 +52,7 @@ class Shape:
         if len(values) != self.size:
             raise TypeError(f"{self.signal.__name__} has {self.size} numbers, not {len(values)}")
         if self.per_wheel:
-            values = [_new(Wheels, values[i : i + 4]) for i in range(0, len(values), 4)]
+            return _new(self.signal, [_new(Wheels, values[i : i + 4]) for i in range(0, len(values), 4)])
         return _new(self.signal, values)
 
     def carried(self, values: Sequence[float]) -> tuple[float, ...]:
@@ -86,9 +87,10 @@ _SINGLE = struct.Struct("f")
 def rounded(value: float) -> float:
     """The number in single precision, infinite beyond its range."""
     try:
-        return _SINGLE.unpack(_SINGLE.pack(value))[0]
+        number: float = _SINGLE.unpack(_SINGLE.pack(value))[0]
     except OverflowError:
         return math.copysign(math.inf, value)
+    return number
 
 
 @cache

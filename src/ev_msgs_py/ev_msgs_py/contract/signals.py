@@ -26,29 +26,68 @@ class DriverCommand(NamedTuple):
 
     drive_torque: Annotated[float, Field("N m", "of all drives together, negative to slow down", "drive.effort")]
     brake_torque: Annotated[float, Field("N m", "of all brakes together, never negative", "brake.effort")]
-    hand_torque: Annotated[float, Field("N m", "on the steering wheel, left positive", "steering_wheel.effort")]
+    hand_torque: Annotated[
+        float, Field("N m", "on the steering wheel, left positive", "steering_wheel.effort", lateral=True)
+    ]
 
 
 class SteeringColumnState(NamedTuple):
     """The steering column as the laws may measure it; with a mechanical column angle = i * road_wheel_angle."""
 
     angle: Annotated[
-        float, Field("rad", "of the steering wheel", "steering_wheel.position", sensor="steering_angle", largest=10.0)
+        float,
+        Field(
+            "rad",
+            "of the steering wheel",
+            "steering_wheel.position",
+            sensor="steering_angle",
+            largest=10.0,
+            lateral=True,
+        ),
     ]
     rate: Annotated[
-        float, Field("rad/s", "of the steering wheel", "steering_wheel.velocity", sensor="steering_rate", largest=100.0)
+        float,
+        Field(
+            "rad/s",
+            "of the steering wheel",
+            "steering_wheel.velocity",
+            sensor="steering_rate",
+            largest=100.0,
+            lateral=True,
+        ),
     ]
     hand_torque: Annotated[
         float,
-        Field("N m", "of the driver, left positive", "steering_wheel.effort", sensor="hand_torque", largest=100.0),
+        Field(
+            "N m",
+            "of the driver, left positive",
+            "steering_wheel.effort",
+            sensor="hand_torque",
+            largest=100.0,
+            lateral=True,
+        ),
     ]
     road_wheel_angle: Annotated[
         float,
-        Field("rad", "mean of the front wheels", "road_wheels.position", sensor="road_wheel_angle", largest=1.0),
+        Field(
+            "rad",
+            "mean of the front wheels",
+            "road_wheels.position",
+            sensor="road_wheel_angle",
+            largest=1.0,
+            lateral=True,
+        ),
     ]
     road_wheel_rate: Annotated[
         float,
-        Field("rad/s", "mean of the front wheels", "road_wheels.velocity", sensor="road_wheel_rate", largest=10.0),
+        Field(
+            "rad/s",
+            "mean of the front wheels",
+            "road_wheels.velocity",
+            sensor="road_wheel_rate",
+            largest=10.0,
+            lateral=True,
+        ),
     ]
 
 
@@ -91,36 +130,33 @@ class MotorStates(NamedTuple):
     velocity: Annotated[
         Wheels, Field("rad/s", "speed of the shaft", "{wheel}.velocity", sensor="motor_speed", largest=1000.0)
     ]
-    effort: Annotated[
-        Wheels, Field("N m", "torque at the shaft", "{wheel}.effort", sensor="motor_torque", largest=1e4)
-    ]
+    effort: Annotated[Wheels, Field("N m", "torque at the shaft", "{wheel}.effort", sensor="motor_torque", largest=1e4)]
 
 
 class InertialMeasurement(NamedTuple):
     """Yaw rate and accelerations of the centre of mass in the body frame, without gravity."""
 
     yaw_rate: Annotated[
-        float, Field("rad/s", "left positive", "angular_velocity.z", sensor="imu_yaw_rate", largest=10.0)
+        float, Field("rad/s", "left positive", "angular_velocity.z", sensor="imu_yaw_rate", largest=10.0, lateral=True)
     ]
     longitudinal_acceleration: Annotated[
         float, Field("m/s^2", "forwards", "linear_acceleration.x", sensor="imu_acceleration", largest=100.0)
     ]
     lateral_acceleration: Annotated[
-        float, Field("m/s^2", "to the left", "linear_acceleration.y", sensor="imu_acceleration", largest=100.0)
+        float,
+        Field("m/s^2", "to the left", "linear_acceleration.y", sensor="imu_acceleration", largest=100.0, lateral=True),
     ]
 
 
 class BodyVelocity(NamedTuple):
     """Velocity of the centre of mass in the body frame."""
 
-    longitudinal: Annotated[
-        float, Field("m/s", "forwards", "twist.linear.x", sensor="body_velocity", largest=100.0)
-    ]
+    longitudinal: Annotated[float, Field("m/s", "forwards", "twist.linear.x", sensor="body_velocity", largest=100.0)]
     lateral: Annotated[
-        float, Field("m/s", "to the left", "twist.linear.y", sensor="body_velocity", largest=100.0)
+        float, Field("m/s", "to the left", "twist.linear.y", sensor="body_velocity", largest=100.0, lateral=True)
     ]
     yaw_rate: Annotated[
-        float, Field("rad/s", "left positive", "twist.angular.z", sensor="body_yaw_rate", largest=10.0)
+        float, Field("rad/s", "left positive", "twist.angular.z", sensor="body_yaw_rate", largest=10.0, lateral=True)
     ]
 
 
@@ -128,10 +164,12 @@ class BodyPose(NamedTuple):
     """Position of the centre of mass and heading in the odom frame; the heading as z and w of the quaternion."""
 
     x: Annotated[float, Field("m", "of the centre of mass", "pose.position.x", sensor="body_position", largest=1e3)]
-    y: Annotated[float, Field("m", "of the centre of mass", "pose.position.y", sensor="body_position", largest=1e3)]
+    y: Annotated[
+        float, Field("m", "of the centre of mass", "pose.position.y", sensor="body_position", largest=1e3, lateral=True)
+    ]
     orientation_z: Annotated[
         float,
-        Field("1", "sine of half the heading", "pose.orientation.z", sensor="body_heading", largest=10.0),
+        Field("1", "sine of half the heading", "pose.orientation.z", sensor="body_heading", largest=10.0, lateral=True),
     ]
     orientation_w: Annotated[
         float,
@@ -182,7 +220,7 @@ class TireForces(NamedTuple):
         Wheels, Field("N", "along the wheel", "{wheel}_longitudinal.effort", sensor="tire_force", largest=1e5)
     ]
     lateral_force: Annotated[
-        Wheels, Field("N", "across the wheel", "{wheel}_lateral.effort", sensor="tire_force", largest=1e5)
+        Wheels, Field("N", "across the wheel", "{wheel}_lateral.effort", sensor="tire_force", largest=1e5, lateral=True)
     ]
     load: Annotated[Wheels, Field("N", "on the road", "{wheel}_vertical.effort", sensor="tire_load", largest=1e5)]
     slip_ratio: Annotated[
@@ -190,7 +228,8 @@ class TireForces(NamedTuple):
         Field("1", "sign of its force", "{wheel}_longitudinal.position", sensor="tire_slip_ratio", largest=1.0),
     ]
     slip_angle: Annotated[
-        Wheels, Field("rad", "left positive", "{wheel}_lateral.position", sensor="tire_slip_angle", largest=1.0)
+        Wheels,
+        Field("rad", "left positive", "{wheel}_lateral.position", sensor="tire_slip_angle", largest=1.0, lateral=True),
     ]
     friction_coefficient: Annotated[
         Wheels,

@@ -19,4 +19,5 @@ def to_seconds(stamp: int) -> float:
 
 def read(time: Any) -> int:
     """The stamp in a builtin_interfaces/Time."""
-    return time.sec * NANOSECONDS + time.nanosec
+    stamp: int = time.sec * NANOSECONDS + time.nanosec
+    return stamp

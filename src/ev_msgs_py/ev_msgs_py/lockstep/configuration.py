@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.lockstep.hooks import ReadingFiles
 from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout
 from ev_msgs_py.parameters.declaration import Entry, ParameterError, Spec, entries, flatten, group, parameter
 from ev_msgs_py.parameters.values import entries_by_name, replaced, unknown_name
@@ -63,7 +64,7 @@ class Configuration:
     @property
     def is_ideal(self) -> bool:
         """Whether all its sensors show the truth."""
-        return self.sensors == type(self.sensors)()
+        return bool(self.sensors == type(self.sensors)())
 
     def create(self) -> Any:
         """A new object of the method, at rest, in plain Python and in front of its sensors."""
@@ -109,8 +110,8 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     rest.pop(_METHOD, None)
     common = _take(rest, CommonParameters)
     further = _take(rest, extra) if extra is not None else None
-    parameters = _take(rest, method.parameters)
-    sensors = _take(rest, sensors_for(method.writes), _SENSORS)
+    parameters: Any = _take(rest, method.parameters)
+    sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
     others = [(other.parameters, "") for other in methods_of(role).values()]
     others.append((sensors_for(ROLES[role].writes), _SENSORS))
     for of, prefix in others:
@@ -128,15 +129,17 @@ def _fitting(configuration: Configuration) -> Configuration:
     """The configuration with what its files hold; ParameterError if its method does not suit the vehicle."""
     method, common = configuration.method, configuration.common
     common = dataclasses.replace(common, vehicle=with_map_from_file(common.vehicle))
-    load_files = getattr(method.factory, "load_files", None)
-    parameters = load_files(configuration.parameters) if load_files is not None else configuration.parameters
+    parameters = configuration.parameters
+    if isinstance(method.factory, ReadingFiles):
+        parameters = method.factory.load_files(parameters)
     refuse_layout(method, parameters, common.vehicle)
     return dataclasses.replace(configuration, common=common, parameters=parameters)
 
 
 def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:
     """A parameter dataclass with what a dictionary says about it, and that is taken out of the dictionary."""
-    known = entries_by_name(type(instance), prefix)
+    kind: type = type(instance)
+    known = entries_by_name(kind, prefix)
     return replaced(instance, {name: values.pop(name) for name in [*values] if name in known}, prefix)
 
 

@@ -118,11 +118,11 @@ class Inbox:
     def missing(self) -> tuple[type, ...]:
         """The signal types that the next step still waits for, in order of `reads`; all before the first step."""
         if self._missing is None:
-            self._missing = self.reads if self.last is None else self._find_missing()
+            self._missing = self.reads if self.last is None else self._find_missing(self.last)
         return self._missing
 
-    def _find_missing(self) -> tuple[type, ...]:
-        due = self.last + self.period
+    def _find_missing(self, last: int) -> tuple[type, ...]:
+        due = last + self.period
         held = self._came(due)
         after = self._came(due + self.period)
         return tuple(kind for kind in self.reads if kind not in held or (kind in self._followed and kind not in after))

@@ -36,7 +36,8 @@ class Law:
 
     `function` gives the answer of a role that answers, and advances the state of one that integrates, whose `outputs`
     then give what it writes: one signal, or a tuple of them in the order of `writes`. `start` makes the initial state
-    where it is not that of the declaration. `notes` says what is worth knowing about the run so far.
+    where it is not that of the declaration. `notes` says what is worth knowing about the run so far. `mirrored` claims
+    that left and right are alike to it (`check.mirror`).
     """
 
     function: Callable[..., Any]
@@ -51,6 +52,7 @@ class Law:
     requires: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     writes: tuple[type, ...] | None = None
     heavy: bool = False
+    mirrored: bool = False
 
     @property
     def is_compilable(self) -> bool:

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.lockstep.hooks import refuse_lacking
 from ev_msgs_py.lockstep.law import Law, given_names
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
@@ -51,12 +52,18 @@ class Method:
     @property
     def writes(self) -> tuple[type, ...]:
         """The signals it writes: those of its role, or the part of them that it can know."""
-        return getattr(self.factory, "writes", None) or ROLES[self.role].writes
+        known: tuple[type, ...] | None = getattr(self.factory, "writes", None)
+        return ROLES[self.role].writes if known is None else known
 
     @property
     def requires(self) -> dict[str, str]:
         """By role the method without which this one makes no sense."""
         return getattr(self.factory, "requires", {})
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether it claims that left and right are alike to it."""
+        return getattr(self.factory, "mirrored", False)
 
     @property
     def law(self) -> Law | None:
@@ -71,7 +78,7 @@ class Method:
     @property
     def package(self) -> str:
         """The package that brings it."""
-        return self.documented.__module__.partition(".")[0]
+        return str(self.documented.__module__).partition(".")[0]
 
     @property
     def about(self) -> str:
@@ -82,21 +89,22 @@ class Method:
 def method(role: str, name: str, parameters: type | None = None, **how: Any) -> Callable[[T], T]:
     """Register a class or a function as a method of a role.
 
-    A class has `parameters` (a parameter dataclass), `__init__(parameters, vehicle, period)` and, by the kind of
-    its role, `step(...)` (answers at once) or `outputs()` and `advance(...)` (integrates). All that lasts between steps
-    is in its attribute `state`. It may say `writes` (the part of its role's signals that it can know) and `requires`
-    (by role the method without which it makes no sense).
-
-    A function comes with its parameter dataclass and, in `how`, what else `lockstep.law.Law` has.
+    A class has what `lockstep.hooks` says: by the kind of its role that of `Answering` or `Integrating`, and what it
+    declares and offers besides. A function comes with its parameter dataclass and, in `how`, what else
+    `lockstep.law.Law` has.
 
     The annotations of `step`, `advance` or the function name the signals that are read; TypeError if the role may not
-    read one of them.
+    read one of them, or if a hook is missing.
     """
 
     def register(defined: T) -> T:
         factory: Any = defined
         if parameters is not None:
-            factory = Law(defined, parameters, **how)
+            factory = Law(factory, parameters, **how)
+            if factory.outputs is None and ROLES[role].kind is RoleKind.INTEGRATES:
+                raise TypeError(f"{role} method {name}: a {role} integrates, so its law needs outputs=")
+        else:
+            refuse_lacking(role, name, factory)
         function = _stepping(role, factory)
         hints = typing.get_type_hints(function)
         given = given_names(function) if parameters is not None else ()
@@ -113,7 +121,8 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
 def _stepping(role: str, factory: Any) -> Callable[..., Any]:
     if isinstance(factory, Law):
         return factory.function
-    return factory.advance if ROLES[role].kind is RoleKind.INTEGRATES else factory.step
+    hook: Callable[..., Any] = factory.advance if ROLES[role].kind is RoleKind.INTEGRATES else factory.step
+    return hook
 
 
 @cache

@@ -15,6 +15,7 @@ from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.lockstep.hooks import Reporting
 from ev_msgs_py.lockstep.methods import Method
 
 
@@ -48,7 +49,7 @@ class PythonPart:
         self._reads = tuple(_reader(signal) for signal in method.reads)
         self._writes = tuple(_writer(signal) for signal in method.writes)
         self._shapes = tuple((shape_of(signal), frame.PLACES[signal]) for signal in method.writes)
-        self._reports = getattr(made, "reports", None)
+        self._reports = made.reports if isinstance(made, Reporting) else None
         self._function = FUNCTION(self._called_back)
 
     @property
@@ -108,7 +109,7 @@ class PythonPart:
         return 0
 
 
-def _numbers_at(address: int) -> memoryview:
+def _numbers_at(address: int) -> memoryview[float]:
     return memoryview((ctypes.c_char * _BYTES).from_address(address)).cast("B").cast("d")
 
 

@@ -15,7 +15,7 @@ def part_of(configuration: Configuration, compiled: bool) -> Part:
     `compiled` asks for compiled code where the method can be compiled. A node does not ask for it, because loading the
     compiler takes longer than what it would save; laws that are too heavy for plain Python are compiled all the same.
     """
-    part = method_part(configuration, compiled)
+    part: Part = method_part(configuration, compiled)
     if configuration.is_ideal:
         return part
     return Sensed(part, configuration.sensors, configuration.common.seed)

@@ -74,7 +74,7 @@ class GraphRun:
                 if status == NOT_FINITE:
                     refuse_not_finite(self.frames[stopped[0]], self.writes[role])
                 raise part.error
-            if end == last or begin % (_CHUNK * _CHUNKS_PER_LOOK) == 0:
+            if end == last or end % (_CHUNK * _CHUNKS_PER_LOOK) == 0:
                 self._pass_on_notes(said, note)
             progress(float(self.frames[end, frame.TIME]))
 

@@ -32,6 +32,8 @@ class Spec:
     choices: tuple[str, ...] = ()
     source: str = ""
     read_only: bool = False
+    lateral: bool = False
+    per_wheel: bool = False
 
     @property
     def allowed(self) -> str:
@@ -58,13 +60,16 @@ def parameter(
     choices: tuple[str, ...] = (),
     source: str = "",
     read_only: bool = False,
+    lateral: bool = False,
+    per_wheel: bool = False,
 ) -> Any:
     """Declare one field of a parameter dataclass.
 
     `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and switches);
-    for an array they hold for each element. `read_only` parameters are fixed when a node starts.
+    for an array they hold for each element. `read_only` parameters are fixed when a node starts. Where left and
+    right are exchanged, `lateral` ones change their sign, and arrays `per_wheel` are in another order.
     """
-    spec = Spec(about, unit, low, high, choices, source, read_only)
+    spec = Spec(about, unit, low, high, choices, source, read_only, lateral, per_wheel)
     return field(default=default, metadata={_SPEC: spec})
 
 
@@ -91,7 +96,8 @@ def entries(of: type | object, prefix: str = "") -> tuple[Entry, ...]:
 
 def _entries(of: Any, prefix: str) -> Iterator[Entry]:
     instance = of() if isinstance(of, type) else of
-    hints = _type_hints(type(instance))
+    kind: type = type(instance)
+    hints = _type_hints(kind)
     for f in fields(instance):
         value = getattr(instance, f.name)
         if is_dataclass(value):

@@ -76,12 +76,14 @@ def replaced(instance: P, values: Mapping[str, Any], prefix: str = "") -> P:
 
     Raises ParameterError for unknown names and bad values; nothing is built then.
     """
-    known = entries_by_name(type(instance), prefix)
+    kind: type = type(instance)
+    known = entries_by_name(kind, prefix)
     for name in values:
         if name not in known:
             raise unknown_name("parameter", name, known)
     checked = {name: check(known[name], value) for name, value in values.items()}
-    return _replaced(instance, checked, prefix)
+    made: P = _replaced(instance, checked, prefix)
+    return made
 
 
 @cache
@@ -90,18 +92,18 @@ def entries_by_name(of: type, prefix: str = "") -> Mapping[str, Entry]:
     return {entry.name: entry for entry in entries(of, prefix)}
 
 
-def _replaced(instance: P, checked: Mapping[str, Any], prefix: str) -> P:
+def _replaced(instance: Any, checked: Mapping[str, Any], prefix: str) -> Any:
     if not any(name.startswith(prefix) for name in checked):
         return instance
     changed = {}
-    for f in fields(instance):  # type: ignore[arg-type]
+    for f in fields(instance):
         name = prefix + f.name
         if is_dataclass(getattr(instance, f.name)):
             changed[f.name] = _replaced(getattr(instance, f.name), checked, f"{name}.")
         elif name in checked:
             changed[f.name] = checked[name]
     try:
-        return dataclasses.replace(instance, **changed)  # type: ignore[type-var]
+        return dataclasses.replace(instance, **changed)
     except ParameterError as error:  # relations between parameters, checked in __post_init__
         raise ParameterError(f"{prefix}{error}" if prefix else str(error)) from None
 

@@ -8,6 +8,9 @@ A row of numbers holds what the sensors behind one object are told, another one 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Protocol
+
 import numpy as np
 
 from ev_msgs_py.compiling.compilable import compilable
@@ -24,12 +27,21 @@ WIDTH = 14
 KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, NAME = range(WIDTH)
 HEAD = 3
 
+
+class Numbers(Protocol):
+    """A row of numbers that are changed in place: a list, an array, the memory of a frame."""
+
+    def __getitem__(self, place: int, /) -> float: ...
+
+    def __setitem__(self, place: int, number: float, /) -> None: ...
+
+
 # The last word of the counter says what a random number is for.
 FOR_NOISE, FOR_DROPOUT = range(2)
 
 
 @compilable
-def measure(frame, state, sensors) -> None:
+def measure(frame: Numbers, state: Numbers, sensors: Sequence[float]) -> None:
     """Let all sensors show what they make of the true numbers in a frame."""
     period = int(state[0])
     for n in range(int(sensors[2])):
@@ -39,7 +51,7 @@ def measure(frame, state, sensors) -> None:
 
 
 @compilable
-def show(frame, state, c, period: int) -> None:
+def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> None:
     """One sensor: bias and noise, quantisation, delay, drop-out of all its numbers at once."""
     count, shown, delay = int(c[COUNT]), int(c[MEMORY]), int(c[DELAY])
     is_lost = period > 0 and is_dropped(c, period)
@@ -64,13 +76,13 @@ def show(frame, state, c, period: int) -> None:
 
 
 @compilable
-def words(c, period: int, block: int, purpose: int) -> tuple[int, int, int, int]:
+def words(c: Sequence[float], period: int, block: int, purpose: int) -> tuple[int, int, int, int]:
     """Four random words of a sensor in a period; the key is the seed and the name."""
     return philox(period & WORD, period >> 32, block, purpose, int(c[SEED]), int(c[NAME]))
 
 
 @compilable
-def is_dropped(c, period: int) -> bool:
+def is_dropped(c: Sequence[float], period: int) -> bool:
     """Whether the value of a period is lost, with the probability `dropout`."""
     if c[DROPOUT] == 0.0:
         return False
@@ -79,7 +91,7 @@ def is_dropped(c, period: int) -> bool:
 
 
 @compilable
-def sampled(true: float, normal: float, c) -> float:
+def sampled(true: float, normal: float, c: Sequence[float]) -> float:
     """A number with bias and noise, at the nearest of the values that can be shown."""
     value = true + c[BIAS] + c[NOISE] * normal
     if c[QUANTISATION] == 0.0 or not isfinite(value):  # whoever publishes it says which number is not finite
@@ -88,7 +100,7 @@ def sampled(true: float, normal: float, c) -> float:
 
 
 @compilable
-def true_number(frame, c, i: int) -> float:
+def true_number(frame: Numbers, c: Sequence[float], i: int) -> float:
     """Number i of those that are measured; a heading lies in -pi..pi [rad]."""
     place = int(c[PLACE])
     if c[KIND] == HEADING:
@@ -97,7 +109,7 @@ def true_number(frame, c, i: int) -> float:
 
 
 @compilable
-def write(frame, c, i: int, number: float) -> None:
+def write(frame: Numbers, c: Sequence[float], i: int, number: float) -> None:
     """Put number i into the frame, as its message carries it."""
     place, second = int(c[PLACE]), int(c[SECOND])
     if c[KIND] == HEADING:
@@ -109,6 +121,6 @@ def write(frame, c, i: int, number: float) -> None:
 
 
 @compilable
-def carried(number: float, c) -> float:
+def carried(number: float, c: Sequence[float]) -> float:
     """The number in the precision of its message."""
     return float(np.float32(number)) if c[ROUNDS] == 1.0 else number

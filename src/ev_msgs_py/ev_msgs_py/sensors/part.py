@@ -31,7 +31,8 @@ def step(now, next, state, constants):
 @cache
 def function() -> int:
     """The address of the one function of all sensors."""
-    return compiled_function("sensors", _TEXT, {"FLOAT": np.float64, "measure": measure}).address
+    address: int = compiled_function("sensors", _TEXT, {"FLOAT": np.float64, "measure": measure}).address
+    return address
 
 
 class SensorPart:

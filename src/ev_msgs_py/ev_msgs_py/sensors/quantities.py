@@ -60,7 +60,7 @@ class Quantity:
 
     @property
     def largest(self) -> float:
-        """Largest error that its parameters accept, in its unit."""
+        """Largest error that the parameters accept, in the unit."""
         return shape_of(self.signal).fields[self.fields[0]].largest
 
     @property

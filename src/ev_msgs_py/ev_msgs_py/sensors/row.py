@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator, MutableSequence
+from collections.abc import Iterator
 from typing import Any
 
 from ev_msgs_py.contract.shape import shape_of
-from ev_msgs_py.sensors.measuring import DELAY, HEAD, NAME, NUMBERS, WIDTH, measure
+from ev_msgs_py.sensors.measuring import DELAY, HEAD, NAME, NUMBERS, WIDTH, Numbers, measure
 from ev_msgs_py.sensors.quantities import QUANTITIES, Quantity
 
 
@@ -46,7 +46,7 @@ class SensorRow:
         """Name and delay of each sensor."""
         return [(self.constants[n + NAME], self.constants[n + DELAY]) for n in range(HEAD, len(self.constants), WIDTH)]
 
-    def step(self, frame: MutableSequence[float]) -> None:
+    def step(self, frame: Numbers) -> None:
         """Put what the sensors show into a frame of true numbers; once per period, the first time at the start."""
         measure(frame, self.state, self.constants)
 

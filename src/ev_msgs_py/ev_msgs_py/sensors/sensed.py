@@ -45,4 +45,5 @@ class Sensed:
 
     def notes(self) -> tuple[str, ...]:
         """What the part notes."""
-        return self.part.notes()
+        notes: tuple[str, ...] = self.part.notes()
+        return notes

@@ -16,7 +16,7 @@ class Car(Vehicle):
 
     driven: list[float]
     number_driven: float
-    driven_wheel_inertia: float  # type: ignore[assignment]
+    driven_wheel_inertia: float
 
 
 def car_numbers(vehicle: Vehicle) -> dict[str, Any]:

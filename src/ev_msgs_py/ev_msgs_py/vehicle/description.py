@@ -48,7 +48,7 @@ class Vehicle:
     yaw_inertia: float = parameter(1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z")
     centre_of_mass_height: float = parameter(0.55, unit="m", low=0.0, high=4.0, about="above the road, h")
     centre_of_mass_offset: float = parameter(
-        0.0, unit="m", low=-2.0, high=2.0, about="centre of mass left of the car's middle"
+        0.0, unit="m", low=-2.0, high=2.0, about="centre of mass left of the car's middle", lateral=True
     )
     front_roll_share: float = parameter(
         0.5, unit="1", low=0.0, high=1.0, about="share of the lateral load transfer that the front axle takes"

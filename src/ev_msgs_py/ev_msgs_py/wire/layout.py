@@ -82,4 +82,5 @@ def numbers_in(topic: Topic, message: Any) -> list[float]:
 def _at(message: Any, path: str) -> float:
     for name in path.split("."):
         message = getattr(message, name)
-    return message
+    number: float = message
+    return number

@@ -10,4 +10,5 @@ from importlib import import_module
 def message_class(message_type: str) -> type:
     """The class of a type name such as sensor_msgs/msg/JointState."""
     package, kind, name = message_type.split("/")
-    return getattr(import_module(f"{package}.{kind}"), name)
+    found: type = getattr(import_module(f"{package}.{kind}"), name)
+    return found

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import struct
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rclpy.serialization import deserialize_message
 
@@ -27,11 +27,11 @@ _DOUBLE = 8
 
 
 class Run(NamedTuple):
-    """Numbers that follow each other in frame and message: first place in the frame, offset in the message, count."""
+    """Numbers in a row in frame and message: first place in the frame, offset in the message, and how many."""
 
     place: int
     offset: int
-    count: int
+    length: int
 
 
 class MessageFormat:
@@ -49,7 +49,7 @@ class MessageFormat:
         where = frame.PLACES.get(topic.signal, slice(0, 0))
         self.runs = _runs(where.start, self.offsets, self.size)
         self._raw_runs = [
-            (slice(r.offset, r.offset + r.count * _DOUBLE), slice(r.place * _DOUBLE, (r.place + r.count) * _DOUBLE))
+            (slice(r.offset, r.offset + r.length * _DOUBLE), slice(r.place * _DOUBLE, (r.place + r.length) * _DOUBLE))
             for r in self.runs
         ]
         self._where = where
@@ -63,15 +63,15 @@ class MessageFormat:
         gaps, end = [], STAMP_AT + _STAMP.size
         for run in sorted(self.runs, key=lambda run: run.offset):
             gaps.append((end, run.offset))
-            end = run.offset + run.count * self.size
+            end = run.offset + run.length * self.size
         return [(begin, end) for begin, end in [*gaps, (end, len(self.template))] if end > begin]
 
     def _codes(self) -> list[str]:
         """Struct codes of the numbers in the order of the message, with what lies between them left out."""
         codes, end = [], 0
         for run in sorted(self.runs, key=lambda run: run.offset):
-            codes.append(f"{run.offset - end}x{run.count}{self.code}")
-            end = run.offset + run.count * self.size
+            codes.append(f"{run.offset - end}x{run.length}{self.code}")
+            end = run.offset + run.length * self.size
         return [*codes, f"{len(self.template) - end}x"]
 
     def pack(self, stamp: int, here: frame.Frame) -> bytes:
@@ -98,7 +98,7 @@ class MessageFormat:
     def _rewritten(self, message: bytes) -> bytes:
         try:
             stamp = stamp_of(message)
-            read = deserialize_message(message, self.message_class)
+            read: Any = deserialize_message(message, self.message_class)
         except Exception as error:
             raise MessageError(f"{len(message)} bytes are no {self.topic.message_type}: {error}") from None
         numbers = numbers_in(self.topic, read)
@@ -126,8 +126,8 @@ def _runs(place: int, offsets: list[int], size: int) -> tuple[Run, ...]:
     runs: list[Run] = []
     for i, offset in enumerate(offsets):
         last = runs[-1] if runs else None
-        if last is not None and offset == last.offset + last.count * size:
-            runs[-1] = last._replace(count=last.count + 1)
+        if last is not None and offset == last.offset + last.length * size:
+            runs[-1] = last._replace(length=last.length + 1)
         else:
             runs.append(Run(place + i, offset, 1))
     return tuple(runs)
@@ -143,6 +143,8 @@ def stamp_of(message: bytes) -> int:
     """The stamp in a serialized message of the contract, in nanoseconds; MessageError if it is too short for one."""
     if len(message) < STAMP_AT + _STAMP.size or message[:2] != ENCAPSULATION[:2]:
         raise MessageError(f"{len(message)} bytes, beginning with {message[:STAMP_AT].hex()}, carry no stamp")
+    seconds: int
+    nanoseconds: int
     seconds, nanoseconds = _STAMP.unpack_from(message, STAMP_AT)
     return seconds * stamps.NANOSECONDS + nanoseconds
 

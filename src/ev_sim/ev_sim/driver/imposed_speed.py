@@ -44,6 +44,7 @@ def torque_of_level(
     prepare=cycle_of,
     load_files=with_speed_profile_from_file,
     needs=(any_driven,),
+    mirrored=True,
 )
 @compilable
 def imposed_speed(

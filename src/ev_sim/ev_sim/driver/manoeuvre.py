@@ -17,6 +17,7 @@ from ev_sim.profiles.profile_file import with_speed_profile_from_file
     state=FeetState,
     prepare=feet_profiles,
     load_files=with_speed_profile_from_file,
+    mirrored=True,
 )
 @compilable
 def manoeuvre(

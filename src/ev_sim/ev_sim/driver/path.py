@@ -21,14 +21,23 @@ class PathParameters:
 
     shape: str = parameter("waypoints", choices=SHAPES, about="straight lines between waypoints, or arcs from a start")
     x: tuple[float, ...] = parameter((0.0, 1.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two")
-    y: tuple[float, ...] = parameter((0.0, 0.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two")
+    y: tuple[float, ...] = parameter(
+        (0.0, 0.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two", lateral=True
+    )
     length: tuple[float, ...] = parameter((1.0,), unit="m", low=0.1, high=1e5, about="lengths of the arcs")
     curvature: tuple[float, ...] = parameter(
-        (0.0,), unit="1/m", low=-1.0, high=1.0, about="curvatures of the arcs, left positive, 0 is straight"
+        (0.0,),
+        unit="1/m",
+        low=-1.0,
+        high=1.0,
+        about="curvatures of the arcs, left positive, 0 is straight",
+        lateral=True,
     )
     start_x: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="where the first arc begins")
-    start_y: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="where the first arc begins")
-    start_heading: float = parameter(0.0, unit="rad", low=-10.0, high=10.0, about="direction of the first arc")
+    start_y: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="where the first arc begins", lateral=True)
+    start_heading: float = parameter(
+        0.0, unit="rad", low=-10.0, high=10.0, about="direction of the first arc", lateral=True
+    )
 
     def __post_init__(self) -> None:
         if len(self.x) != len(self.y) or len(self.x) < 2:

@@ -50,6 +50,7 @@ def course_of(parameters: PathFollowerParameters, vehicle: Vehicle, period: floa
     state=PathFollowerState,
     prepare=course_of,
     load_files=with_speed_profile_from_file,
+    mirrored=True,
 )
 @compilable
 def path_follower(

@@ -56,6 +56,7 @@ def torque_of_pulses(
     prepare=cycle_of,
     load_files=with_speed_profile_from_file,
     needs=(any_driven,),
+    mirrored=True,
 )
 @compilable
 def pulse(

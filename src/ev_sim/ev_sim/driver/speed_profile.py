@@ -62,6 +62,7 @@ def profiles_of(parameters: SpeedProfileDriverParameters, vehicle: Vehicle, peri
     state=SpeedProfileDriverState,
     prepare=profiles_of,
     load_files=with_speed_profile_from_file,
+    mirrored=True,
 )
 @compilable
 def speed_profile(

@@ -21,7 +21,12 @@ class HandTorqueParameters:
 
     time: tuple[float, ...] = parameter((0.0,), unit="s", about="times of the points, increasing")
     torque: tuple[float, ...] = parameter(
-        (0.0,), unit="N m", low=-100.0, high=100.0, about="hand torques at these times; the last one holds"
+        (0.0,),
+        unit="N m",
+        low=-100.0,
+        high=100.0,
+        about="hand torques at these times; the last one holds",
+        lateral=True,
     )
     interpolation: str = interpolation_parameter("step")
 
@@ -35,7 +40,12 @@ class WantedAngleParameters:
 
     time: tuple[float, ...] = parameter((0.0,), unit="s", about="times of the points, increasing")
     angle: tuple[float, ...] = parameter(
-        (0.0,), unit="rad", low=-1.5, high=1.5, about="road-wheel angles at these times; the last one holds"
+        (0.0,),
+        unit="rad",
+        low=-1.5,
+        high=1.5,
+        about="road-wheel angles at these times; the last one holds",
+        lateral=True,
     )
     interpolation: str = interpolation_parameter("step")
 

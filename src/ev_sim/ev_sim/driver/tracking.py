@@ -34,6 +34,7 @@ def needed_torque(
     state=CycleDriverState,
     prepare=cycle_of,
     load_files=with_speed_profile_from_file,
+    mirrored=True,
 )
 @compilable
 def tracking(

@@ -84,7 +84,9 @@ def shown(s: ByWireState) -> SteeringColumnState:
     return SteeringColumnState(s.angle, s.rate, s.hand_torque, s.road_wheel_angle, s.road_wheel_rate)
 
 
-@method("steering_column", "by_wire", ByWireParameters, state=ByWireState, prepare=oscillators, outputs=shown)
+@method(
+    "steering_column", "by_wire", ByWireParameters, state=ByWireState, prepare=oscillators, outputs=shown, mirrored=True
+)
 @compilable
 def by_wire(
     p: ByWireParameters,

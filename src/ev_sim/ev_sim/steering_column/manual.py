@@ -28,7 +28,15 @@ def shown(car: Car, s: ManualState) -> SteeringColumnState:
     return connected_column(car, s.road_wheel_angle, s.road_wheel_rate, s.hand_torque)
 
 
-@method("steering_column", "manual", RoadWheelParameters, state=ManualState, prepare=road_wheels, outputs=shown)
+@method(
+    "steering_column",
+    "manual",
+    RoadWheelParameters,
+    state=ManualState,
+    prepare=road_wheels,
+    outputs=shown,
+    mirrored=True,
+)
 @compilable
 def manual(car: Car, c: Oscillator, s: ManualState, driver: DriverCommand) -> None:
     """Turn the road wheels by hand alone: a steering geometry that gives the drive forces no lever arm.

@@ -30,7 +30,15 @@ def shown(car: Car, s: PoweredState) -> SteeringColumnState:
     return connected_column(car, s.road_wheel_angle, s.road_wheel_rate, s.hand_torque)
 
 
-@method("steering_column", "powered", DrivenRoadWheelParameters, state=PoweredState, prepare=road_wheels, outputs=shown)
+@method(
+    "steering_column",
+    "powered",
+    DrivenRoadWheelParameters,
+    state=PoweredState,
+    prepare=road_wheels,
+    outputs=shown,
+    mirrored=True,
+)
 @compilable
 def powered(
     p: DrivenRoadWheelParameters,

@@ -25,7 +25,12 @@ class SteeringAngleProfileParameters:
 
     time: tuple[float, ...] = parameter((0.0,), unit="s", about="times of the points, increasing")
     angle: tuple[float, ...] = parameter(
-        (0.0,), unit="rad", low=-30.0, high=30.0, about="steering-wheel angles at these times; the last one holds"
+        (0.0,),
+        unit="rad",
+        low=-30.0,
+        high=30.0,
+        about="steering-wheel angles at these times; the last one holds",
+        lateral=True,
     )
     interpolation: str = interpolation_parameter("linear")
 
@@ -44,6 +49,7 @@ class SineWithDwellParameters:
         low=-30.0,
         high=30.0,
         about="of the steering wheel, first to the left",
+        lateral=True,
     )
     frequency: float = parameter(0.7, unit="Hz", low=0.01, high=10.0, about="of the sine", source="UN R140, FMVSS 126")
     dwell: float = parameter(
@@ -98,6 +104,7 @@ def shown(car: Car, s: SteeringRobotState, period: float) -> SteeringColumnState
     prepare=profile,
     start=at_its_beginning,
     outputs=shown,
+    mirrored=True,
 )
 @compilable
 def steering_robot(p: SteeringRobotParameters, c: Profile, s: SteeringRobotState, period: float, now: Instant) -> None:

@@ -60,7 +60,12 @@ class RoadParameters:
         (0.0,), unit="1", low=-1.0, high=1.0, about="rise over run along the road at `slope_distance`, uphill positive"
     )
     side_slope: tuple[float, ...] = parameter(
-        (0.0,), unit="1", low=-1.0, high=1.0, about="rise over run to the left at `slope_distance`"
+        (0.0,),
+        unit="1",
+        low=-1.0,
+        high=1.0,
+        about="rise over run to the left at `slope_distance`",
+        lateral=True,
     )
 
     def __post_init__(self) -> None:

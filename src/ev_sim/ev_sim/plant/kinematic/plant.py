@@ -39,6 +39,7 @@ def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float
     notes=notes,
     writes=SIGNALS,
     heavy=True,
+    mirrored=True,
 )
 @compilable
 def kinematic(

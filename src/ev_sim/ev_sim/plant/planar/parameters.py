@@ -38,8 +38,10 @@ class PlanarParameters(DriveParameters):
     )
     initial_speed: float = parameter(0.0, unit="m/s", low=-60.0, high=120.0, about="at the start, straight ahead")
     initial_x: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
-    initial_y: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
-    initial_heading: float = parameter(0.0, unit="rad", low=-10.0, high=10.0, about="at the start")
+    initial_y: float = parameter(
+        0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start", lateral=True
+    )
+    initial_heading: float = parameter(0.0, unit="rad", low=-10.0, high=10.0, about="at the start", lateral=True)
     speed: str = parameter(
         "free",
         choices=SPEEDS,

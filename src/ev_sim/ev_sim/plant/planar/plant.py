@@ -37,6 +37,7 @@ from ev_sim.profiles.profile import value_at
     writes=SIGNALS,
     load_files=load_files,
     heavy=True,
+    mirrored=True,
 )
 @inlined
 def planar(

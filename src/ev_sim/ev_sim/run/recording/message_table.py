@@ -26,7 +26,7 @@ class MessageTable:
         self._constant = np.ones(len(self._bytes), bool)
         self._constant[STAMP_AT : STAMP_AT + 8] = False
         for run in self._format.runs:
-            self._constant[run.offset : run.offset + run.count * self._number.itemsize] = False
+            self._constant[run.offset : run.offset + run.length * self._number.itemsize] = False
 
     def serialize(self, stamps_ns: np.ndarray, frames: np.ndarray) -> list[bytes]:
         """Messages from their stamps (n,) in nanoseconds and frames (n, frame size)."""
@@ -35,7 +35,7 @@ class MessageTable:
         self._put(messages, STAMP_AT, seconds.astype("<i4"))
         self._put(messages, STAMP_AT + 4, nanoseconds.astype("<u4"))
         for run in self._format.runs:
-            numbers = frames[:, run.place : run.place + run.count].astype(self._number)
+            numbers = frames[:, run.place : run.place + run.length].astype(self._number)
             self._put(messages, run.offset, np.ascontiguousarray(numbers))
         return [message.tobytes() for message in messages]
 
@@ -54,8 +54,8 @@ class MessageTable:
         alike = (table[:, self._constant] == self._bytes[self._constant]).all(axis=1)
         size = self._number.itemsize
         for run in self._format.runs:
-            raw = np.ascontiguousarray(table[:, run.offset : run.offset + run.count * size])
-            frames[regular, run.place : run.place + run.count] = raw.view(self._number)
+            raw = np.ascontiguousarray(table[:, run.offset : run.offset + run.length * size])
+            frames[regular, run.place : run.place + run.length] = raw.view(self._number)
         alike &= np.isfinite(frames[regular, self._where]).all(axis=1)
         for i in sorted({*range(len(messages))} - {regular[j] for j in np.flatnonzero(alike)}):
             here = Frame()

@@ -1,11 +1,11 @@
-"""Every traction control compiled and in plain Python: the same bits, step by step."""
+"""Every traction control keeps the contract, whatever its parameters are: at random, and in launches."""
 
 from __future__ import annotations
 
 import pytest
-from traction import METHODS, ROLE, RandomLaunches, configured
+from traction import METHODS, RandomLaunches, configured
 
-from ev_msgs_py.check import bits
+from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.lockstep.methods import create
 
@@ -57,12 +57,11 @@ def test_every_law_has_choices():
 
 
 @pytest.mark.parametrize(("name", "changed"), CASES)
-def test_compiled_and_interpreted_agree_to_the_bit(name, changed, monkeypatch):
+def test_contract_is_kept(name, changed):
     """With random signals, and in launches, which last long enough to fill windows and to limit wheels."""
     configuration = configured(name, **changed)
-    assert bits.differing_bits(configuration, 50, 1) == ""
-    monkeypatch.setattr(bits, "RandomInputs", RandomLaunches)
-    assert bits.differing_bits(configuration, steps_of(name), SEED) == ""
+    check_configuration(configuration, steps=50, seeds=[1])
+    check_configuration(configuration, steps=steps_of(name), seeds=[SEED], inputs=RandomLaunches)
 
 
 @pytest.mark.parametrize(("name", "changed"), CASES)
@@ -76,8 +75,3 @@ def test_launches_are_limited(name, changed):
         request, *others = launches.next()
         limited += law.step(request, *others).drive != request.drive
     assert limited >= 20
-
-
-def test_off_agrees_as_well():
-    assert bits.differing_bits(configured("off"), STEPS, 1) == ""
-    assert configured("off").role == ROLE

@@ -1,0 +1,101 @@
+"""Holding a method against the contract: all checks, and one error that lists what they found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from ev_msgs_py.check.bits import differing_bits
+from ev_msgs_py.check.finite import not_finite, not_refused
+from ev_msgs_py.check.inputs import RandomInputs
+from ev_msgs_py.check.mirror import asymmetry
+from ev_msgs_py.check.pure import impurity
+from ev_msgs_py.check.state import lost_by_live_change, lost_state, unnamed_state
+from ev_msgs_py.check.stepping import MakesInputs, Subject
+from ev_msgs_py.lockstep.configuration import Configuration, configure
+
+SEEDS = (1, 2)
+STEPS = 60
+
+
+class ContractError(AssertionError):
+    """A method breaks the contract; the message lists all `findings`, one per line."""
+
+    def __init__(self, method: str, findings: Sequence[str]) -> None:
+        self.findings = tuple(findings)
+        super().__init__("\n".join([f"{method} breaks the contract:", *(f"- {finding}" for finding in findings)]))
+
+
+def check_method(
+    role: str,
+    name: str,
+    values: Mapping[str, Any] | None = None,
+    *,
+    seeds: Sequence[int] = SEEDS,
+    steps: int = STEPS,
+    inputs: MakesInputs = RandomInputs,
+    mirrored: bool = True,
+) -> None:
+    """Hold a registered method, with these parameter values, against the contract; ContractError lists the findings.
+
+    It has to be pure and deterministic, finite or refused, and the same to the bit after it was saved and loaded, after
+    a parameter was set to its own value, and compiled if it is marked so. If it claims mirror symmetry it is held to
+    that, unless `mirrored` is false, for values that are an exception. For each seed it is stepped so many times with
+    what `inputs` makes: random numbers, by default.
+    """
+    configuration = configure(role, {"method": name, **(values or {})})
+    check_configuration(configuration, seeds=seeds, steps=steps, inputs=inputs, mirrored=mirrored)
+
+
+def check_configuration(
+    configuration: Configuration,
+    *,
+    seeds: Sequence[int] = SEEDS,
+    steps: int = STEPS,
+    inputs: MakesInputs = RandomInputs,
+    mirrored: bool = True,
+) -> None:
+    """The same for a method that is configured already, such as that of a scenario."""
+    found = list(_findings(configuration, seeds, steps, inputs, mirrored and configuration.method.mirrored))
+    if found:
+        raise ContractError(f"{configuration.role} method {configuration.method.name}", found)
+
+
+def _findings(
+    configuration: Configuration, seeds: Sequence[int], steps: int, inputs: MakesInputs, mirrored: bool
+) -> Iterator[str]:
+    law = configuration.method.law
+    can_compile = law is not None and law.is_compilable
+    forms = (False, True) if can_compile and not (law and law.heavy) else (can_compile,)
+    for compiled in forms:
+        subject = Subject(configuration, compiled, steps, inputs)
+        found = list(_of(subject, seeds, mirrored))
+        yield from found
+        if found:  # what plain Python shows need not be said twice, and compiled code would fail less gently
+            return
+    if can_compile:
+        differs = _first(differing_bits(configuration, steps, seed, inputs) for seed in seeds)
+        if differs:
+            yield f"compiled and interpreted differ, {differs}"
+
+
+def _of(subject: Subject, seeds: Sequence[int], mirrored: bool) -> Iterator[str]:
+    """What is wrong with one form of a method; what cannot be stepped at all is not looked at any further."""
+    checks = [impurity, lost_state, lost_by_live_change, not_refused, *([asymmetry] if mirrored else [])]
+    for seed in seeds:
+        stumbles = not_finite(subject, seed)
+        if stumbles:
+            yield f"{subject.form}, {stumbles} (seed {seed})"
+            return
+    unnamed = unnamed_state(subject)
+    if unnamed:
+        yield unnamed
+    for check in checks:
+        found = _first(check(subject, seed) for seed in seeds)
+        if found:
+            yield f"{subject.form}, {found}"
+
+
+def _first(found: Iterable[str]) -> str:
+    """The first of these texts that is not empty; empty if all are."""
+    return next(filter(None, found), "")

@@ -1,0 +1,89 @@
+"""Left and right alike: a mirrored car in mirrored motion gets the mirrored answer, to the bit.
+
+Mirrored means: values of left and right wheels are exchanged, and `lateral` quantities change their sign, which say it
+where they are declared, at the field of the signal or at the parameter. Zero has no sign here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.check.stepping import Subject, difference, said
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.parameters.declaration import Entry
+
+_SIDES = {"left": "right", "right": "left"}
+
+
+def asymmetry(subject: Subject, seed: int) -> str:
+    """What differs between the mirror image of a run and the run of the mirror image; empty if nothing."""
+    other = Subject(mirrored_configuration(subject.configuration), subject.compiled, subject.steps, subject.inputs)
+    frames = subject.frames(seed)
+    image = [mirrored(raw) for raw in said(subject.part(), frames)]
+    of_image = [_unsigned_zeros(raw) for raw in said(other.part(), [_mirrored_frame(here) for here in frames])]
+    found = difference(subject, image, of_image)
+    return (
+        f"left and right are not alike: the mirror image and the run of the mirror image differ, {found}"
+        if found
+        else ""
+    )
+
+
+def mirrored(raw: bytes) -> bytes:
+    """The mirror image of a frame; zeros in it are positive."""
+    numbers = np.frombuffer(raw)
+    image = numbers.copy()
+    for kind, place in frame.PLACES.items():
+        image[place] = mirrored_numbers(kind, numbers[place].tolist())
+    return _unsigned_zeros(image.tobytes())
+
+
+def mirrored_numbers(kind: type, numbers: Sequence[float]) -> list[float]:
+    """The numbers of a signal in the mirror."""
+    shape = shape_of(kind)
+    order = _exchanged(range(shape.size)) if shape.per_wheel else range(shape.size)
+    return [-numbers[i] if shape.lateral[i] else numbers[i] for i in order]
+
+
+def _exchanged(row: Sequence[Any]) -> list[Any]:
+    """A row of values by wheel, once or several times, with left and right exchanged."""
+    return [row[i ^ 1] for i in range(len(row))]
+
+
+def _mirrored_frame(here: Frame) -> Frame:
+    image = Frame()
+    image.raw[:] = mirrored(here.raw.tobytes())
+    return image
+
+
+def _unsigned_zeros(raw: bytes) -> bytes:
+    return (np.frombuffer(raw) + 0.0).tobytes()
+
+
+def mirrored_configuration(configuration: Configuration) -> Configuration:
+    """The configuration of the mirror image: its vehicle, its parameters."""
+    known = {entry.name: entry for entry in configuration.entries()}
+    values = {_other_side(name): _mirrored_value(entry) for name, entry in known.items()}
+    return configuration.changed({name: value for name, value in values.items() if value != known[name].default})
+
+
+def _other_side(name: str) -> str:
+    return ".".join(_SIDES.get(word, word) for word in name.split("."))
+
+
+def _mirrored_value(entry: Entry) -> Any:
+    value, spec = entry.default, entry.spec
+    if spec.lateral:
+        return tuple(-element for element in value) if entry.is_array else -value
+    if spec.per_wheel:
+        return tuple(_exchanged(value))
+    if entry.is_array and set(spec.choices) == set(WHEEL_NAMES):
+        return tuple(WHEEL_NAMES[WHEEL_NAMES.index(wheel) ^ 1] for wheel in value)
+    return value

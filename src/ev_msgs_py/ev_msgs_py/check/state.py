@@ -1,0 +1,67 @@
+"""The declared state is complete: stopped, saved and loaded into a new object, a run goes on to the bit."""
+
+from __future__ import annotations
+
+import copy
+import random
+from typing import Any
+
+from ev_msgs_py.check.stepping import Subject, difference, said
+from ev_msgs_py.lockstep.parts import hand_over
+from ev_msgs_py.parameters.declaration import entries
+
+
+def lost_state(subject: Subject, seed: int) -> str:
+    """What a run does differently after it was stopped, saved and loaded; empty if nothing."""
+    frames = subject.frames(seed)
+    stop = random.Random(seed).randrange(1, len(frames))
+    steady, stopped = subject.part(), subject.part()
+    said(steady, frames[:stop])
+    said(stopped, frames[:stop])
+    saved, fresh = copy.deepcopy(stopped.state), subject.part()
+    said(stopped, frames[stop:])  # whatever it does now is nothing to what was saved
+    fresh.state = saved
+    found = difference(subject, said(steady, frames[stop:]), said(fresh, frames[stop:]))
+    return (
+        f"the state does not hold all that lasts: loaded after {stop} steps it goes on otherwise, {found}"
+        if found
+        else ""
+    )
+
+
+def lost_by_live_change(subject: Subject, seed: int) -> str:
+    """What a run does differently after its parameters were set to the values that they have; empty if nothing."""
+    before = subject.configuration
+    own = {e.name: e.default for e in entries(before.parameters) if not e.spec.read_only}
+    changed = before.changed(own)
+    if changed != before:
+        return "parameters that are set to their own values are other ones"
+    frames = subject.frames(seed)
+    stop = len(frames) // 2
+    steady, part = subject.part(), subject.part()
+    said(steady, frames[:stop])
+    said(part, frames[:stop])
+    made = Subject(changed, subject.compiled, subject.steps).part()
+    hand_over(part, made)
+    found = difference(subject, said(steady, frames[stop:]), said(made, frames[stop:]))
+    return f"parameters set to their own values after {stop} steps change the run, {found}" if found else ""
+
+
+def unnamed_state(subject: Subject) -> str:
+    """Which numbers of a law's state have no name of their own; empty if all have one."""
+    law, state = subject.configuration.method.law, subject.part().state
+    if law is None:
+        return _not_numbers(state)
+    names = law.names()
+    twice = sorted({name for name in names if names.count(name) > 1})
+    return f"several numbers of the state are called {', '.join(twice)}" if twice else ""
+
+
+def _not_numbers(state: Any) -> str:
+    if state is None:
+        return ""
+    try:
+        [float(number) for number in state]
+    except (TypeError, ValueError):
+        return f"the state is {type(state).__name__}, it has to be None or a row of numbers"
+    return ""

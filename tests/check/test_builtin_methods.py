@@ -1,0 +1,30 @@
+"""All built-in methods keep the contract, as they come; the other tests here go through their parameters."""
+
+from __future__ import annotations
+
+import pytest
+
+from documentation.own_methods import own_methods
+from ev_msgs_py.check.method import check_method
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+
+STEPS = {"planar": 15}  # plain Python takes about 2 ms for a step of 1 ms
+# Laws of other sources need rear drives, or all four.
+DRIVEN = {"slip_target": ["rear_left", "rear_right"], "axle_redistribution": list(WHEEL_NAMES)}
+METHODS = [(role, name) for role in ROLES for name in own_methods(role)]
+
+
+def test_methods_of_all_roles_are_there():
+    assert {role for role, _ in METHODS} == set(ROLES)
+
+
+@pytest.mark.parametrize(("role", "name"), METHODS)
+def test_contract_is_kept(role, name):
+    values = {"vehicle.driven_wheels": DRIVEN[name]} if name in DRIVEN else {}
+    check_method(role, name, values, steps=STEPS.get(name, 60))
+
+
+@pytest.mark.parametrize(("role", "name"), METHODS)
+def test_left_and_right_are_alike_to_all_of_them(role, name):
+    assert own_methods(role)[name].mirrored
