@@ -38,12 +38,12 @@ from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.wire.message_format import format_of
-from ev_sim.scenario.domain import free_domain
-from ev_sim.scenario.in_process import parameter_overrides
-from ev_sim.scenario.node_parameters import RECORDER, node_parameters, write_parameter_file
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.processes import command
-from ev_sim.scenario.scenario import Overrides, load_scenario
+from ev_sim.run.domain import free_domain
+from ev_sim.run.in_process import parameter_overrides
+from ev_sim.run.node_parameters import RECORDER, node_parameters, write_parameter_file
+from ev_sim.run.offline import run_offline
+from ev_sim.run.processes import command
+from ev_sim.run.scenarios.scenario import Overrides, load_scenario
 
 SCENARIO = "shchur2019"
 CHAIN = (BodyVelocity, DriverCommand, WheelTorqueRequest, WheelTorqueCommand, SteeringColumnState)

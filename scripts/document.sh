@@ -3,4 +3,4 @@
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
-exec python -m ev_sim.documentation "$EV_STACK_ROOT" "$@"
+PYTHONPATH="$EV_STACK_ROOT/tools:$PYTHONPATH" exec python -m documentation "$EV_STACK_ROOT" "$@"

@@ -90,10 +90,23 @@ record_environment() {
     ' >install/environment.bash
 }
 
+source_fingerprint() {
+    find src -name __pycache__ -prune -o -name '*.py' -print | sort | xargs cat | sha256sum
+}
+
+# A law that cannot be compiled says so when it is run: it must not keep the others from running.
+compile_methods() {
+    # shellcheck disable=SC1091
+    (source install/environment.bash && NUMBA_NUM_THREADS=1 .venv/bin/python -m ev_sim.commands.compile_all) || true
+    source_fingerprint >install/.compiled
+}
+
 build_workspace() {
     rm -f install/.complete
     step "building the workspace" .venv/bin/python -m colcon build --symlink-install --base-paths src
     record_environment
+    [[ "$(cat install/.compiled 2>/dev/null)" == "$(source_fingerprint)" ]] ||
+        step "compiling plants and laws (once)" compile_methods
     build_fingerprint >install/.complete
 }
 

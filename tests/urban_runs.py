@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.recording.recording import Recording
-from ev_sim.report import cycle_efficiency as cycle
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import Overrides, Scenario, load_scenario
+from ev_sim.report.quantities import cycle_efficiency as cycle
+from ev_sim.run.offline import run_offline
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Overrides, Scenario, load_scenario
 
 DURATION = 95.0  # s: stands, drives, slows down, stands, drives
 

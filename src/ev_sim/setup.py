@@ -24,6 +24,7 @@ setup(
     packages=find_packages(exclude=["test"]),
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
+        ("share/ament_index/resource_index/ev_stack_config", ["resource/ev_sim"]),
         ("share/ev_sim", ["package.xml"]),
         *config_files(),
     ],
@@ -36,8 +37,8 @@ setup(
             "steering_column = ev_sim.nodes.steering_column:main",
             "driver = ev_sim.nodes.driver:main",
             "recorder = ev_sim.nodes.recorder:main",
-            "run_scenario = ev_sim.run_scenario:main",
-            "inspect = ev_sim.inspect_graph:main",
+            "run_scenario = ev_sim.commands.run_scenario:main",
+            "inspect = ev_sim.commands.inspect_graph:main",
         ],
         "ev_stack.methods": [
             "plant = ev_sim.methods.plant",

@@ -23,14 +23,14 @@ from ev_msgs_py.vehicle.tyre import Tyre
 from ev_sim.analysis.__main__ import main as analyse
 from ev_sim.analysis.linearised_plant import OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel
-from ev_sim.analysis.understeer import (
+from ev_sim.plant.planar.parameters import PlanarParameters
+from ev_sim.plant.planar.state import VY, YAW_RATE
+from ev_sim.report.quantities.understeer import (
     axle_cornering_stiffnesses,
     characteristic_speed,
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.plant.planar.parameters import PlanarParameters
-from ev_sim.plant.planar.state import VY, YAW_RATE
 
 CAR = SideSlipModel(wheelbase=2.7, mass=2400.0, yaw_inertia=4200.0, axle_cornering_stiffness=120e3, speed=7.0)
 GE_NI = Vehicle(

@@ -7,9 +7,9 @@ from functools import cache
 from typing import Any
 
 from ev_msgs_py.lockstep.configuration import Configuration
-from ev_sim.recording.recording import Recording
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import Overrides, load_scenario
+from ev_sim.run.offline import run_offline
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Overrides, load_scenario
 
 DURATION = 3.0
 RUNS = 5

@@ -10,7 +10,7 @@ from ev_msgs_py.lockstep.parts import method_part
 from ev_sim.batch import runs
 from ev_sim.batch.batch import batch
 from ev_sim.batch.reductions import largest_magnitude, last, maximum, mean, minimum, root_mean_square
-from ev_sim.scenario.offline import run_offline
+from ev_sim.run.offline import run_offline
 
 SIGNALS = ("imu.yaw_rate", "wheel_states.velocity.rear_left", "pose.orientation_z", "driver.command.hand_torque")
 METRICS = {

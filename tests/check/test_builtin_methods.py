@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from documentation.own_methods import own_methods
 from ev_msgs_py.check.method import check_method
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.documentation.own_methods import own_methods
 
 STEPS = {"planar": 15}  # plain Python takes about 2 ms for a step of 1 ms
 # Laws of other sources need rear drives, or all four.

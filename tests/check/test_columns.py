@@ -6,7 +6,7 @@ import pytest
 
 from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.lockstep.configuration import configure
-from ev_sim.scenario.scenario import load_scenario, scenario_names
+from ev_sim.run.scenarios.scenario import load_scenario, scenario_names
 
 CHOICES = {
     "sticks and meets its stops": {"method": "manual", "dry_friction": 20.0, "max_angle": 0.3},

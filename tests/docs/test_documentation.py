@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from source_runs import driven
 
-from ev_sim.documentation.markdown import block_names, table, with_blocks
-from ev_sim.documentation.pages import stale_pages
-from ev_sim.documentation.results import drive_all, result_table
-from ev_sim.documentation.scenario_results import SCENARIO_PAGES, results_of
-from ev_sim.recording.recording import load, signal_hash
-from ev_sim.run_scenario import main as run_scenario
+from documentation.markdown import block_names, table, with_blocks
+from documentation.pages import stale_pages
+from documentation.results import drive_all, result_table
+from documentation.scenario_results import SCENARIO_PAGES, results_of
+from ev_sim.commands.run_scenario import main as run_scenario
+from ev_sim.run.recording.recording import load, signal_hash
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -74,6 +74,14 @@ def test_links_lead_somewhere(page: Path):
             linked = page.parent / path if path else page
             assert linked.exists(), target
             assert not anchor or anchor in _anchors(linked), target
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_files_that_are_named_with_their_folder_are_there(page: Path):
+    """From the top of the repository, or from the one of the three packages."""
+    named = re.findall(r"`(\w[\w/]*/\w+\.(?:py|sh|yaml|csv))`", page.read_text())
+    folders = [ROOT, *ROOT.glob("src/*"), *(folder / folder.name for folder in ROOT.glob("src/*"))]
+    assert [name for name in named if not any((folder / name).exists() for folder in folders)] == []
 
 
 def _anchors(page: Path) -> set[str]:
@@ -150,7 +158,7 @@ def test_own_method_is_found_by_its_entry_point(built_in: Path, tmp_path: Path, 
     environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
 
     def run(*options: str) -> str:
-        command = [sys.executable, "-c", "from ev_sim.run_scenario import main; main()", *options]
+        command = [sys.executable, "-c", "from ev_sim.commands.run_scenario import main; main()", *options]
         return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
 
     assert "Limit the drive torque of every wheel" in run("--list")

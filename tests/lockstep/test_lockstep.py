@@ -26,9 +26,9 @@ from ev_msgs_py.contract.signals import (
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.inbox import Arrival, Inbox
 from ev_msgs_py.lockstep.stepper import arrival_place, upstream_signals
-from ev_sim.recording.recording import Recording
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import load_scenario
+from ev_sim.run.offline import run_offline
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import load_scenario
 
 PERIOD = 10_000_000
 OTHERS = tuple(role for role in ROLES if role != MASTER)

@@ -7,9 +7,9 @@ from ros_graph import NODES, WAYS, Graph, graph, offline_hash, recorded_hash, sh
 
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.sensors.quantities import QUANTITIES
-from ev_sim.recording.recording import load
-from ev_sim.scenario.node_parameters import RECORDER
-from ev_sim.scenario.scenario import Overrides, Run, load_scenario
+from ev_sim.run.node_parameters import RECORDER
+from ev_sim.run.recording.recording import load
+from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
 
 
 class Said:

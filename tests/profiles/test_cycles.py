@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from itertools import pairwise
 from pathlib import Path
 
@@ -55,12 +54,3 @@ def test_schedules_of_the_epa(name, seconds, miles, fastest):
 def test_wltc_checksum_of_the_regulation():
     """GTR 15 prints the sum of the speeds of class 3b: 83758.6 km/h."""
     assert sum(v for _, v in points("wltc_class_3b")) * 3.6 == pytest.approx(83758.6, abs=0.05)
-
-
-def test_modes_cover_the_urban_cycle_with_355_2_s_of_traction():
-    with (CYCLES / "trrl_1_1_modes.csv").open(newline="") as file:
-        windows = [(float(row["t0_s"]), float(row["t1_s"]), row["mode"]) for row in csv.DictReader(file)]
-    assert len(windows) == 19
-    assert windows[0][0] == 0.0 and windows[-1][1] == 580.0
-    assert all(end == start for (_, end, _), (start, _, _) in pairwise(windows))
-    assert sum(end - start for start, end, mode in windows if mode == "traction") == pytest.approx(355.2)

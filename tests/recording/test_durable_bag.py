@@ -18,7 +18,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection, QosDurability, QosHistory, QosReliability
 from rosbags.rosbag2 import Reader
 
-from ev_sim.recording.durable_bag import DurableBag
+from ev_sim.run.recording.durable_bag import DurableBag
 
 NEVER = 1e9  # seconds between checkpoints, for tests that ask for each checkpoint themselves
 INT64 = "std_msgs/msg/Int64"

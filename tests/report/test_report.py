@@ -11,16 +11,16 @@ import pytest
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.recording import recording as recordings
-from ev_sim.recording.recording import Recording, combined_hash, signal_hash
-from ev_sim.report import quantities
-from ev_sim.report import shchur2019_paper as paper
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
-from ev_sim.report.registry import report_for
+from ev_sim.report.metric_table import metric_table, print_metrics
+from ev_sim.report.papers import shchur2019 as paper
+from ev_sim.report.quantities import derived
+from ev_sim.report.quantities.step_response import step_response
+from ev_sim.report.reports import report_for
 from ev_sim.report.samples import mean_between
-from ev_sim.report.step_response import step_response
 from ev_sim.report.summary import Summary, write_summary
-from ev_sim.report.table import print_table, table
+from ev_sim.run.recording import recording as recordings
+from ev_sim.run.recording.recording import Recording, combined_hash, signal_hash
 
 PERIOD = 0.01
 VEHICLE = Vehicle()
@@ -390,9 +390,9 @@ def test_speed_is_that_along_the_path():
     """The paper's V is 15 km/h in the left turn too, where the longitudinal component is smaller; backwards < 0."""
     run = cycle_run()["shchur2019"]
     left_turn = (run.time >= 10) & (run.time <= 18)
-    assert quantities.speed(run)[left_turn] == pytest.approx(15 / 3.6)
+    assert derived.speed(run)[left_turn] == pytest.approx(15 / 3.6)
     backwards = {"twist.longitudinal": np.array([-3.0, -0.0]), "twist.lateral": np.array([4.0, 0.0])}
-    assert quantities.speed(Recording(np.array([0.0, 1.0]), backwards)).tolist() == [-5.0, 0.0]
+    assert derived.speed(Recording(np.array([0.0, 1.0]), backwards)).tolist() == [-5.0, 0.0]
 
 
 # Figures
@@ -410,7 +410,7 @@ def test_speed_is_that_along_the_path():
 )
 def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
     """Also where channels or whole runs are missing; the panel then says what is not there."""
-    from ev_sim.report.drawing import save_figures
+    from ev_sim.report.figures.drawing import save_figures
 
     figures = report_for(scenario).figures(runs, VEHICLE, {})
     assert list(figures) == names
@@ -426,7 +426,7 @@ def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
 
 
 def test_thinning_keeps_every_extreme_and_both_ends():
-    from ev_sim.report.drawing import thinned
+    from ev_sim.report.figures.drawing import thinned
 
     time = np.arange(100_003) * 1e-3
     values = np.sin(time)
@@ -511,7 +511,7 @@ METRICS = {
 def test_table_on_a_pipe(monkeypatch):
     monkeypatch.delenv("COLUMNS", raising=False)
     pipe = io.StringIO()
-    print_table(METRICS, pipe)
+    print_metrics(METRICS, pipe)
     assert pipe.getvalue() == (
         "metric                                  value  unit  published  band                  verdict\n"
         "-------------------------  ------------------  ----  ---------  --------------------  ----------------\n"
@@ -528,8 +528,8 @@ def test_table_on_a_pipe(monkeypatch):
 def test_table_fits_into_the_terminal(width):
     metrics = report_for("shchur2019").metrics(cycle_run(), VEHICLE, SWITCHED)
     metrics |= report_for("shchur2019_steps").metrics(steps_runs(), VEHICLE, SWITCHED) | METRICS
-    assert max(map(len, table(metrics, width).splitlines())) <= width
+    assert max(map(len, metric_table(metrics, width).splitlines())) <= width
 
 
 def test_table_of_nothing():
-    assert table({}).splitlines()[0].split() == ["metric", "value", "unit", "published", "band", "verdict"]
+    assert metric_table({}).splitlines()[0].split() == ["metric", "value", "unit", "published", "band", "verdict"]

@@ -12,14 +12,14 @@ from ros_graph import graph
 from source_runs import differing, driven, metrics_of, mirrored, value
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.recording.recording import load, signal_hash
-from ev_sim.report import ge_ni2005_paper
 from ev_sim.report.claim import LARGER, SMALLER, comparison
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.tatar_chudzik import energy_since_turning_in, turning_in
-from ev_sim.report.zhileykin2018 import LIMIT, reversals
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import Overrides, Run, load_scenario
+from ev_sim.report.papers import ge_ni2005 as ge_ni2005_paper
+from ev_sim.report.scenarios.tatar_chudzik import energy_since_turning_in, turning_in
+from ev_sim.report.scenarios.zhileykin2018 import LIMIT, reversals
+from ev_sim.run.offline import run_offline
+from ev_sim.run.recording.recording import load, signal_hash
+from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
 from ev_sim.study import zhileykin2018_sweep
 from ev_sim.study.case import CaseResult, drive_case
 

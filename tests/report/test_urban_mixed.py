@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import math
 from itertools import pairwise
@@ -14,13 +13,13 @@ from urban_runs import CAR, PARAMETERS, driven, parameters_of, scenario
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.profiles.cycle_modes import MODES, TRACTION
-from ev_sim.recording.recording import Recording
-from ev_sim.report import cycle_efficiency as cycle
-from ev_sim.report.cycle_bands import stretches
+from ev_sim.report.figures.cycle_bands import stretches
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.registry import report_for
-from ev_sim.report.slip_curve import first_passed_peak
-from ev_sim.report.surfaces_under import share_of, surfaces_under
+from ev_sim.report.quantities import cycle_efficiency as cycle
+from ev_sim.report.quantities.slip_curve import first_passed_peak
+from ev_sim.report.quantities.surfaces_under import share_of, surfaces_under
+from ev_sim.report.reports import report_for
+from ev_sim.run.recording.recording import Recording
 from ev_sim.surfaces.road import RoadParameters, left_and_right
 
 ROOT = Path(__file__).parents[2]
@@ -150,17 +149,17 @@ def test_driver_without_a_cycle_has_no_efficiencies():
 # The cycle and the road
 
 
-def test_windows_are_those_of_the_cycle():
-    """The scenario and config/cycles/trrl_1_1_modes.csv are the same 19 windows, 355.2 s of traction."""
-    with (ROOT / "config" / "cycles" / "trrl_1_1_modes.csv").open(newline="") as file:
-        rows = [(float(row["t0_s"]), float(row["t1_s"]), row["mode"]) for row in csv.DictReader(file)]
+def test_windows_cover_the_cycle_with_355_2_s_of_traction():
+    """Section 2.6: 19 windows on the 580 s of the cycle; the sum of traction is that of the windows it prints."""
     driver = PARAMETERS["driver"]
-    assert list(driver["modes.begin"]) == [start for start, _, _ in rows]
-    assert list(driver["modes.mode"]) == [mode for _, _, mode in rows]
+    begin, mode = list(driver["modes.begin"]), list(driver["modes.mode"])
+    assert len(begin) == 19 and begin[0] == 0.0
+    ends = [*begin[1:], 580.0]
+    assert sum(e - b for b, e, m in zip(begin, ends, mode, strict=True) if m == "traction") == pytest.approx(355.2)
     time = np.arange(116001) * PERIOD
     found = stretches(time, cycle.modes_over_time(Recording(time, {}), driver))
-    assert [mode for _, _, mode in found] == [mode for _, _, mode in rows]
-    assert sum(end - start for start, end, mode in found if mode == MODES[TRACTION]) == pytest.approx(355.2, abs=1e-6)
+    assert [m for _, _, m in found] == mode
+    assert sum(end - start for start, end, m in found if m == MODES[TRACTION]) == pytest.approx(355.2, abs=1e-6)
 
 
 @pytest.mark.parametrize("side", [0, 1])
@@ -211,7 +210,7 @@ def test_figures_have_quantities_and_units(driver):
 
 def test_figures_say_what_is_missing(tmp_path):
     """No cycle, no tyre forces, all wheels driven: drawn, with the reason in place of curves."""
-    from ev_sim.report.drawing import save_figures
+    from ev_sim.report.figures.drawing import save_figures
 
     few = Recording(np.arange(200) * PERIOD, {"twist.longitudinal": np.zeros(200), "twist.lateral": np.zeros(200)})
     for car in (CAR, dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES), dataclasses.replace(CAR, driven_wheels=())):

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.run_scenario import main
-from ev_sim.scenario.command_line import arguments, overrides, own_nodes
+from ev_sim.commands.command_line import arguments, overrides, own_nodes
+from ev_sim.commands.run_scenario import main
 
 
 def values(*words: str) -> list:

@@ -4,8 +4,8 @@ import socket
 
 import pytest
 
-from ev_sim.scenario import domain
-from ev_sim.scenario.domain import NoFreeDomain, free_domain, reserved_domains
+from ev_sim.run import domain
+from ev_sim.run.domain import NoFreeDomain, free_domain, reserved_domains
 
 FIRST_PORT = 2000
 

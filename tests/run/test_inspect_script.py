@@ -12,7 +12,7 @@ from run_script import ENVIRONMENT, ROOT, Running
 
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.scenario.domain import free_domain
+from ev_sim.run.domain import free_domain
 
 
 def inspect(domain: int, *words: str) -> subprocess.CompletedProcess:

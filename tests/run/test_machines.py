@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from ev_sim.recording.recording import signal_hash
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import load_scenario
+from ev_sim.run.offline import run_offline
+from ev_sim.run.recording.recording import signal_hash
+from ev_sim.run.scenarios.scenario import load_scenario
 
 NO_FMA = "glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-AVX2,-FMA"
 MACHINES = {
@@ -33,9 +33,9 @@ def hashes() -> list[str]:
 def hashes_on(machine: dict[str, str], cache: Path | None = None) -> list[str]:
     """The same by a process that believes to be elsewhere."""
     imports = (
-        "from ev_sim.recording.recording import signal_hash",
-        "from ev_sim.scenario.offline import run_offline",
-        "from ev_sim.scenario.scenario import load_scenario",
+        "from ev_sim.run.recording.recording import signal_hash",
+        "from ev_sim.run.offline import run_offline",
+        "from ev_sim.run.scenarios.scenario import load_scenario",
     )
     text = "\n".join((*imports, inspect.getsource(hashes), "print(*hashes())"))
     environment = {**os.environ, **machine, **({"NUMBA_CACHE_DIR": str(cache)} if cache else {})}

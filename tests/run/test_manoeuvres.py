@@ -13,11 +13,11 @@ from plant.planar.car import kinetic_energy
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.prepare import number_of_steps
 from ev_sim.plant.planar.state import index
-from ev_sim.recording.recording import Recording
-from ev_sim.report.motion import lateral_acceleration_on_path
-from ev_sim.report.registry import report_for
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import Overrides, Run, load_scenario
+from ev_sim.report.quantities.motion import lateral_acceleration_on_path
+from ev_sim.report.reports import report_for
+from ev_sim.run.offline import run_offline
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
 
 PERIOD = 0.01
 SCENARIOS = (

@@ -23,9 +23,9 @@ from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.recording.recording import signal_hash
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import load_scenario
+from ev_sim.run.offline import run_offline
+from ev_sim.run.recording.recording import signal_hash
+from ev_sim.run.scenarios.scenario import load_scenario
 
 
 def played_by(role: str, factory: type, reads: tuple[type, ...]) -> Configuration:

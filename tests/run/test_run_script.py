@@ -17,7 +17,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 from run_script import ENVIRONMENT, RUN, Running
 
-from ev_sim.recording.recording import load
+from ev_sim.run.recording.recording import load
 
 
 def run(*arguments: object, check: bool = True) -> subprocess.CompletedProcess:

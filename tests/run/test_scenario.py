@@ -10,7 +10,7 @@ import pytest
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.parameters.config_directory import config_directory
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.scenario.scenario import Overrides, describe_scenario, load_scenario, scenario_names
+from ev_sim.run.scenarios.scenario import Overrides, describe_scenario, load_scenario, scenario_names
 
 CONFIG = config_directory()
 HEAD = "/**/scenario:\n  ros__parameters: {about: a test, duration: 2.0}\n"

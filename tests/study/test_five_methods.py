@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from ev_sim.run_scenario import main
+from ev_sim.commands.run_scenario import main
 from ev_sim.study import dissertation_tables as printed
 from ev_sim.study import urban_cases
 from ev_sim.study.urban_cases import METHODS, case, case_name

@@ -64,7 +64,7 @@ def compiled_part(method: Method, given: Given) -> int:
     law = method.law
     key = (law.function, law.outputs)
     if key not in _PARTS:
-        _PARTS[key] = compiled_function(f"{method.role}_{method.name}", *part_source(method, given))
+        _PARTS[key] = compiled_function(f"{method.name}_{method.role}", *part_source(method, given))
     return _PARTS[key].address
 
 
@@ -75,6 +75,7 @@ def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
     digest = fingerprint(text, *names.values())[:12]
     file = cache_folder() / f"{name}_{digest}.py"
     if not file.exists():
+        print(f"compiling {name.replace('_', ' ')} ... (once)", file=sys.stderr, flush=True)
         unfinished = file.with_name(f".{file.name}.{os.getpid()}")
         unfinished.write_text(text)
         unfinished.replace(file)

@@ -10,7 +10,7 @@ from numba import njit, types
 from numba.extending import intrinsic
 
 from ev_msgs_py.compiling.library import OPTIONS, use_cache
-from ev_msgs_py.contract.frame import TIME
+from ev_msgs_py.contract.frame import SIZE, TIME
 
 FINISHED, NOT_FINITE, FAILED = range(3)
 
@@ -94,3 +94,11 @@ def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answer
             return status
         frames[0] = frames[1]
     return FINISHED
+
+
+def compile_loops() -> None:
+    """Make the compiled form of the loops, by runs of no parts."""
+    call_part.compile((types.int64,) * 5)
+    frames, parts, stopped = np.zeros((2, SIZE)), np.zeros((0, 5), np.int64), np.zeros(3, np.int64)
+    run_instants(frames, 0, 1, True, parts, 0, stopped)
+    run_through(frames, np.zeros(2), parts, 0, stopped)

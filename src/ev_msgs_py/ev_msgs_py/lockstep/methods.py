@@ -20,6 +20,7 @@ from ev_msgs_py.vehicle.layout import refusal
 
 T = TypeVar("T")
 
+_GROUP = "ev_stack.methods"  # of entry points, named after their roles
 _REGISTER: dict[str, dict[str, Method]] = {}
 
 
@@ -75,6 +76,11 @@ class Method:
         return self.factory if self.law is None else self.law.function
 
     @property
+    def package(self) -> str:
+        """The package that brings it."""
+        return str(self.documented.__module__).partition(".")[0]
+
+    @property
     def about(self) -> str:
         """First line of the docstring."""
         return (inspect.getdoc(self.documented) or "").partition("\n")[0]
@@ -125,8 +131,21 @@ def _load_installed_methods(role: str) -> None:
 
     Only those of the role, because a plant takes longer to import than a node to start.
     """
-    for entry_point in entry_points(group="ev_stack.methods", name=role):
+    for entry_point in entry_points(group=_GROUP, name=role):
         entry_point.load()
+
+
+@cache
+def node_package(role: str) -> str:
+    """The package with the node of a role: it has methods for the role and an executable of the role's name.
+
+    LookupError unless there is exactly one.
+    """
+    offered = {point.value.partition(".")[0] for point in entry_points(group=_GROUP, name=role)}
+    found = {point.value.partition(".")[0] for point in entry_points(group="console_scripts", name=role)} & offered
+    if len(found) != 1:
+        raise LookupError(f"one package is wanted with methods and a node for {role}, found: {sorted(found)}")
+    return found.pop()
 
 
 def methods_of(role: str) -> dict[str, Method]:

@@ -6,10 +6,11 @@ import os
 from pathlib import Path
 
 VARIABLE = "EV_STACK_CONFIG"
+_RESOURCE = "ev_stack_config"  # of the ament index: packages with a config folder in their share folder
 
 
 def config_directory() -> Path:
-    """Give the config folder: the one that EV_STACK_CONFIG names, else the one installed with ev_sim.
+    """Give the config folder: the one that EV_STACK_CONFIG names, else the one that is installed.
 
     Raises FileNotFoundError, with a message for the user, when there is none.
     """
@@ -18,17 +19,20 @@ def config_directory() -> Path:
     if directory is None:
         raise FileNotFoundError(f"no config folder: set {VARIABLE} or source the workspace's install/local_setup.bash")
     if not directory.is_dir():
-        origin = f"named by {VARIABLE}" if named else "installed with ev_sim"
+        origin = f"named by {VARIABLE}" if named else "installed"
         raise FileNotFoundError(f"the config folder {directory}, {origin}, is not there")
     return directory
 
 
 def _installed() -> Path | None:
     try:
-        from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
+        from ament_index_python import get_resources
     except ImportError:
         return None
     try:
-        return Path(get_package_share_directory("ev_sim")) / "config"
-    except PackageNotFoundError:
+        offered = get_resources(_RESOURCE)
+    except OSError:  # no workspace is sourced
         return None
+    for package, prefix in offered.items():
+        return Path(prefix) / "share" / package / "config"
+    return None

@@ -17,15 +17,15 @@ from ev_msgs_py.parameters.values import build, unknown_name
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.analysis.linearised_plant import LinearisedPlant, OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
-from ev_sim.analysis.understeer import (
+from ev_sim.report.figures.drawing import save_figures
+from ev_sim.report.quantities.understeer import (
     axle_cornering_stiffnesses,
     axle_masses,
     characteristic_speed,
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.report.drawing import save_figures
-from ev_sim.scenario.parameter_file import ParameterFile
+from ev_sim.run.scenarios.parameter_file import ParameterFile
 from ev_sim.surfaces.table import REFERENCE, SURFACES
 
 _PREFIX = "vehicle."
@@ -45,7 +45,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     model = side_slip_model(vehicle, given.speed, plant.acceleration, given.drive_force, share, given.surface)
     for label, value, unit in rows(vehicle, given.surface, model, plant):
         print(f"{label:52}{value:>12.5g} {unit}")
-    from ev_sim.analysis.bode_figure import bode_figure  # matplotlib is slow to import
+    from ev_sim.analysis.bode_figure import bode_figure
 
     given.out.mkdir(parents=True, exist_ok=True)
     (path,) = save_figures({f"bode_{given.vehicle}": bode_figure(model, plant)}, given.out)

@@ -8,7 +8,7 @@ from scipy.signal import bode
 
 from ev_sim.analysis.linearised_plant import LinearisedPlant
 from ev_sim.analysis.side_slip_model import SideSlipModel
-from ev_sim.report.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE
 
 FREQUENCIES = np.logspace(-1.0, 1.5, 200)  # [Hz]; a driver steers with up to about 3 Hz
 WIDTH, HEIGHT = 9.2, 4.6  # [inch]

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.signal import StateSpace, ZerosPolesGain
 
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.analysis.understeer import axle_cornering_stiffnesses
+from ev_sim.report.quantities.understeer import axle_cornering_stiffnesses
 from ev_sim.surfaces.table import REFERENCE
 
 

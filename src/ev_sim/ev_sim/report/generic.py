@@ -7,18 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.recording.recording import Recording
-from ev_sim.report import quantities
+from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Metric, metric
-from ev_sim.report.panels import Curve, Panel, panel
-from ev_sim.report.samples import Parameters, Runs, channel
+from ev_sim.report.quantities import derived
+from ev_sim.report.samples import Runs, channel
+from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+def metrics(runs: Runs) -> dict[str, Metric]:
     """Speeds and largest torque and angle of each run; the name of the run stands in front if there are several."""
     return {
         f"{name}_{key}" if len(runs) > 1 else key: value
@@ -27,9 +26,9 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     }
 
 
-def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+def figures(runs: Runs) -> dict[str, Figure]:
     """One sheet for each run."""
-    from ev_sim.report.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
 
     return {
         f"overview_{name}" if len(runs) > 1 else "overview": sheet(_panels(run), "time [s]")
@@ -39,10 +38,10 @@ def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, F
 
 def _metrics(run: Recording) -> dict[str, Metric]:
     return {
-        "final_speed": metric(lambda: quantities.speed(run)[-1], "m/s"),
-        "maximum_speed": metric(lambda: quantities.speed(run).max(), "m/s"),
-        "maximum_total_drive_torque": metric(lambda: np.abs(quantities.total_drive_torque(run)).max(), "N m"),
-        "maximum_road_wheel_angle": metric(lambda: np.abs(channel(run, quantities.ROAD_WHEEL_ANGLE)).max(), "rad"),
+        "final_speed": metric(lambda: derived.speed(run)[-1], "m/s"),
+        "maximum_speed": metric(lambda: derived.speed(run).max(), "m/s"),
+        "maximum_total_drive_torque": metric(lambda: np.abs(derived.total_drive_torque(run)).max(), "N m"),
+        "maximum_road_wheel_angle": metric(lambda: np.abs(channel(run, derived.ROAD_WHEEL_ANGLE)).max(), "rad"),
     }
 
 
@@ -51,10 +50,10 @@ def _panels(run: Recording) -> list[Panel]:
         return [Curve(run.time, channel(run, f"{quantity}.{name}"), name.replace("_", " ")) for name in WHEEL_NAMES]
 
     def steering_angle() -> list[Curve]:
-        return [Curve(run.time, np.degrees(channel(run, quantities.ROAD_WHEEL_ANGLE)))]
+        return [Curve(run.time, np.degrees(channel(run, derived.ROAD_WHEEL_ANGLE)))]
 
     return [
-        panel("Speed", "speed [m/s]", lambda: [Curve(run.time, quantities.speed(run))]),
+        panel("Speed", "speed [m/s]", lambda: [Curve(run.time, derived.speed(run))]),
         panel("Steering angle", "angle [deg]", steering_angle),
         panel("Drive torques", "torque [N m]", lambda: wheels("wheel_states.effort")),
         panel("Wheel speeds", "speed [rad/s]", lambda: wheels("wheel_states.velocity")),

@@ -5,21 +5,21 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ev_msgs_py.lockstep.methods import methods_of
-from ev_sim.recording.recording import Recording
+from ev_msgs_py.lockstep.methods import methods_of, node_package
+from ev_sim.report.figures.panels import Curve, Panel
 from ev_sim.report.metric import Metric, metric
-from ev_sim.report.motion import distance_on_path, heading
-from ev_sim.report.panels import Curve, Panel
+from ev_sim.report.quantities.motion import distance_on_path, heading
 from ev_sim.report.samples import channel
-from ev_sim.scenario.scenario import Run
+from ev_sim.report.text_table import text_table
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run
+from ev_sim.study.asr_situations import SITUATIONS
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-from ev_sim.study.text_table import text_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,45 +32,6 @@ REACHED = 30 / 3.6  # [m/s]
 GRIP, GRIP_TIME = 0.8, 0.5  # friction in use below which for so long nothing had to be limited [1, s]
 RIPPLE_WINDOW = 0.1  # [s]
 TRACE_STEP = 0.02  # [s]
-
-
-@dataclass(frozen=True, slots=True)
-class Situation:
-    """A road and the drive torque of all wheels that is asked for on it within a second [N m]."""
-
-    torque: float
-    left: tuple[str, ...]
-    right: tuple[str, ...] = ()  # as left
-    lengths: tuple[float, ...] = ()  # of the segments [m]; the same surface everywhere without
-    grade: float = 0.0  # [1]
-
-    def values(self) -> tuple[tuple[str, str, Any], ...]:
-        """What differs from the scenario's own file."""
-        return (
-            ("driver", "pedals.time", [0.0, 0.5, 0.7, 1.5]),
-            ("driver", "pedals.drive_torque", [0.0, 0.0, 0.2 * self.torque, self.torque]),
-            ("driver", "pedals.brake_torque", [1000.0, 1000.0, 0.0, 0.0]),  # holds the car on the hill
-            ("plant", "road.left", list(self.left)),
-            ("plant", "road.right", list(self.right or self.left)),
-            ("plant", "road.grade", [self.grade]),
-            *(
-                [("plant", "road.pattern", "segments"), ("plant", "road.length", list(self.lengths))]
-                * bool(self.lengths)
-            ),
-        )
-
-
-SITUATIONS = {
-    "ice": Situation(3000.0, ("ice",)),
-    "snow": Situation(3000.0, ("packed_snow_1",)),
-    "wet": Situation(3000.0, ("wet_asphalt_1",)),
-    "dry": Situation(3600.0, ("dry_asphalt",)),
-    "dry, gentle": Situation(1500.0, ("dry_asphalt",)),
-    "ice left, dry right": Situation(2400.0, ("ice",), ("dry_asphalt",)),
-    "snow, then dry": Situation(2600.0, ("packed_snow_1", "dry_asphalt"), lengths=(10.0,)),
-    "dry, then ice": Situation(2400.0, ("dry_asphalt", "ice"), lengths=(10.0,)),
-    "snow, 5 % uphill": Situation(3000.0, ("packed_snow_1",), grade=0.05),
-}
 TRACED = ("snow", "wet", "snow, then dry", "dry, then ice")
 DRAWN = ("off", "least_squares", "slip_window", "pi_slip")
 
@@ -89,9 +50,8 @@ SUMS = ("distance_", "mean_slip_", "slip_energy_", "false_triggers_")
 
 
 def controls() -> list[str]:
-    """All traction controls that ev_control brings, none first."""
-    found = methods_of("asr")
-    names = [name for name, method in found.items() if method.documented.__module__.startswith("ev_control.")]
+    """All traction controls of the package that brings the node, none first."""
+    names = [name for name, method in methods_of("asr").items() if method.package == node_package("asr")]
     return sorted(names, key=lambda name: (name != "off", name))
 
 
@@ -207,12 +167,12 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=2)
+    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """The slip of the front left wheel over time on some roads, with some controls."""
-    from ev_sim.report.drawing import sheet  # matplotlib is slow to import
+    from ev_sim.report.figures.drawing import sheet
 
     roads, names = _chosen(given)
     panels = []

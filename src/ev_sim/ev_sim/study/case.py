@@ -11,9 +11,8 @@ from typing import Any
 from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.recording.recording import Recording, signal_hash
-from ev_sim.scenario.offline import run_offline
-from ev_sim.scenario.scenario import Overrides, Run, load_scenario
+from ev_sim.run.recording.recording import Recording, signal_hash
+from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
 
 Measure = Callable[[Recording, Run], Mapping[str, Any]]
 
@@ -59,6 +58,8 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
             configuration.create()
     except (ParameterError, ValueError) as error:
         return CaseResult(case.name, {}, refused=str(error))
+    from ev_sim.run.offline import run_offline  # numba is slow to import, and a list of studies drives nothing
+
     start = time.monotonic()
     try:
         recording = run_offline(run.configurations, run.duration)

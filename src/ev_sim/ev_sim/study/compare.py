@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -13,12 +12,13 @@ import numpy as np
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.lockstep.methods import methods_of
 from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.recording.recording import Recording
-from ev_sim.report import handling, motion, quantities
+from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured
-from ev_sim.report.panels import Curve, panel
+from ev_sim.report.quantities import derived, handling, motion
 from ev_sim.report.samples import channel
-from ev_sim.scenario.scenario import Run, load_scenario
+from ev_sim.report.text_table import text_table
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 
@@ -36,8 +36,8 @@ QUANTITIES = {  # name -> unit, in the order of the columns
     "drive_energy": "J",
     "time_over_limit": "s",
 }
+COLUMNS = ("method", *(f"{name} [{unit}]" for name, unit in QUANTITIES.items()))
 CURVES = ("time", "x", "y", "yaw_rate", "sideslip", "speed", "torque_difference")
-_WIDTH = 120
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -78,7 +78,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
         "y": channel(recording, "pose.y"),
         "yaw_rate": channel(recording, motion.YAW_RATE),
         "sideslip": np.degrees(motion.sideslip_angle(recording)),
-        "speed": quantities.speed(recording),
+        "speed": derived.speed(recording),
         "torque_difference": _right_minus_left(recording),
     }
 
@@ -94,27 +94,19 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
-    """One line for each method: its quantities, or why it cannot be driven here."""
-    first = max(map(len, ("method", *results)))
-    widths = [max(len(f"{name} [{unit}]"), 10) for name, unit in QUANTITIES.items()]
-    head = [f"{name} [{unit}]".rjust(width) for (name, unit), width in zip(QUANTITIES.items(), widths, strict=True)]
-    lines = ["  ".join(["method".ljust(first), *head])]
-    for name, result in results.items():
-        if result.refused:
-            indent = " " * (first + 2)
-            lines += textwrap.wrap(
-                f"{name.ljust(first)}  not driven: {result.refused}", _WIDTH, subsequent_indent=indent
-            )
-            continue
-        cells = [_cell(result.measured[quantity]).rjust(w) for quantity, w in zip(QUANTITIES, widths, strict=True)]
-        lines.append("  ".join([name.ljust(first), *cells]))
-    return "\n".join(lines)
+    """The quantities of each method that could be driven."""
+    rows = [
+        (name, *(_cell(result.measured[quantity]) for quantity in QUANTITIES))
+        for name, result in results.items()
+        if not result.refused
+    ]
+    return text_table(COLUMNS, rows, left=COLUMNS[:1])
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Paths, and yaw rate, sideslip angle, speed and torque difference over time, of all methods one over the other."""
-    from ev_sim.report.drawing import sheet  # matplotlib is slow to import
-    from ev_sim.report.plan_view import plan_view
+    from ev_sim.report.figures.drawing import sheet
+    from ev_sim.report.figures.plan_view import plan_view
 
     driven = {name: result.measured for name, result in results.items() if not result.refused}
 

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ev_sim.report.metric import Metric, Reference, mean_over_seeds
+from ev_sim.report.text_table import text_table
 from ev_sim.study import dissertation_tables as printed
 from ev_sim.study import urban_cases
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-from ev_sim.study.text_table import text_table
 from ev_sim.study.urban_cases import DRIVERS, METHODS, TITLES, case_name, roads
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=2)
+    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
 
 
 def _shown(metric: Metric, factor: float = 1.0, form: str = ".3f") -> str:
@@ -144,11 +144,10 @@ def _shown(metric: Metric, factor: float = 1.0, form: str = ".3f") -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Wheel efficiency of the methods, mean and single seeds, beside the printed one, for each driver."""
-    from ev_sim.study.efficiency_figure import efficiency_figure  # matplotlib is slow to import
+    from ev_sim.study.efficiency_figure import efficiency_figure
 
     points = {
         driver: {method: _wheel(_values(given, results, method, driver), driver) for method in METHODS}
         for driver in given.drivers
     }
     return {"wheel_efficiency": efficiency_figure(points, printed.WHEEL_EFFICIENCY, TITLES)}
-

@@ -13,13 +13,13 @@ from typing import Any
 
 from tqdm import tqdm
 
-from ev_sim.recording.atomic import atomic_file
-from ev_sim.report.drawing import save_figures
+from ev_sim.commands.command_line import add_overrides, overrides
+from ev_sim.report.figures.drawing import save_figures
 from ev_sim.report.metric import Metric
+from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.summary import versions
-from ev_sim.report.table import print_table
-from ev_sim.scenario.command_line import add_overrides, overrides
-from ev_sim.scenario.output_folder import OutputFolder
+from ev_sim.run.output_folder import OutputFolder
+from ev_sim.run.recording.atomic import atomic_file
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results, study_named
 from ev_sim.study.workers import drive_cases
@@ -38,7 +38,7 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
 
 
 def run_study(name: str, argv: Sequence[str]) -> None:
-    """Drive all cases of a study and report; raises what `ev_sim.run_scenario.main` catches."""
+    """Drive all cases of a study and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     study, given = study_named(name), arguments(name, argv)
     common = overrides(given)
     cases = [
@@ -65,7 +65,7 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         file.write(json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False).encode() + b"\n")
     if tables := study.tables(given, results):
         print(tables, end="\n\n")
-    print_table(metrics)
+    print_metrics(metrics)
     for result in driven:
         if result.refused:
             print(f"not driven: {result.name}: {result.refused}")

@@ -7,21 +7,16 @@ from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ev_sim.recording.recording import Recording
+from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.report.metric import Metric
-from ev_sim.scenario.scenario import Run
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-STUDIES: dict[str, str] = {
-    "asr_shootout": "ev_sim.study.asr_shootout",
-    "compare": "ev_sim.study.compare",
-    "five_methods": "ev_sim.study.five_methods",
-    "urban_sensitivity": "ev_sim.study.urban_sensitivity",
-    "zhileykin2018_sweep": "ev_sim.study.zhileykin2018_sweep",
-}
+STUDIES = ("asr_shootout", "compare", "five_methods", "urban_sensitivity", "zhileykin2018_sweep")
 
 Results = Mapping[str, CaseResult]  # name of the case -> what came out
 
@@ -57,5 +52,7 @@ class Study(Protocol):
 
 
 def study_named(name: str) -> Study:
-    """The module of a study."""
-    return import_module(STUDIES[name])
+    """The module of a study; ParameterError that lists the known ones if there is none."""
+    if name not in STUDIES:
+        raise unknown_name("study", name, STUDIES)
+    return import_module(f"{__package__}.{name}")

@@ -8,10 +8,10 @@ from typing import Any
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.recording.recording import Recording
-from ev_sim.report.cycle_efficiency import energies, slip_energy, wheel_sums
 from ev_sim.report.metric import NotMeasured
-from ev_sim.scenario.scenario import Run
+from ev_sim.report.quantities.cycle_efficiency import energies, slip_energy, wheel_sums
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run
 from ev_sim.study.case import Case
 
 SCENARIO = "urban_mixed"

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ev_sim.report.metric import Metric, mean_over_seeds
+from ev_sim.report.text_table import text_table
 from ev_sim.study import urban_cases
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-from ev_sim.study.text_table import text_table
 from ev_sim.study.urban_cases import DRIVERS, METHODS, Values, roads
 from ev_sim.surfaces.table import SURFACES
 
@@ -137,7 +137,7 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text: wheel efficiencies, and in brackets how far they are from the first line."""
-    return text_table(COLUMNS, rows(given, results))
+    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:1])
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

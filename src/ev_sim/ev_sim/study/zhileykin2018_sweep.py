@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.recording.recording import Recording
-from ev_sim.report.handling import peak_sideslip
 from ev_sim.report.metric import Metric, metric
-from ev_sim.report.zhileykin2018 import LIMIT
-from ev_sim.scenario.scenario import Run, load_scenario
+from ev_sim.report.quantities.handling import peak_sideslip
+from ev_sim.report.scenarios.zhileykin2018 import LIMIT
+from ev_sim.report.text_table import text_table
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-from ev_sim.study.text_table import text_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -100,13 +100,13 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text."""
-    table = text_table(COLUMNS, rows(given, results), left=0)
+    table = text_table(COLUMNS, rows(given, results), left=())
     return f"largest sideslip angle [deg], ** where it passes {math.degrees(LIMIT):g} deg\n{table}"
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """A map of the largest sideslip angle for each control."""
-    from ev_sim.report.heat_map import HeatMap, heat_maps  # matplotlib is slow to import
+    from ev_sim.report.figures.heat_map import HeatMap, heat_maps
 
     maps = [HeatMap(control.replace("_", " "), np.degrees(peaks(results, control))) for control in CONTROLS]
     return {

@@ -1,0 +1,61 @@
+"""Compile every installed method and what steps it, so that no run has to wait for it. scripts/prepare.sh calls this.
+
+    python -m ev_sim.commands.compile_all
+
+What is compiled already is found on disk by the fingerprint of its text, and only loaded.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
+
+from ev_msgs_py.lockstep.methods import Method, all_methods, find_method
+from ev_msgs_py.vehicle.description import Vehicle
+
+_PERIOD = 0.01  # [s]; compiled code is the same for all periods
+_STEPPING = ("", "")  # in the place of role and method: the loops, sensors and observers
+
+
+def main() -> None:
+    """Compile on all cores; exit status 1, and one line for each, if something cannot be compiled."""
+    methods = [method for of_role in all_methods().values() for method in of_role.values()]
+    compilable = [method for method in methods if method.law and method.law.is_compilable]
+    longest_first = sorted(compilable, key=lambda method: not method.law.heavy)
+    with ProcessPoolExecutor(os.cpu_count()) as workers:
+        jobs = [(method.role, method.name) for method in longest_first]
+        errors = [error for error in workers.map(_compile, [*jobs, _STEPPING]) if error]
+    sys.exit("\n".join(errors) or None)
+
+
+def _compile(job: tuple[str, str]) -> str:
+    """Why it cannot be compiled, in one line; empty if it could."""
+    try:
+        if job == _STEPPING:
+            _compile_stepping()
+        else:
+            _compile_method(find_method(*job))
+    except Exception as error:  # whatever a law raises: the others go on
+        return f"{' '.join(job)}: {type(error).__name__}: {error}".splitlines()[0]
+    return ""
+
+
+def _compile_method(method: Method) -> None:
+    from ev_msgs_py.compiling.part import CompiledPart
+
+    CompiledPart(method, method.parameters(), Vehicle(), _PERIOD)
+
+
+def _compile_stepping() -> None:
+    from ev_msgs_py.compiling.loop import compile_loops
+    from ev_msgs_py.sensors import part as sensors
+    from ev_sim.batch import observer
+
+    compile_loops()
+    sensors.function()
+    observer.function()
+
+
+if __name__ == "__main__":
+    main()

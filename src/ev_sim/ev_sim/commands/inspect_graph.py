@@ -1,0 +1,112 @@
+"""Shows the running graph without the ros2 command: nodes, topics, who writes and reads them, and their rates."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from contextlib import suppress
+
+import rclpy
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
+from rclpy.signals import SignalHandlerOptions
+
+from ev_msgs_py.wire.message_classes import message_class
+from ev_sim.run.domain import reserved_domains
+
+_OWN_NAME = "inspect_graph"
+_DISCOVERY_TIME = 1.0  # s that nodes have to answer before the graph is taken as complete
+_ROS_OWN = ("/parameter_events", "/rosout")
+
+
+def main(argv: list[str] | None = None) -> None:
+    """scripts/inspect.sh [--seconds S] [--echo TOPIC]"""
+    parser = argparse.ArgumentParser(prog="inspect.sh", description="Show the running graph: nodes, topics, rates.")
+    parser.add_argument("--seconds", type=_positive, default=2.0, help="how long rates are measured")
+    parser.add_argument("--echo", metavar="TOPIC", help="print one message of this topic and end")
+    given = parser.parse_args(argv)
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        node = Node(_OWN_NAME, start_parameter_services=False)
+        _wait(_DISCOVERY_TIME)
+        if given.echo:
+            print(_one_message(node, given.echo))
+        else:
+            print(_graph(node, given.seconds))
+    except LookupError as error:
+        sys.exit(error.args[0])
+    except KeyboardInterrupt:
+        pass
+    finally:
+        rclpy.try_shutdown()
+
+
+def _positive(text: str) -> float:
+    seconds = float(text)
+    if not 0.0 < seconds < float("inf"):
+        raise ValueError
+    return seconds
+
+
+def _wait(seconds: float) -> None:
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        time.sleep(0.05)
+
+
+def _topics(node: Node) -> dict[str, str]:
+    return {name: types[0] for name, types in sorted(node.get_topic_names_and_types()) if name not in _ROS_OWN}
+
+
+def _count(node: Node, topics: dict[str, str], seconds: float) -> dict[str, int]:
+    """Messages per topic within a time; topics whose message package is not installed are left out."""
+    quality = QoSProfile(depth=1000)
+    subscriptions = {}
+    for name, kind in topics.items():
+        with suppress(ImportError):
+            type_ = message_class(kind)
+            subscriptions[name] = node.create_subscription(type_, name, lambda message: None, quality, raw=True)
+    counts = dict.fromkeys(subscriptions, 0)
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        time.sleep(0.02)
+        for name, subscription in subscriptions.items():
+            while subscription.handle.take_message(subscription.msg_type, True) is not None:
+                counts[name] += 1
+    return counts
+
+
+def _graph(node: Node, seconds: float) -> str:
+    nodes = sorted(f"{space.rstrip('/')}/{name}" for name, space in node.get_node_names_and_namespaces())
+    nodes = [name for name in nodes if not name.endswith(f"/{_OWN_NAME}")]
+    if not nodes:
+        others = ", ".join(map(str, reserved_domains())) or "none"
+        domain = node.context.get_domain_id()
+        raise LookupError(f"no nodes are running in ROS domain {domain}; runs are under way in: {others}")
+    topics = _topics(node)
+    writers = {name: _names(node.get_publishers_info_by_topic(name)) for name in topics}
+    readers = {name: _names(node.get_subscriptions_info_by_topic(name)) for name in topics}
+    counts = _count(node, topics, seconds)
+    lines = ["nodes", *(f"  {name}" for name in nodes), "", "topics"]
+    for name, kind in topics.items():
+        rate = f"{counts[name] / seconds:.1f} Hz" if name in counts else "message type is not installed"
+        lines.append(f"  {name}  {kind}  {rate}")
+        lines.append(f"    {', '.join(writers[name]) or 'nobody'} -> {', '.join(readers[name]) or 'nobody'}")
+    return "\n".join(lines)
+
+
+def _names(ends: list) -> list[str]:
+    return sorted({end.node_name for end in ends} - {_OWN_NAME})
+
+
+def _one_message(node: Node, topic: str) -> str:
+    topics = _topics(node)
+    if topic not in topics:
+        raise LookupError(f"no topic {topic!r}; known: {', '.join(topics) or 'none'}")
+    kind = message_class(topics[topic])
+    subscription = node.create_subscription(kind, topic, lambda message: None, 10, raw=True)
+    while (taken := subscription.handle.take_message(kind, True)) is None:
+        time.sleep(0.01)
+    return str(deserialize_message(taken[0], kind))

@@ -1,0 +1,54 @@
+"""The command scripts/run.sh. What drives and draws is imported when it is needed, so that help comes at once."""
+
+from __future__ import annotations
+
+import signal
+import sys
+
+from ev_msgs_py.contract.shape import SignalError
+from ev_msgs_py.lockstep.methods import all_methods
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.commands.command_line import arguments
+from ev_sim.run.outcome import RunFailed
+from ev_sim.run.scenarios.scenario import describe_scenario, scenario_names
+from ev_sim.study.study import STUDIES, study_named
+
+_INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
+
+
+def main(argv: list[str] | None = None) -> None:
+    """scripts/run.sh SCENARIO [options]"""
+    words = sys.argv[1:] if argv is None else argv
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        if words and words[0] in STUDIES:
+            from ev_sim.study.run_study import run_study
+
+            run_study(words[0], words[1:])
+            return
+        given = arguments(words)
+        if given.list:
+            print_list()
+        else:
+            from ev_sim.commands.drive_scenario import drive_scenario
+
+            drive_scenario(given)
+    except (ParameterError, SignalError, RunFailed, FileNotFoundError) as error:
+        sys.exit(f"error: {error}")
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
+        sys.exit(_INTERRUPTED)
+
+
+def print_list() -> None:
+    """Scenarios and methods, one line each."""
+    print("scenarios")
+    for name in scenario_names():
+        print(f"  {name:24} {describe_scenario(name)}")
+    print("studies, of many runs (scripts/run.sh STUDY --help)")
+    for name in STUDIES:
+        print(f"  {name:24} {study_named(name).ABOUT}")
+    for role, methods in all_methods().items():
+        print(f"methods of {role}")
+        for name, method in methods.items():
+            print(f"  {name:24} {method.about}")

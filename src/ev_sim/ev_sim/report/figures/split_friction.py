@@ -1,0 +1,48 @@
+"""Figures of a car on split friction that pulls away or brakes: how it moves, how its wheels turn, where it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.panels import Curve, panel
+from ev_sim.report.quantities import derived, motion
+from ev_sim.report.samples import Runs, channel, run_named
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequence[str]) -> dict[str, Figure]:
+    """Speed, heading, steering-wheel angle and path of all runs, and the rim speeds of some wheels of each.
+
+    The sheet is called `name`, the plan view `path`.
+    """
+    from ev_sim.report.figures.drawing import sheet
+    from ev_sim.report.figures.plan_view import plan_view
+
+    def degrees(quantity):
+        return lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(quantity(run)))
+
+    panels = [
+        panel("Speed", "speed [m/s]", lambda: motion.curve_of_each_run(runs, derived.speed)),
+        panel("Heading", "heading [deg]", degrees(motion.heading)),
+        panel("Steering-wheel angle", "angle [deg]", degrees(lambda run: channel(run, motion.STEERING_WHEEL_ANGLE))),
+        *(
+            panel(f"Rim speeds, {run}", "speed [m/s]", lambda run=run: _rims(runs, run, vehicle, wheels))
+            for run in runs
+        ),
+    ]
+    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), key.replace("_", " ")) for key, run in runs.items()]
+    return {name: sheet(panels, "time [s]"), "path": plan_view("Path of the centre of mass", tracks)}
+
+
+def _rims(runs: Runs, name: str, vehicle: Vehicle, wheels: Sequence[str]) -> list[Curve]:
+    run = run_named(runs, name)
+    return [
+        Curve(run.time, vehicle.wheel_radius * channel(run, f"wheel_states.velocity.{wheel}"), wheel.replace("_", " "))
+        for wheel in wheels
+    ]

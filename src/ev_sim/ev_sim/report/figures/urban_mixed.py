@@ -1,0 +1,166 @@
+"""Figures of the urban cycle on mixed surfaces, counterparts of the dissertation's 2.13, 3.1 to 3.10 and 5.1 to 5.25.
+
+Imports matplotlib: import this module only where something is drawn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.panels import Curve, Panel, panel
+from ev_sim.report.figures.urban_sheets import (
+    TIME,
+    WIDTH,
+    both_sides,
+    each_side,
+    left_and_right,
+    sheet_over_cycle,
+    thin_sheet,
+)
+from ev_sim.report.metric import NotMeasured
+from ev_sim.report.quantities import cycle_efficiency as cycle
+from ev_sim.report.quantities import derived, motion
+from ev_sim.report.samples import channel
+from ev_sim.run.recording.recording import Recording
+
+DETAIL = 15.0  # [s], length of the figure in which single pulses can be seen
+
+
+def torques_and_speeds(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+    """Figures 3.1, 3.3, 3.5, 3.7 and 3.9: torques and speeds at the shafts of the motors, left and right."""
+    return sheet_over_cycle(
+        [
+            *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
+            *each_side(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
+        ],
+        run,
+        driver,
+    )
+
+
+def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+    """Figures 3.2, 3.4, 3.6, 3.8 and 3.10: running wheel efficiency over the friction under the wheel, and torques."""
+
+    def running(wheel: str) -> list[Curve]:
+        shares = cycle.wheel_shares(run, vehicle, driver)
+        if wheel not in shares:
+            raise NotMeasured(f"{wheel.replace('_', ' ')} is not driven")
+        found = shares[wheel].running_efficiency()
+        # The first fractions of a turn give any quotient.
+        return [Curve(run.time, np.where((found >= 0.0) & (found <= 1.0), found, np.nan))]
+
+    wheels = left_and_right(vehicle)
+    figure = thin_sheet(
+        [
+            *(
+                panel(
+                    f"Wheel efficiency since the start, {wheel.replace('_', ' ')} (grey: largest friction of the road)",
+                    "efficiency, friction [1]",
+                    lambda wheel=wheel: running(wheel),
+                )
+                for wheel in wheels
+            ),
+            *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
+        ],
+    )
+    for axes, wheel in zip(figure.axes, wheels, strict=False):
+        _ground_of_friction(axes, run, wheel)
+        axes.set_ylim(0.0, 1.05)
+        for line in axes.lines:
+            line.set_linewidth(1.5)
+    return figure
+
+
+def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+    """Some seconds of the first window in which the accelerator is pressed: what the torque control does."""
+    try:
+        begin = run.time[motion.first(cycle.traction(run, driver), "traction")] - 0.5
+    except NotMeasured:
+        begin = run.time[0]
+    part = (run.time >= begin) & (run.time <= begin + DETAIL)
+    shorter = Recording(run.time[part], {name: values[part] for name, values in run.channels.items()})
+    wheels = left_and_right(vehicle)
+
+    def rims() -> list[Curve]:
+        named = [(wheel, f"{wheel.replace('_', ' ')} rim") for wheel in wheels]
+        curves = [
+            Curve(shorter.time, vehicle.wheel_radius * channel(shorter, f"wheel_states.velocity.{wheel}"), label)
+            for wheel, label in named
+        ]
+        return [*curves, Curve(shorter.time, derived.speed(shorter), "car")]
+
+    def asked() -> list[Curve]:
+        share = channel(shorter, motion.DRIVE_TORQUE) / len(vehicle.driven_wheels)
+        return [
+            *both_sides(shorter, vehicle, "torque_command.drive"),
+            Curve(shorter.time, share, "driver, per wheel"),
+        ]
+
+    figure = sheet(
+        [
+            panel("Wheel torque after the torque control", "torque [N m]", asked),
+            panel("Speed", "speed [m/s]", rims),
+            panel("Slip ratio", "slip ratio [1]", lambda: both_sides(shorter, vehicle, "tire_forces.slip_ratio")),
+            panel(
+                "Largest friction of the road",
+                "friction [1]",
+                lambda: both_sides(shorter, vehicle, "tire_forces.friction_coefficient"),
+            ),
+        ],
+        TIME,
+        columns=1,
+        start=float(shorter.time[0]),
+        panel_width=WIDTH,
+    )
+    figure.axes[2].set_ylim(-0.1, 0.6)  # the first turn of a wheel has any slip
+    figure.axes[3].set_ylim(0.0, 1.2)
+    return figure
+
+
+def electrical(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+    """Figures 5.1 to 5.25: the electrical side, and the running efficiency of the drives (eq 2.38)."""
+
+    def in_kilowatts(place: int) -> list[Curve]:
+        return [Curve(run.time, cycle.powers(run)[place] / 1e3)]
+
+    def running() -> list[Curve]:
+        shaft, battery = cycle.energies_since_start(run, driver)
+        used = battery > 0.0
+        share = np.full(len(used), np.nan)
+        share[used] = shaft[used] / battery[used]
+        return [Curve(run.time, np.where(share >= 0.0, share, np.nan))]
+
+    def one(title: str, ylabel: str, name: str) -> Panel:
+        return panel(title, ylabel, lambda: [Curve(run.time, channel(run, name))])
+
+    figure = sheet_over_cycle(
+        [
+            *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
+            *each_side(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
+            one("Battery voltage", "voltage [V]", "battery.voltage"),
+            one("Battery current, negative while it gives", "current [A]", "battery.current"),
+            panel("Power at the terminals of the battery", "power [kW]", lambda: in_kilowatts(1)),
+            panel("Power at the shafts of the motors", "power [kW]", lambda: in_kilowatts(0)),
+            panel("Drive efficiency in the traction windows since the start", "efficiency [1]", running),
+        ],
+        run,
+        driver,
+        columns=2,
+    )
+    figure.axes[-1].set_ylim(0.5, 1.0)
+    return figure
+
+
+def _ground_of_friction(axes: Axes, run: Recording, wheel: str) -> None:
+    try:
+        friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
+    except NotMeasured:
+        return
+    axes.fill_between(run.time[::10], friction[::10], step="post", color="0.87", linewidth=0.0, zorder=1)

@@ -1,0 +1,1 @@
+"""Numbers over time, and single ones, that several reports derive from recorded channels."""

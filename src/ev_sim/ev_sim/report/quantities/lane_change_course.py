@@ -1,0 +1,79 @@
+"""The course of the double lane change (ISO 3888-1) and the cones that a car touches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.quantities import motion
+from ev_sim.report.samples import channel
+from ev_sim.run.recording.recording import Recording
+
+LANE_OFFSET = 3.5  # [m], taken between the middles of the lanes
+LENGTHS = (15.0, 30.0, 25.0, 25.0, 30.0)  # [m], lane, lane change, lane, lane change, lane
+WIDTHS = (1.1, 1.2, 1.3)  # times the width of the car, plus MARGIN
+MARGIN = 0.25  # [m]
+CONES = 4  # on each side of a lane, its ends included
+# The vehicle description ends at the wheels; these assumptions make a body of it.
+BODY_BESIDE_TRACK = 0.21  # [m], width of the body beyond the larger track: one tyre's width
+OVERHANG = 0.7  # [m], of the body beyond each axle
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """A lane along x, from `start` to `end`, around `middle`, all in odom [m]."""
+
+    start: float
+    end: float
+    middle: float
+    width: float
+
+
+def body_width(vehicle: Vehicle) -> float:
+    """Width of the body [m]."""
+    return max(vehicle.front_track, vehicle.rear_track) + BODY_BESIDE_TRACK
+
+
+def lanes(vehicle: Vehicle) -> tuple[Lane, ...]:
+    """The three lanes; the first begins at x = 0 and its middle is y = 0."""
+    edges = np.concatenate(([0.0], np.cumsum(LENGTHS)))
+    widths = [factor * body_width(vehicle) + MARGIN for factor in WIDTHS]
+    return tuple(
+        Lane(float(edges[2 * n]), float(edges[2 * n + 1]), LANE_OFFSET * (n % 2), width)
+        for n, width in enumerate(widths)
+    )
+
+
+def cones(vehicle: Vehicle) -> np.ndarray:
+    """Positions of the cones, (n, 2) [m]; the lane's edge is where a cone begins, so a cone is a point on it."""
+    return np.array(
+        [
+            (x, lane.middle + side * lane.width / 2)
+            for lane in lanes(vehicle)
+            for x in np.linspace(lane.start, lane.end, CONES)
+            for side in (-1, 1)
+        ]
+    )
+
+
+def hit_cones(run: Recording, vehicle: Vehicle) -> np.ndarray:
+    """Which of the cones came to lie under the body, (n,) bool."""
+    x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)
+    front = vehicle.wheelbase - vehicle.centre_of_mass_to_rear_axle + OVERHANG
+    rear = vehicle.centre_of_mass_to_rear_axle + OVERHANG
+    hit = []
+    for cone_x, cone_y in cones(vehicle):
+        ahead = (cone_x - x) * np.cos(heading) + (cone_y - y) * np.sin(heading)
+        aside = (cone_y - y) * np.cos(heading) - (cone_x - x) * np.sin(heading)
+        inside = (ahead > -rear) & (ahead < front) & (np.abs(aside) < body_width(vehicle) / 2)
+        hit.append(bool(inside.any()))
+    return np.array(hit)
+
+
+def edges(run: Recording, vehicle: Vehicle) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """Paths of the left and of the right end of the body beside the centre of mass, x and y (n,) each [m]."""
+    x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)
+    half = body_width(vehicle) / 2
+    return tuple((x - side * half * np.sin(heading), y + side * half * np.cos(heading)) for side in (1, -1))

@@ -1,0 +1,91 @@
+"""The motion of the car in the plane, as the standards of vehicle dynamics speak of it, from recorded channels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ev_sim.report.figures.panels import Curve
+from ev_sim.report.metric import Metric, NotMeasured
+from ev_sim.report.samples import Runs, channel
+from ev_sim.run.recording.recording import Recording
+
+STEERING_WHEEL_ANGLE = "steering_column.state.angle"
+YAW_RATE = "imu.yaw_rate"
+LATERAL_ACCELERATION = "imu.lateral_acceleration"
+DRIVE_TORQUE = "driver.command.drive_torque"
+BRAKE_TORQUE = "driver.command.brake_torque"
+
+
+def heading(run: Recording) -> np.ndarray:
+    """Heading without jumps, counter-clockwise, (n,) [rad]."""
+    return np.unwrap(2 * np.arctan2(channel(run, "pose.orientation_z"), channel(run, "pose.orientation_w")))
+
+
+def sideslip_angle(run: Recording) -> np.ndarray:
+    """Direction of travel of the centre of mass against the body, left positive, (n,) [rad]."""
+    return np.arctan2(channel(run, "twist.lateral"), channel(run, "twist.longitudinal"))
+
+
+def lateral_acceleration_on_path(run: Recording) -> np.ndarray:
+    """Acceleration of the centre of mass across its path, level, left positive, (n,) [m/s^2]; ISO 8855 centripetal."""
+    sideslip = sideslip_angle(run)
+    along, across = channel(run, "imu.longitudinal_acceleration"), channel(run, LATERAL_ACCELERATION)
+    return across * np.cos(sideslip) - along * np.sin(sideslip)
+
+
+def radius_of_path(run: Recording) -> np.ndarray:
+    """Radius of curvature of the path of the centre of mass, left positive, (n,) [m]; V/(w + beta') of Ge & Ni (2005).
+
+    Infinite where the path is straight.
+    """
+    speed = np.hypot(channel(run, "twist.longitudinal"), channel(run, "twist.lateral"))
+    with np.errstate(divide="ignore"):
+        return speed**2 / lateral_acceleration_on_path(run)
+
+
+def distance_on_path(run: Recording) -> np.ndarray:
+    """Distance that the centre of mass has travelled, (n,) [m]."""
+    steps = np.hypot(np.diff(channel(run, "pose.x")), np.diff(channel(run, "pose.y")))
+    return np.concatenate(([0.0], np.cumsum(steps)))
+
+
+def first(condition: np.ndarray, what: str) -> int:
+    """Index of the first sample at which the condition holds; NotMeasured if there is none."""
+    found = np.flatnonzero(condition)
+    if not len(found):
+        raise NotMeasured(f"{what} never comes")
+    return int(found[0])
+
+
+def crossing_time(time: np.ndarray, values: np.ndarray, level: float, what: str) -> float:
+    """When the values first reach a level from below, linear between samples [s]; NotMeasured if they never do."""
+    n = first(values >= level, what)
+    if n == 0:
+        return float(time[0])
+    before, after = values[n - 1], values[n]
+    return float(time[n - 1] + (level - before) / (after - before) * (time[n] - time[n - 1]))
+
+
+def value_at(run: Recording, values: np.ndarray, time: float) -> float:
+    """The value at a time [s], linear between samples; NotMeasured if the run does not last that long."""
+    if not run.time[0] <= time <= run.time[-1] + 1e-9:
+        raise NotMeasured(f"the run ends at {run.time[-1]:g} s, before {time:g} s")
+    return float(np.interp(time, run.time, values))
+
+
+def of_each_run(runs: Runs, measure: Callable[[Recording], dict[str, Metric]]) -> dict[str, Metric]:
+    """The metrics of every run; the name of the run stands in front if there are several."""
+    return {
+        f"{name}_{key}" if len(runs) > 1 else key: value
+        for name, run in runs.items()
+        for key, value in measure(run).items()
+    }
+
+
+def curve_of_each_run(runs: Runs, quantity: Callable[[Recording], np.ndarray]) -> list[Curve]:
+    """A quantity of every run over time, labelled with the name of the run if there are several."""
+    return [
+        Curve(run.time, quantity(run), name.replace("_", " ") if len(runs) > 1 else "") for name, run in runs.items()
+    ]

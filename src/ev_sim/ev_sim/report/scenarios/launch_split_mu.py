@@ -1,0 +1,60 @@
+"""Report on a launch with different friction left and right: time to speed, slip, deviation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.split_friction import split_friction_figures
+from ev_sim.report.metric import Metric, metric
+from ev_sim.report.quantities import derived, motion
+from ev_sim.report.samples import Runs, channel
+from ev_sim.run.recording.recording import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SPEED = 5.0  # [m/s], the launch is timed up to it
+ROLLING = 0.1  # [m/s], above it slip is more than the first turn of a wheel
+
+
+def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
+    """Time and distance to 5 m/s, deviations by then, slip of the driven wheels, for each run."""
+
+    def of(run: Recording) -> dict[str, Metric]:
+        def by_then(values: np.ndarray) -> float:
+            return np.abs(values[_launch(run)] - values[_launch(run)][0]).max()
+
+        return {
+            "time_to_5_m_s": metric(lambda: np.ptp(run.time[_launch(run)]), "s"),
+            "distance_to_5_m_s": metric(lambda: np.ptp(motion.distance_on_path(run)[_launch(run)]), "m"),
+            "peak_yaw_rate": metric(lambda: np.abs(channel(run, motion.YAW_RATE)[_launch(run)]).max(), "rad/s"),
+            "peak_yaw_deviation": metric(lambda: by_then(motion.heading(run)), "rad"),
+            "peak_lateral_deviation": metric(lambda: by_then(channel(run, "pose.y")), "m"),
+            "peak_steering_wheel_angle": metric(lambda: by_then(channel(run, motion.STEERING_WHEEL_ANGLE)), "rad"),
+            **{
+                f"{wheel}_peak_slip": metric(lambda wheel=wheel: _slip(run, wheel), "1")
+                for wheel in vehicle.driven_wheels
+            },
+        }
+
+    return motion.of_each_run(runs, of)
+
+
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+    """Speed, heading and steering-wheel angle of all runs, rim speeds of the first, and the paths."""
+    return split_friction_figures("launch", runs, vehicle, vehicle.driven_wheels)
+
+
+def _launch(run: Recording) -> slice:
+    """The samples from the first drive torque to SPEED."""
+    start = max(motion.first(np.abs(channel(run, motion.DRIVE_TORQUE)) > 0.0, "drive torque") - 1, 0)
+    return slice(start, motion.first(derived.speed(run) >= SPEED, f"{SPEED:g} m/s") + 1)
+
+
+def _slip(run: Recording, wheel: str) -> float:
+    part = _launch(run)
+    rolling = derived.speed(run)[part] > ROLLING
+    return np.abs(channel(run, f"tire_forces.slip_ratio.{wheel}")[part][rolling]).max()

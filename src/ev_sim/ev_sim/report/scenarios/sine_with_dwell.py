@@ -1,0 +1,136 @@
+"""Report on the sine with dwell, by the measures of UN R140 and FMVSS 126.
+
+Run `slowly_increasing_steer` gives the steering-wheel angle A at 0.3 g; the others are sines with dwell. The beginning
+of steer is the last instant at zero angle before the sine, its completion the first one after it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ev_sim.report.figures.panels import Curve, panel
+from ev_sim.report.metric import Metric, NotMeasured, metric
+from ev_sim.report.quantities import motion
+from ev_sim.report.samples import Runs, channel, run_named
+from ev_sim.run.recording.recording import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SLOW = "slowly_increasing_steer"
+REFERENCE_ACCELERATION = 0.3 * 9.81  # [m/s^2]
+FIT_RANGE = (0.1 * 9.81, 0.375 * 9.81)  # [m/s^2], over which FMVSS 126, S7.6, fits its line
+DISPLACEMENT_TIME = 1.07  # [s] after the beginning of steer
+DISPLACEMENT = 1.83  # [m], at least, for cars up to 3500 kg and amplitudes of 5 A and more
+YAW_LIMITS = ((1.0, 35.0), (1.75, 20.0))  # [s] after the completion of steer, [%] of the peak yaw rate at most
+
+
+def metrics(runs: Runs) -> dict[str, Metric]:
+    """The angle A, and for each sine its amplitude over A, yaw rate ratios, lateral displacement and verdict."""
+    result = {"steering_wheel_angle_at_0_3_g": metric(lambda: _angle_at_reference(run_named(runs, SLOW)), "rad")}
+    for name, run in _sines(runs).items():
+        result[f"{name}_amplitude"] = metric(
+            lambda run=run: np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)).max(), "rad"
+        )
+        result[f"{name}_amplitude_over_a"] = metric(lambda run=run: _multiple(run, runs), "1")
+        for delay, _ in YAW_LIMITS:
+            key = f"{delay:.2f}".replace(".", "_")
+            result[f"{name}_yaw_rate_ratio_{key}_s"] = metric(
+                lambda run=run, delay=delay: _yaw_rate_ratio(run, delay), "%"
+            )
+        result[f"{name}_lateral_displacement"] = metric(lambda run=run: _displacement(run), "m")
+        result[f"{name}_peak_sideslip_angle"] = metric(lambda run=run: np.abs(motion.sideslip_angle(run)).max(), "rad")
+        result[f"{name}_passed"] = metric(lambda run=run: _passes(run, runs), "1")
+    return result
+
+
+def figures(runs: Runs) -> dict[str, Figure]:
+    """Steering-wheel angle, yaw rate, sideslip angle and lateral displacement of all sines."""
+    from ev_sim.report.figures.drawing import sheet
+
+    sines = _sines(runs)
+
+    def of(quantity):
+        return lambda: motion.curve_of_each_run(sines, quantity)
+
+    panels = [
+        panel(
+            "Steering-wheel angle", "angle [deg]", of(lambda run: np.degrees(channel(run, motion.STEERING_WHEEL_ANGLE)))
+        ),
+        panel("Yaw rate", "yaw rate [deg/s]", of(lambda run: np.degrees(channel(run, motion.YAW_RATE)))),
+        panel("Sideslip angle", "angle [deg]", of(lambda run: np.degrees(np.unwrap(motion.sideslip_angle(run))))),
+        panel("Lateral displacement", "y [m]", of(lambda run: channel(run, "pose.y"))),
+    ]
+
+    def slow() -> list[Curve]:
+        run = run_named(runs, SLOW)
+        angle = np.degrees(channel(run, motion.STEERING_WHEEL_ANGLE))
+        rising = slice(0, int(angle.argmax()) + 1)
+        return [Curve(angle[rising], motion.lateral_acceleration_on_path(run)[rising])]
+
+    line = panel("Slowly increasing steer", "lateral acceleration [m/s²]", slow)
+    return {
+        "sine_with_dwell": sheet(panels, "time [s]"),
+        SLOW: sheet([line], "steering-wheel angle [deg]", columns=1),
+    }
+
+
+def _sines(runs: Runs) -> dict[str, Recording]:
+    return {name: run for name, run in runs.items() if name != SLOW}
+
+
+def _angle_at_reference(run: Recording) -> float:
+    """Steering-wheel angle A at 0.3 g, from a line through the linear range [rad]."""
+    acceleration = motion.lateral_acceleration_on_path(run)
+    angle = channel(run, motion.STEERING_WHEEL_ANGLE)
+    end = motion.first(acceleration > FIT_RANGE[1], f"a lateral acceleration of {FIT_RANGE[1]:.2f} m/s^2")
+    inside = acceleration[:end] >= FIT_RANGE[0]
+    slope, offset = np.polyfit(acceleration[:end][inside], angle[:end][inside], 1)
+    return float(slope * REFERENCE_ACCELERATION + offset)
+
+
+def _multiple(run: Recording, runs: Runs) -> float:
+    amplitude = np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)).max()
+    return float(amplitude / _angle_at_reference(run_named(runs, SLOW)))
+
+
+def _steering(run: Recording) -> tuple[int, int]:
+    """Indices of the beginning and of the completion of steer."""
+    turned = np.flatnonzero(channel(run, motion.STEERING_WHEEL_ANGLE))
+    if not len(turned) or turned[0] == 0 or turned[-1] == len(run.time) - 1:
+        raise NotMeasured("there is no complete sine")
+    return int(turned[0]) - 1, int(turned[-1]) + 1
+
+
+def _peak_yaw_rate(run: Recording) -> float:
+    """First local peak of the yaw rate after the steering-wheel angle has changed its sign [rad/s]."""
+    begin, end = _steering(run)
+    angle, yaw_rate = channel(run, motion.STEERING_WHEEL_ANGLE), channel(run, motion.YAW_RATE)
+    reversal = begin + 1 + motion.first(angle[begin + 1 : end] * angle[begin + 1] < 0.0, "the second half of the sine")
+    towards = np.sign(angle[reversal]) * yaw_rate[reversal:]
+    falling = (towards[1:-1] > 0.0) & (towards[1:-1] >= towards[:-2]) & (towards[1:-1] > towards[2:])
+    return float(yaw_rate[reversal + 1 + motion.first(falling, "the second peak of the yaw rate")])
+
+
+def _yaw_rate_ratio(run: Recording, delay: float) -> float:
+    _, end = _steering(run)
+    now = motion.value_at(run, channel(run, motion.YAW_RATE), float(run.time[end]) + delay)
+    return 100 * now / _peak_yaw_rate(run)
+
+
+def _displacement(run: Recording) -> float:
+    """Way of the centre of mass across its initial straight path [m], in the direction of the first steering."""
+    begin, _ = _steering(run)
+    side = np.sign(channel(run, motion.STEERING_WHEEL_ANGLE)[begin + 1])
+    x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)[begin]
+    across = (y - y[begin]) * np.cos(heading) - (x - x[begin]) * np.sin(heading)
+    return side * motion.value_at(run, across, float(run.time[begin]) + DISPLACEMENT_TIME)
+
+
+def _passes(run: Recording, runs: Runs) -> float:
+    """1 if the yaw rate falls fast enough and, from 5 A on, the car answers far enough; else 0."""
+    stable = all(_yaw_rate_ratio(run, delay) <= limit for delay, limit in YAW_LIMITS)
+    responsive = _multiple(run, runs) < 5.0 or _displacement(run) >= DISPLACEMENT
+    return float(stable and responsive)

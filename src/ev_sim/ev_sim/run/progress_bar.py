@@ -1,0 +1,48 @@
+"""The progress bar of a run: simulated time and real-time factor."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from tqdm import tqdm
+
+from ev_sim.run.outcome import Progress
+
+_FORMAT = "{desc} {percentage:3.0f} %|{bar:30}| {n:.1f}/{total:.1f} s simulated, {unit} x real time"
+
+
+def announce(text: str) -> None:
+    """A line on standard error, to be said before the progress begins."""
+    print(text, file=sys.stderr, flush=True)
+
+
+@contextmanager
+def progress_bar(name: str, duration: float) -> Iterator[Progress]:
+    """A bar on standard error; in a file or pipe a line every few seconds at most."""
+    interactive = sys.stderr.isatty()
+    bar = tqdm(
+        desc=name,
+        total=duration,
+        bar_format=_FORMAT,
+        unit="0.0",  # the place where the format has room for the real-time factor
+        mininterval=0.1 if interactive else 5.0,
+        delay=0.2,
+        leave=True,
+        ascii=not interactive,
+    )
+    begun: list[float] = []
+
+    def progress(simulated: float) -> None:
+        if simulated > 0 and not begun:
+            begun.append(time.monotonic())
+        elapsed = time.monotonic() - begun[0] if begun else 0.0
+        if elapsed > 0:
+            bar.unit = f"{simulated / elapsed:.1f}"
+        bar.update(min(simulated, duration) - bar.n)
+
+    with bar:
+        yield progress
+        bar.refresh()

@@ -1,0 +1,1 @@
+"""Scenarios: parameter files resolved to configured graphs."""

@@ -1,0 +1,167 @@
+"""A scenario: ordinary ROS parameter files, resolved to one configured graph per run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.lockstep.configuration import Configuration, check_graph, chosen_method, configure
+from ev_msgs_py.nodes.master_parameters import MasterParameters
+from ev_msgs_py.parameters.config_directory import config_directory
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.values import build, unknown_name
+from ev_sim.run.scenarios.parameter_file import ParameterFile, matches
+
+NAMESPACE = "/ev"
+_SCENARIO_NODE = "scenario"
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioParameters:
+    """What a scenario says about itself, in its section /**/scenario.
+
+    The nodes of a run live in the namespace /ev/RUN, or in /ev if there is one run only; so `/**/RUN/driver` means the
+    driver of one run, and `/**/driver` that of all.
+    """
+
+    about: str = parameter("", about="one line for --list")
+    vehicle: str = parameter("audi_a2", about="name of a file in config/vehicles")
+    duration: float = parameter(10.0, unit="s", low=0.01, high=1e5, about="simulated time of every run")
+    runs: tuple[str, ...] = parameter((), about="names of the runs, if there are several")
+
+
+@dataclass(frozen=True)
+class Run:
+    """One configured graph and the namespace of its nodes."""
+
+    name: str
+    namespace: str
+    configurations: Mapping[str, Configuration]
+    duration: float
+
+    @property
+    def period(self) -> int:
+        """The control period in nanoseconds."""
+        return self.configurations[MASTER].period
+
+    @property
+    def realtime(self) -> bool:
+        """Whether the wall clock drives the graph."""
+        return self.configurations[MASTER].common.mode == "realtime"
+
+
+@dataclass(frozen=True)
+class Overrides:
+    """What the command line says beyond the scenario's own files; later entries go before earlier ones.
+
+    `values`: (node, dotted parameter name, value). Node `*` means every role.
+    """
+
+    files: Sequence[Path] = ()
+    values: Sequence[tuple[str, str, Any]] = ()
+    duration: float | None = None
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A name, what it says about itself, and its runs."""
+
+    name: str
+    parameters: ScenarioParameters
+    runs: tuple[Run, ...]
+
+
+def scenario_names() -> list[str]:
+    """Names of all scenarios in config/scenarios."""
+    return sorted(path.stem for path in (config_directory() / "scenarios").glob("*.yaml"))
+
+
+def load_scenario(name: str, overrides: Overrides | None = None) -> Scenario:
+    """The scenario of a name, with everything resolved.
+
+    Raises ParameterError, in one line, for unknown scenarios, vehicles, nodes, methods and parameters, and for values
+    that are refused.
+    """
+    overrides = overrides or Overrides()
+    if name not in scenario_names():
+        raise unknown_name("scenario", name, scenario_names())
+    own = ParameterFile(config_directory() / "scenarios" / f"{name}.yaml")
+    about = _about(own)
+    files = [_vehicle_file(about.vehicle), own, *map(ParameterFile, overrides.files)]
+    namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
+    for file in files:
+        _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, _SCENARIO_NODE) if file is own else tuple(ROLES))
+    _refuse_unknown_overrides(overrides)
+    duration = about.duration if overrides.duration is None else overrides.duration
+    if not 0 < duration < 1e5:
+        raise ParameterError(f"duration: {duration!r} is refused, allowed is more than 0 and less than 100000 s")
+    runs = tuple(_run(run, namespace, files, overrides, duration) for run, namespace in namespaces.items())
+    return Scenario(name, about, runs)
+
+
+def describe_scenario(name: str) -> str:
+    """The one line that a scenario says about itself."""
+    return _about(ParameterFile(config_directory() / "scenarios" / f"{name}.yaml")).about
+
+
+def _about(file: ParameterFile) -> ScenarioParameters:
+    try:
+        return build(ScenarioParameters, file.values_for(f"{NAMESPACE}/{_SCENARIO_NODE}", by_name=True))
+    except ParameterError as error:
+        raise ParameterError(f"{file.path}: {error}") from None
+
+
+def _vehicle_file(name: str) -> ParameterFile:
+    directory = config_directory() / "vehicles"
+    known = [path.stem for path in directory.glob("*.yaml")]
+    if name not in known:
+        raise unknown_name("vehicle", name, known)
+    return ParameterFile(directory / f"{name}.yaml")
+
+
+def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:
+    """What a scenario says about itself stands in its own file only, and the runner tells the recorder what to do."""
+    for pattern in file.sections:
+        if not any(matches(pattern, f"{space}/{node}") for space in (*namespaces, NAMESPACE) for node in nodes):
+            raise ParameterError(f"{file.path}: section {pattern!r} means no node; known: {', '.join(nodes)}")
+
+
+def _refuse_unknown_overrides(overrides: Overrides) -> None:
+    for node, _, _ in overrides.values:
+        if node != "*" and node not in ROLES:
+            raise unknown_name("node", node, ROLES)
+
+
+def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides, duration: float) -> Run:
+    values = {role: _values(role, namespace, files, overrides) for role in ROLES}
+    if "duration" in values[MASTER]:
+        raise ParameterError("plant.duration is refused: the duration of a run is that of the scenario, or --duration")
+    values[MASTER]["duration"] = duration
+    configurations = {}
+    for role in ROLES:
+        try:
+            for other, needed in chosen_method(role, values[role]).requires.items():
+                values[other].setdefault("method", needed)
+        except ParameterError as error:
+            raise ParameterError(f"{role}: {error}") from None
+    for role in ROLES:
+        try:
+            configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
+        except ParameterError as error:
+            raise ParameterError(f"{role}: {error}") from None
+    check_graph(configurations)
+    period = configurations[MASTER].common.control_period
+    if duration < period:
+        raise ParameterError(f"duration: {duration!r} is refused, allowed is at least one control period, {period:g} s")
+    return Run(name, namespace, configurations, duration)
+
+
+def _values(role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for file in files:
+        values.update(file.values_for(f"{namespace}/{role}"))
+    values.update({key: value for node, key, value in overrides.values if node in ("*", role)})
+    return values

@@ -1,1 +1,0 @@
-"""Scenarios: parameter files resolved to configured graphs, and the ways to run them."""

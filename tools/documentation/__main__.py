@@ -1,0 +1,82 @@
+"""scripts/document.sh [--runs [PAGE ...] | --check]"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from documentation.markdown import with_blocks
+from documentation.pages import RESULTS, SHCHUR, stale_pages
+from ev_msgs_py.parameters.values import unknown_name
+
+
+def main(argv: list[str] | None = None) -> None:
+    """Write the generated parts of README.md and docs/ anew; exit status 1 if --check finds one that is stale."""
+    parser = argparse.ArgumentParser(prog="document.sh", description="Write the generated parts of the pages.")
+    parser.add_argument("root", type=Path, help="top of the repository")
+    way = parser.add_mutually_exclusive_group()
+    way.add_argument(
+        "--runs",
+        nargs="*",
+        metavar="PAGE",
+        help="also drive the scenarios and studies for the results and the images, of all pages or of these",
+    )
+    way.add_argument("--check", action="store_true", help="change nothing, name the stale pages")
+    given = parser.parse_args(argv)
+    stale = stale_pages(given.root)
+    for page, text in stale.items():
+        print(f"{'stale' if given.check else 'written'}: {page.relative_to(given.root)}")
+        if not given.check:
+            page.write_text(text, encoding="utf-8")
+    if given.runs is not None:
+        _write_results(given.root, given.runs)
+    if given.check and stale:
+        sys.exit(1)
+
+
+def _write_results(root: Path, chosen: Sequence[str]) -> None:
+    from documentation import results, scenario_results
+
+    images = root / "docs" / "images"
+    images.mkdir(exist_ok=True)
+    known = [SHCHUR, *scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
+    for name in chosen:
+        if name not in known:
+            raise unknown_name("page with results", name, known)
+    wanted = chosen or known
+    if SHCHUR in wanted:
+        driven = results.drive_all()
+        _write(root / SHCHUR, {RESULTS: results.result_table(driven)})
+        results.save_images(driven, images)
+    for name, page in scenario_results.SCENARIO_PAGES.items():
+        if name in wanted:
+            run = results.drive(page.scenario)
+            texts = {RESULTS: scenario_results.results_of(page, run)}
+            scenario_results.save_images(page, run, images)
+            _write(root / name, {**texts, **_studied(page.studies, images)})
+    for name, studies in scenario_results.STUDY_PAGES.items():
+        if name in wanted:
+            _write(root / name, _studied(studies, images))
+
+
+def _studied(studies: Sequence[str], images: Path) -> dict[str, str]:
+    """The table of each study; its figures go to the images."""
+    from documentation import scenario_results
+
+    texts = {}
+    for study in studies:
+        cases = scenario_results.drive_study(study)
+        scenario_results.save_study_images(study, cases, images)
+        texts[study] = scenario_results.study_table(study, cases)
+    return texts
+
+
+def _write(page: Path, texts: dict[str, str]) -> None:
+    page.write_text(with_blocks(page.read_text(encoding="utf-8"), texts), encoding="utf-8")
+    print(f"written: results in {page.name}, images")
+
+
+if __name__ == "__main__":
+    main()

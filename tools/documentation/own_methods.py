@@ -1,0 +1,17 @@
+"""The methods of this repository, without those of other packages that may be installed beside it."""
+
+from __future__ import annotations
+
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.lockstep.methods import Method, methods_of, node_package
+
+
+def own_methods(role: str) -> dict[str, Method]:
+    """The methods of a role that come with the packages of our nodes, by name."""
+    own = {node_package(name) for name in ROLES}
+    return {name: method for name, method in methods_of(role).items() if method.package in own}
+
+
+def writing_methods(role: str, signal: type) -> list[str]:
+    """Names of the methods of a role that write a signal."""
+    return [name for name, method in own_methods(role).items() if signal in method.writes]

@@ -1,0 +1,58 @@
+"""Which page has which generated parts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from documentation import parameter_reference, topic_reference
+from documentation.graph_diagram import graph_diagram
+from documentation.lists import method_table, scenario_table, study_list
+from documentation.markdown import block_names, with_blocks
+from documentation.scenario_results import SCENARIO_PAGES, STUDY_PAGES
+
+SHCHUR = "docs/shchur2019.md"
+RESULTS = "results"  # made from runs, and so only on demand
+
+PARTS: dict[str, Callable[[], str]] = {
+    "graph": graph_diagram,
+    "scenarios": scenario_table,
+    "studies": study_list,
+    "methods": method_table,
+    "common parameters": parameter_reference.common_parameters,
+    "vehicle parameters": parameter_reference.vehicle_parameters,
+    "master parameters": parameter_reference.master_parameters,
+    "recorder parameters": parameter_reference.recorder_parameters,
+    "scenario parameters": parameter_reference.scenario_parameters,
+    "sensor parameters": parameter_reference.sensor_parameters,
+    "method parameters": parameter_reference.method_parameters,
+    "topics": topic_reference.topic_table,
+    "wheel names": topic_reference.wheel_names,
+    "fields": topic_reference.field_tables,
+}
+
+PAGES = {
+    "README.md": ("graph", "scenarios", "studies", "methods"),
+    "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
+    "docs/topics.md": ("topics", "wheel names", "fields"),
+    SHCHUR: (RESULTS,),
+    **{name: (RESULTS, *page.studies) for name, page in SCENARIO_PAGES.items()},
+    **STUDY_PAGES,
+}
+
+
+def stale_pages(root: Path) -> dict[Path, str]:
+    """The pages whose generated parts are not what the code says now, with their new text.
+
+    ValueError if a page lacks one of its parts.
+    """
+    stale = {}
+    for name, parts in PAGES.items():
+        page = root / name
+        text = page.read_text(encoding="utf-8")
+        if sorted(block_names(text)) != sorted(parts):
+            raise ValueError(f"{name} has the generated parts {block_names(text)}, it should have {list(parts)}")
+        new = with_blocks(text, {part: PARTS[part]() for part in parts if part in PARTS})
+        if new != text:
+            stale[page] = new
+    return stale

@@ -1,0 +1,99 @@
+"""The numbers of docs/shchur2019.md, from runs of the scenarios with each drive model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from documentation.markdown import code, table
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.drives.drive import DRIVES
+from ev_sim.report.metric import Metric
+from ev_sim.report.reports import report_for
+from ev_sim.report.samples import Parameters, Runs
+from ev_sim.run.offline import run_offline
+from ev_sim.run.scenarios.scenario import Overrides, Scenario, load_scenario
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SCENARIOS = ("shchur2019_steps", "shchur2019")
+FIGURES = {"shchur2019_steps": "shchur2019_fig1.png", "shchur2019": "shchur2019_fig4.png"}
+
+
+@dataclass(frozen=True)
+class Driven:
+    """A scenario that was driven to its end."""
+
+    scenario: Scenario
+    runs: Runs
+
+    @property
+    def metrics(self) -> dict[str, Metric]:
+        """The numbers that it yields."""
+        return report_for(self.scenario.name).metrics(self.runs, self._vehicle, self._parameters)
+
+    @property
+    def figures(self) -> dict[str, Figure]:
+        """What it draws, by name."""
+        return report_for(self.scenario.name).figures(self.runs, self._vehicle, self._parameters)
+
+    @property
+    def _vehicle(self) -> Vehicle:
+        return self.scenario.runs[0].configurations[MASTER].common.vehicle
+
+    @property
+    def _parameters(self) -> Parameters:
+        return {role: configuration.values() for role, configuration in self.scenario.runs[0].configurations.items()}
+
+
+def drive(scenario: str, values: Sequence[tuple[str, str, object]] = ()) -> Driven:
+    """Run a scenario offline with some parameters (node, name, value) changed."""
+    loaded = load_scenario(scenario, Overrides(values=values))
+    return Driven(loaded, {run.name: run_offline(run.configurations, run.duration) for run in loaded.runs})
+
+
+def drive_all() -> dict[str, dict[str, Driven]]:
+    """Every scenario of the paper with every drive model: scenario -> drive model -> run."""
+    return {
+        scenario: {model: drive(scenario, [(MASTER, "drive", model)]) for model in DRIVES} for scenario in SCENARIOS
+    }
+
+
+def result_table(driven: Mapping[str, Mapping[str, Driven]]) -> str:
+    """Paper and runs side by side; a number outside of its band is bold."""
+    rows = []
+    for scenario, by_model in driven.items():
+        metrics = {model: run.metrics for model, run in by_model.items()}
+        for name, first in metrics[DRIVES[0]].items():
+            cells = [_cell(metrics[model][name]) for model in DRIVES]
+            reference = first.reference
+            paper = ("", "") if reference is None else (f"{reference.value:.5g}", _origin(reference.source))
+            rows.append((code(scenario), code(name), first.unit, *paper, *cells))
+    return table(("scenario", "metric", "unit", "paper", "which is", *(f"{model} drives" for model in DRIVES)), rows)
+
+
+def _origin(source: str) -> str:
+    """Short for the source of a reference: printed, or the equations that it follows from."""
+    if source.startswith("printed"):
+        return "printed"
+    return source.removeprefix("not printed; follows from ").removesuffix(" with the printed parameters")
+
+
+def _cell(metric: Metric) -> str:
+    if metric.value is None:
+        return metric.judgement
+    text = f"{metric.value:.5g}"
+    return f"**{text}**" if metric.judgement == "not reproduced" else text
+
+
+def save_images(driven: Mapping[str, Mapping[str, Driven]], folder: Path) -> None:
+    """The figures of the runs with ideal drives, under the names that the pages use."""
+    from ev_sim.report.figures.drawing import save_figures
+
+    for scenario, file in FIGURES.items():
+        figures = driven[scenario][DRIVES[0]].figures
+        save_figures({Path(file).stem: next(iter(figures.values()))}, folder)

@@ -1,0 +1,137 @@
+"""The numbers of a page about one scenario: its metrics run by run, and what it was compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from documentation.markdown import code, table
+from documentation.results import Driven
+from ev_sim.report.metric import Metric
+from ev_sim.study.run_study import arguments
+from ev_sim.study.study import Results, study_named
+from ev_sim.study.workers import drive_cases
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """Whose results a page shows: one table for each group of names with which metrics end, and figures.
+
+    `studies` are those whose tables stand on the page as parts of their names.
+    """
+
+    scenario: str
+    columns: tuple[tuple[str, ...], ...]
+    figures: tuple[str, ...]
+    studies: tuple[str, ...] = ()
+
+
+_CONTROLS = ("equal_torque", "rate", "offset", "increment")
+SCENARIO_PAGES = {
+    "docs/ge_ni2005.md": Page(
+        "ge_ni2005",
+        (
+            (*_CONTROLS, "increment_estimated"),
+            tuple(f"{name}_free_speed" for name in _CONTROLS),
+            (
+                "rate_reached",
+                "rate_reached_switched",
+                "offset_reached",
+                "offset_reached_switched",
+                "increment_switched",
+            ),
+        ),
+        ("fig3_fig4", "boundary_layer"),
+    ),
+    "docs/tatar_chudzik.md": Page(
+        "tatar_chudzik",
+        (tuple(f"{layout}_{control}" for layout in ("front", "rear", "all") for control in ("equal", "corrected")),),
+        ("lateral_forces",),
+    ),
+    "docs/zhileykin2018.md": Page(
+        "zhileykin2018",
+        (("rear_drive", "k05", "k1", "k1_estimated", "fixed_split"),),
+        ("fig3_fig4", "fig5"),
+        studies=("zhileykin2018_sweep",),
+    ),
+}
+
+STUDY_PAGES = {  # pages that show studies alone
+    "docs/asr.md": ("asr_shootout",),
+    "docs/dissertation.md": ("five_methods", "urban_sensitivity"),
+}
+
+
+def results_of(page: Page, driven: Driven) -> str:
+    """The tables of a page: metrics by run, then those with a reference, with both numbers and verdict."""
+    metrics = driven.metrics
+    return "\n".join([*_by_run(metrics, page.columns), _compared(metrics)])
+
+
+def drive_study(name: str) -> Results:
+    """All cases of a study with its default options."""
+    study = study_named(name)
+    return {result.name: result for result in drive_cases(study.cases(arguments(name, ())), study.measure)}
+
+
+def study_table(name: str, results: Results) -> str:
+    """The rows of a study, and below them what they add up to."""
+    study, given = study_named(name), arguments(name, ())
+    sums = [
+        (code(key), _number(metric), metric.unit)
+        for key, metric in study.metrics(given, results).items()
+        if key.startswith(study.SUMS)
+    ]
+    rows = table(study.COLUMNS, study.rows(given, results))
+    return f"{rows}\n{table(('metric', 'value', 'unit'), sums)}" if sums else rows
+
+
+def save_study_images(name: str, results: Results, folder: Path) -> None:
+    """The figures of a study as STUDY_FIGURE.png."""
+    from ev_sim.report.figures.drawing import save_figures
+
+    figures = study_named(name).figures(arguments(name, ()), results)
+    save_figures({f"{name}_{key}": figure for key, figure in figures.items()}, folder)
+
+
+def save_images(page: Page, driven: Driven, folder: Path) -> None:
+    """The figures of a page as SCENARIO_FIGURE.png."""
+    from ev_sim.report.figures.drawing import save_figures
+
+    figures = driven.figures
+    save_figures({f"{page.scenario}_{name}": figures[name] for name in page.figures}, folder)
+
+
+def _by_run(metrics: Mapping[str, Metric], columns: tuple[tuple[str, ...], ...]) -> list[str]:
+    """One table for each group of columns; a metric belongs to the longest name that it ends with."""
+    names = sorted((name for group in columns for name in group), key=len, reverse=True)
+    cells: dict[str, dict[str, Metric]] = {}
+    for key, metric in metrics.items():
+        ending = next((name for name in names if key.endswith(f"_{name}")), None)
+        if ending and not key.startswith("claim_"):
+            cells.setdefault(key.removesuffix(f"_{ending}"), {})[ending] = metric
+    tables = []
+    for group in columns:
+        rows = [
+            (code(quantity), next(iter(of.values())).unit, *(_number(of.get(name)) for name in group))
+            for quantity, of in cells.items()
+            if any(name in of for name in group)
+        ]
+        tables.append(table(("metric", "unit", *map(code, group)), rows))
+    return tables
+
+
+def _compared(metrics: Mapping[str, Metric]) -> str:
+    rows = [
+        (code(name), f"{_number(metric)} {metric.unit}".removesuffix(" 1"), metric.reference.source, metric.verdict)
+        for name, metric in metrics.items()
+        if metric.reference
+    ]
+    return table(("metric", "value", "compared with", "verdict"), rows)
+
+
+def _number(metric: Metric | None) -> str:
+    if metric is None:
+        return ""
+    return "not measured" if metric.value is None else f"{metric.value:.4g}"
