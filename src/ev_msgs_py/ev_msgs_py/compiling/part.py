@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from typing import Any
 
 import numpy as np
@@ -56,7 +57,7 @@ class CompiledPart:
         """SignalError if a number that it wrote is not finite."""
         for shape, place in self._writes:
             values = there.numbers[place]
-            if not np.isfinite(sum(values)):
+            if not math.isfinite(sum(values)):
                 shape.refuse_not_finite(values)
 
     def addresses(self) -> tuple[int, int, int]:

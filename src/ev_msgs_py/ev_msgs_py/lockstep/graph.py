@@ -43,6 +43,15 @@ def step_order(roles: Mapping[str, Role]) -> tuple[str, ...]:
         raise GraphError(f"roles wait for each other within one step: {' -> '.join(error.args[1])}") from None
 
 
+def polling_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
+    """Names of all roles in the order in which messages go from one to the next between two instants.
+
+    The master speaks first, then those that answer; the others that integrate need the last of these answers.
+    """
+    integrating = (role.name for role in roles.values() if role.kind is RoleKind.INTEGRATES and role.name != master)
+    return (master, *step_order(roles), *integrating)
+
+
 def sequence(roles: Mapping[str, Role]) -> tuple[str, ...]:
     """Names of all roles in the order in which they speak within one step: first those that integrate."""
     integrating = (role.name for role in roles.values() if role.kind is RoleKind.INTEGRATES)

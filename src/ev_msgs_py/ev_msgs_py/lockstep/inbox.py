@@ -58,8 +58,9 @@ class Inbox:
 
     def offer(self, kind: type, stamp: int) -> Arrival:
         """Judge a message; of a new one, and of one that begins a new run, the numbers belong into `frame_at`."""
-        if self.last is not None:
-            ahead = stamp - self.last
+        last = self.last
+        if last is not None:
+            ahead = stamp - last
             if stamp == 0 and ahead < 0 and kind in self._heralds:
                 self.expect(0)
                 self._keep(kind, stamp)
@@ -79,13 +80,10 @@ class Inbox:
         step = self._pending.get(stamp)
         if step is None:
             step = self._pending[stamp] = Step()
-        if kind in step.came:
+        elif kind in step.came:
             return Arrival.REPEATED
         step.came.add(kind)
-        if self.last is None or kind in self._followed:
-            self._missing = None
-        elif self._missing is not None and stamp == self.last + self.period:
-            self._missing = tuple([other for other in self._missing if other is not kind])
+        self._missing = None
         if len(self._pending) > _KEPT_AHEAD:
             del self._pending[min(self._pending)]
             self._missing = None
@@ -100,7 +98,10 @@ class Inbox:
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, None if there is none."""
         if not self._may_skip and self.last is not None:
-            return None if self.missing() else self.last + self.period
+            missing = self._missing
+            if missing is None:
+                missing = self.missing()
+            return None if missing else self.last + self.period
         for stamp in sorted(self._pending, reverse=True):
             if len(self._pending[stamp].came) == len(self.reads):
                 return stamp
@@ -109,8 +110,9 @@ class Inbox:
     def take(self, stamp: int) -> Frame:
         """The inputs of a complete step; older ones are forgotten."""
         inputs = self._pending.pop(stamp).frame
-        for old in [s for s in self._pending if s < stamp]:
-            del self._pending[old]
+        if self._pending:
+            for old in [s for s in self._pending if s < stamp]:
+                del self._pending[old]
         self.last = stamp
         self._missing = None
         return inputs
@@ -123,10 +125,11 @@ class Inbox:
 
     def _find_missing(self, last: int) -> tuple[type, ...]:
         due = last + self.period
-        held = self._came(due)
-        after = self._came(due + self.period)
-        return tuple(kind for kind in self.reads if kind not in held or (kind in self._followed and kind not in after))
-
-    def _came(self, stamp: int) -> set[type]:
-        step = self._pending.get(stamp)
-        return step.came if step is not None else set()
+        step, after = self._pending.get(due), self._pending.get(due + self.period)
+        came = step.came if step is not None else set()
+        if not self._followed:
+            return tuple([kind for kind in self.reads if kind not in came])
+        gone_on = after.came if after is not None else set()
+        return tuple(
+            [kind for kind in self.reads if kind not in came or (kind in self._followed and kind not in gone_on)]
+        )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import NamedTuple
 
 from ev_msgs_py.contract import stamps
@@ -83,17 +83,22 @@ class Stepper:
         """Whether it is under way and its next step still waits for an input."""
         return self.answer is not None and self.inbox.last is not None and self.inbox.complete() is None
 
-    def answers_to(self, kind: type, stamp: int, arrival: Arrival) -> Iterator[Answer]:
+    def answers_to(self, kind: type, stamp: int, arrival: Arrival) -> list[Answer]:
         """What a message that has been taken in leads to: an answer, or recent answers again."""
+        answers: list[Answer] = []
         if arrival is Arrival.REPEATED and kind in self.upstream:
-            yield from self._recent_answers()
-        joining = self.inbox.last is None and self._at_rest  # it has missed what it needs to step from this stamp on
-        if self.integrates and (self.answer is None or (joining and stamp > self.answer.stamp)):
+            answers += self._recent_answers()
+        if self.integrates and self._at_rest and self._must_begin(stamp):
             self.answer = self._start(stamp)
-            yield self.answer
+            answers.append(self.answer)
         answer = self.step()
         if answer is not None:
-            yield answer
+            answers.append(answer)
+        return answers
+
+    def _must_begin(self, stamp: int) -> bool:
+        """Whether others have yet to hear the initial state, or that of an instant at which it cannot step any more."""
+        return self.answer is None or (self.inbox.last is None and stamp > self.answer.stamp)
 
     def _recent_answers(self) -> tuple[Answer, ...]:
         """What somebody may have missed: the last answer, and of an integrating object the one before.

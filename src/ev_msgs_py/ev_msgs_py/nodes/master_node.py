@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.clock import Clock as RosClock
@@ -68,16 +69,21 @@ class MasterNode(SteppedNode):
         late = self.schedule.lateness
         return min(-late, _RETRY_PERIOD) if late < 0.0 and self.schedule.has_inputs else _RETRY_PERIOD
 
-    def receive(self, topic: Topic, message: bytes) -> None:
-        """Take an input, or note how far the recorder is; an input that is known already needs no answer from here."""
-        if topic.signal is RECORDER_WRITES or self.realtime:
+    def receiver(self, topic: Topic) -> Callable[[bytes], None]:
+        """Takes an input, or notes how far the recorder is; an input that is known needs no answer from here."""
+        keep = self.reception.keeper(topic)
+
+        def take(message: bytes) -> None:
+            kept = keep(message)
+            if kept is not None and kept[1] is Arrival.NEW:
+                self._advance_where_due()
+
+        def note(message: bytes) -> None:
             readable = self.reception.readable(topic, message)
             if readable is not None:
                 self._note(topic, readable)
-        else:
-            kept = self.reception.keep(topic, message)
-            if kept is not None and kept[1] is Arrival.NEW:
-                self._advance_where_due()
+
+        return note if topic.signal is RECORDER_WRITES or self.realtime else take
 
     def _note(self, topic: Topic, message: bytes) -> None:
         if topic.signal is RECORDER_WRITES:
@@ -110,7 +116,7 @@ class MasterNode(SteppedNode):
         if self._clock_publisher.handle.get_subscription_count():
             self._clock_publisher.publish(stamp_alone(answer.stamp))
         self._published = time.monotonic()
-        self.reports.pass_on(self.stepper.part)
+        self.reports.pass_on_now_and_then(self.stepper.part)
 
     def _begin(self) -> None:
         self.publish(self.stepper.begin_run())
@@ -126,6 +132,7 @@ class MasterNode(SteppedNode):
         self._advance.where_due()
         if self._advance.ended and not self.done:
             self.done = True
+            self.reports.pass_on(self.stepper.part)
             self.get_logger().info(self.schedule.summary)
             if self._advance.overruns:
                 self.get_logger().warning(f"{self._advance.overruns} steps came more than a period late")

@@ -11,6 +11,8 @@ from ev_msgs_py.lockstep.stepper import Answer, Stepper
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 
+Keep = Callable[[bytes], tuple[int, Arrival] | None]
+
 
 class Reception:
     """Feeds serialized messages to a stepper; `warn` is told what is odd, `publish` what there is to say."""
@@ -21,34 +23,52 @@ class Reception:
         self._joined_late = False
         self._before_reset = -1  # stamp up to which late messages may still be of the run before a reset
 
-    def receive(self, topic: Topic, message: bytes) -> None:
-        """Judge a message, step if that completes the inputs, answer."""
-        arrived = self.keep(topic, message)
-        if arrived is not None:
-            stamp, arrival = arrived
-            if arrival is Arrival.GAP:
-                self._report_gap(topic, stamp)
-            for answer in self._stepper.answers_to(topic.signal, stamp, arrival):
-                self._publish(answer)
+    def receiver(self, topic: Topic) -> Callable[[bytes], None]:
+        """A function that takes a message of a topic, steps if that completes the inputs, and answers."""
+        keep, kind, answers_to, publish = self.keeper(topic), topic.signal, self._stepper.answers_to, self._publish
 
-    def keep(self, topic: Topic, message: bytes) -> tuple[int, Arrival] | None:
-        """Judge and keep a message; stamp and judgement, or None if nothing can follow from it."""
-        readable = self.readable(topic, message)
-        if readable is None:
-            return None
-        stamp, stepper = stamp_of(readable), self._stepper
-        fresh, last = stepper.is_fresh, stepper.inbox.last
-        arrival = stepper.offer(topic.signal, stamp)
-        if arrival is Arrival.NEW or arrival is Arrival.RESTART:
-            format_of(topic.signal).unpack(readable, stepper.inbox.frame_at(stamp))
-            if arrival is Arrival.NEW and stepper.lacks_inputs:
-                return None  # most messages end here
-        if arrival is Arrival.RESTART and last is not None:
-            self._before_reset = last + 2 * stepper.period
-        if fresh and stamp > 0 and not self._joined_late:
-            self._joined_late = True
-            self._warn(f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible")
-        return stamp, arrival
+        def receive(message: bytes) -> None:
+            kept = keep(message)
+            if kept is not None:
+                stamp, arrival = kept
+                if arrival is Arrival.GAP:
+                    self._report_gap(topic, stamp)
+                for answer in answers_to(kind, stamp, arrival):
+                    publish(answer)
+
+        return receive
+
+    def keeper(self, topic: Topic) -> Keep:
+        """A function that judges and keeps a message of a topic.
+
+        It gives stamp and judgement, or None if nothing can follow from the message. Most messages end here, so what
+        it needs is at hand.
+        """
+        kind, how, stepper, inbox = topic.signal, format_of(topic.signal), self._stepper, self._stepper.inbox
+        canonical, unpack, new = how.canonical, how.unpack, Arrival.NEW
+
+        def keep(message: bytes) -> tuple[int, Arrival] | None:
+            try:
+                readable = canonical(message)
+            except MessageError as error:
+                self._warn(f"{topic.name}{_when(message)} ignored: {error}")
+                return None
+            stamp, last = stamp_of(readable), inbox.last
+            fresh = last is None and stepper.answer is None
+            arrival = stepper.offer(kind, stamp)
+            if arrival is new:
+                unpack(readable, inbox.frame_at(stamp))
+                if last is not None and stepper.answer is not None and inbox.complete() is None:
+                    return None
+            elif arrival is Arrival.RESTART:
+                unpack(readable, inbox.frame_at(stamp))
+                self._before_reset = last + 2 * stepper.period
+            if fresh and stamp > 0 and not self._joined_late:
+                self._joined_late = True
+                self._warn(f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible")
+            return stamp, arrival
+
+        return keep
 
     def readable(self, topic: Topic, message: bytes) -> bytes | None:
         """The message in our own layout; None, and a report, if it is refused."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
+
+_LOOK_PERIOD = 0.1  # s of wall time between looks at what a part notes
 
 
 class Reports:
@@ -17,14 +20,21 @@ class Reports:
         self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._part: Any = None
         self._said: set[str] = set()
+        self._next_look = 0.0
 
     def warn(self, text: str) -> None:
         """Say something in the log and in /diagnostics: the run may not be reproducible."""
         self._node.get_logger().warning(text)
         self._diagnose(DiagnosticStatus.WARN, text)
 
+    def pass_on_now_and_then(self, part: Any) -> None:
+        """As `pass_on`, unless the last look was a moment ago: a part is asked much less often than it steps."""
+        if time.monotonic() >= self._next_look:
+            self.pass_on(part)
+
     def pass_on(self, part: Any) -> None:
         """Say what a part notes for the first time, as OK; a new part begins anew."""
+        self._next_look = time.monotonic() + _LOOK_PERIOD
         if part is not self._part:
             self._part, self._said = part, set()
         for text in part.notes():

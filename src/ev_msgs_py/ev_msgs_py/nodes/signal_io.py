@@ -35,10 +35,10 @@ class SignalWriter:
 class SignalReader:
     """Receives one signal: gives each serialized message to `receive`, from an executor or where `take` finds one."""
 
-    def __init__(self, node: Node, topic: Topic, receive: Callable[[Topic, bytes], None]) -> None:
+    def __init__(self, node: Node, topic: Topic, receive: Callable[[bytes], None]) -> None:
         message_class = format_of(topic.signal).message_class
-        self._receive = partial(receive, topic)
-        self.subscription = node.create_subscription(message_class, topic.name, self._receive, QUALITY, raw=True)
+        self._receive = receive
+        self.subscription = node.create_subscription(message_class, topic.name, receive, QUALITY, raw=True)
         self._take = partial(self.subscription.handle.take_message, message_class, True)
 
     def take(self) -> bool:

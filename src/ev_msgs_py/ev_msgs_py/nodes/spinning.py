@@ -20,7 +20,9 @@ _SERVICE_PERIOD = 0.05  # s between looks at services
 
 
 class Spinnable(Protocol):
-    """What `spin` asks of a node."""
+    """What `spin` asks of a node; lower polling places come first."""
+
+    polling_place: int
 
     def poll(self) -> bool:
         """Take what is waited for; False if nothing was there."""
@@ -40,6 +42,7 @@ class Spinnable(Protocol):
 
 def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
     """Run nodes of one context until `finished` says so or ROS is shut down."""
+    nodes = sorted(nodes, key=lambda node: node.polling_place)
     context = nodes[0].context  # type: ignore[attr-defined]
     executor = SingleThreadedExecutor(context=context)
     for node in nodes:

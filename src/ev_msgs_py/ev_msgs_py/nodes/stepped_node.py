@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.node import Node
 
+from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.lockstep.configuration import Configuration, configure
+from ev_msgs_py.lockstep.graph import polling_order
 from ev_msgs_py.lockstep.part import Part
 from ev_msgs_py.lockstep.parts import hand_over, part_of
 from ev_msgs_py.lockstep.stepper import Answer, Stepper
@@ -17,6 +20,8 @@ from ev_msgs_py.nodes.polled import Polled
 from ev_msgs_py.nodes.reception import Reception
 from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.nodes.signal_io import SignalReader, SignalWriter
+
+_POLLING_ORDER = polling_order(ROLES, MASTER)
 
 
 class SteppedNode(Node, Polled):
@@ -31,6 +36,7 @@ class SteppedNode(Node, Polled):
     def __init__(self, role: str, **node_arguments: Any) -> None:
         super().__init__(role, automatically_declare_parameters_from_overrides=True, **node_arguments)
         configuration = configure(role, ros_parameters.overrides(self), self.extra_parameters)
+        self.polling_place = _POLLING_ORDER.index(role)
         self.reports = Reports(self, role)
         self.live = LiveParameters(self, configuration, _new_part, self._take_over)
         self.stepper = Stepper(
@@ -39,7 +45,9 @@ class SteppedNode(Node, Polled):
         self.reception = Reception(self.stepper, self.reports.warn, self.publish)
         self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in configuration.method.writes}
         reads = self.also_reads(self.stepper.reads)
-        self.readers = {signal: SignalReader(self, TOPICS[signal], self.receive) for signal in reads}
+        self.readers = {
+            signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal])) for signal in reads
+        }
         if configuration.unused:
             names = ", ".join(configuration.unused)
             self.get_logger().info(f"method {configuration.method.name} does not use: {names}")
@@ -58,15 +66,15 @@ class SteppedNode(Node, Polled):
         """The signals to subscribe to, by default those that the method reads."""
         return reads
 
-    def receive(self, topic: Topic, message: bytes) -> None:
-        """Take a serialized message."""
-        self.reception.receive(topic, message)
+    def receiver(self, topic: Topic) -> Callable[[bytes], None]:
+        """What takes the serialized messages of a topic."""
+        return self.reception.receiver(topic)
 
     def publish(self, answer: Answer) -> None:
         """Publish an answer."""
         for writer in self.writers.values():
             writer.write(answer.stamp, answer.frame)
-        self.reports.pass_on(self.stepper.part)
+        self.reports.pass_on_now_and_then(self.stepper.part)
 
     def _take_over(self, before: Configuration, given: dict[str, Any], part: Part) -> None:
         """Go on with other parameters; the state lasts."""

@@ -53,7 +53,7 @@ class MessageFormat:
             for r in self.runs
         ]
         self._where = where
-        self._constants = [(begin, end, self.template[begin:end]) for begin, end in self._gaps()]
+        self._constants = [(slice(begin, end), self.template[begin:end]) for begin, end in self._gaps()]
         self._numbers = struct.Struct("<" + "".join(self._codes()))
         order = sorted(range(len(self.offsets)), key=self.offsets.__getitem__)
         self._rank = [order.index(i) for i in range(len(order))]
@@ -88,12 +88,15 @@ class MessageFormat:
 
     def canonical(self, message: bytes) -> bytes:
         """A message in our own layout, whoever has sent it; MessageError if it is refused."""
-        if len(message) == len(self.template) and all(message[a:b] == same for a, b, same in self._constants):
-            numbers = self._numbers.unpack(message)
-            if not math.isfinite(sum(numbers)):  # or just large: their sum overflows
-                self._refuse_not_finite([numbers[rank] for rank in self._rank])
-            return message
-        return self._rewritten(message)
+        if len(message) != len(self.template):
+            return self._rewritten(message)
+        for where, constant in self._constants:
+            if message[where] != constant:
+                return self._rewritten(message)
+        numbers = self._numbers.unpack(message)
+        if not math.isfinite(sum(numbers)):  # or just large: their sum overflows
+            self._refuse_not_finite([numbers[rank] for rank in self._rank])
+        return message
 
     def _rewritten(self, message: bytes) -> bytes:
         try:

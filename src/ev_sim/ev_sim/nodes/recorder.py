@@ -10,7 +10,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 
 from ev_msgs_py.contract.frame import Frame
-from ev_msgs_py.contract.roles import RECORDER_WRITES
+from ev_msgs_py.contract.roles import RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.run_role import run_node
@@ -28,6 +28,7 @@ class RecorderNode(Node):
     """Records all topics of the contract and tells the master of time how far it is."""
 
     done = False
+    polling_place = len(ROLES)  # behind all that it hears
     _output: OutputOfRun | None = None  # until there is something to write
 
     def __init__(self, **node_arguments: Any) -> None:
