@@ -55,10 +55,10 @@ class CompiledPart:
 
     def refuse_not_finite(self, there: Frame) -> None:
         """SignalError if a number that it wrote is not finite."""
+        numbers = there.numbers
         for shape, place in self._writes:
-            values = there.numbers[place]
-            if not math.isfinite(sum(values)):
-                shape.refuse_not_finite(values)
+            if not math.isfinite(sum(numbers[place])):  # or just large: their sum overflows
+                shape.refuse_not_finite(numbers[place])
 
     def addresses(self) -> tuple[int, int, int]:
         """Of the function, the state and the constants."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 from ev_msgs_py.lockstep.configuration import Configuration
@@ -12,13 +13,21 @@ from ev_msgs_py.sensors.sensed import Sensed
 def part_of(configuration: Configuration, compiled: bool) -> Part:
     """A new part of a configuration, at rest, behind its sensors.
 
-    `compiled` asks for compiled code where the method can be compiled. A node does not ask for it, because loading the
-    compiler takes longer than what it would save; laws that are too heavy for plain Python are compiled all the same.
+    `compiled` asks for compiled code where the method can be compiled; laws that are too heavy for plain Python are
+    compiled all the same.
     """
     part: Part = method_part(configuration, compiled)
     if configuration.is_ideal:
         return part
     return Sensed(part, configuration.sensors, configuration.common.seed)
+
+
+def compiler_is_loaded() -> bool:
+    """Whether compiled code costs no start-up time any more, as with a plant in the same process.
+
+    The node of a light law alone in its process does without: loading the compiler takes longer than it would save.
+    """
+    return "numba" in sys.modules
 
 
 def compiled_parts(configuration: Configuration) -> list[Any]:

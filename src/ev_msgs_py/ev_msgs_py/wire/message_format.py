@@ -76,7 +76,7 @@ class MessageFormat:
 
     def pack(self, stamp: int, here: frame.Frame) -> bytes:
         """The message with this stamp and the numbers of a frame, which must be finite."""
-        message = bytearray(self.template)
+        message = bytearray(self.template)  # the middleware copies it
         _STAMP.pack_into(message, STAMP_AT, *divmod(stamp, stamps.NANOSECONDS))
         if self.code == "d":
             for in_message, in_frame in self._raw_runs:
