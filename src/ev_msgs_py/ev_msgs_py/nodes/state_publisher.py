@@ -1,0 +1,40 @@
+"""The state of an instant on its topics, and the clock."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+
+from ev_msgs_py.lockstep.stepper import Answer
+from ev_msgs_py.nodes.signal_io import QUALITY, SignalWriter
+from ev_msgs_py.wire.message_format import stamp_alone
+
+
+class StatePublisher:
+    """Publishes what the master says, and knows for how long it has said nothing."""
+
+    def __init__(self, node: Node, writers: Iterable[SignalWriter]) -> None:
+        self._writers = list(writers)
+        self._clock = node.create_publisher(Clock, "/clock", QUALITY)
+        self._spoke = 0.0
+
+    def publish(self, answer: Answer) -> None:
+        """Publish the signals of an answer, and then its stamp as /clock."""
+        for writer in self._writers:
+            writer.write(answer.stamp, answer.frame)
+        if self._clock.handle.get_subscription_count():
+            self._clock.publish(stamp_alone(answer.stamp))
+        self._spoke = time.monotonic()
+
+    def repeat(self, answer: Answer) -> None:
+        """Publish once more, and first what most nodes hear: their step goes on while the rest is being published."""
+        self._writers.sort(key=lambda writer: -writer.publisher.get_subscription_count())
+        self.publish(answer)
+
+    @property
+    def silent_for(self) -> float:
+        """Wall time since the last message [s]."""
+        return time.monotonic() - self._spoke
