@@ -2,6 +2,7 @@
 # Set up and run the test suite.
 #
 #     scripts/test.sh                    all tests
+#     scripts/test.sh -m "not slow"      the quick ones: no processes, no studies, no long runs
 #     scripts/test.sh -k lockstep -x     any options of pytest; paths count from the top of the repository
 #     scripts/test.sh --cov              with coverage
 set -euo pipefail

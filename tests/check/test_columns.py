@@ -8,6 +8,8 @@ from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.lockstep.configuration import configure
 from ev_sim.run.scenarios.scenario import load_scenario, scenario_names
 
+pytestmark = pytest.mark.slow
+
 CHOICES = {
     "sticks and meets its stops": {"method": "manual", "dry_friction": 20.0, "max_angle": 0.3},
     "overdamped": {"method": "manual", "damping": 100.0, "dry_friction": 1.0},

@@ -10,6 +10,8 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.methods import methods_of
 
+pytestmark = pytest.mark.slow
+
 STEPS = 200
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": list(REAR)}

@@ -10,6 +10,8 @@ from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.lockstep.configuration import Configuration, configure
 from ev_sim.run.scenarios.scenario import load_scenario, scenario_names
 
+pytestmark = pytest.mark.slow
+
 # Long enough for 200 steps to see 100 s of every profile.
 PERIOD = 0.5
 CHOICES = {

@@ -23,6 +23,8 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.parameters.declaration import ParameterError
 
+pytestmark = pytest.mark.slow
+
 
 def found_in(factory) -> tuple[str, ...]:
     with pytest.raises(ContractError) as error:

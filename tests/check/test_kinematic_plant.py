@@ -8,6 +8,8 @@ from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.lockstep.configuration import configure
 from ev_sim.drives.drive import DRIVES
 
+pytestmark = pytest.mark.slow
+
 REAR = {"vehicle.driven_wheels": ["rear_left", "rear_right"], "vehicle.rear_track": 1.5}
 PWM = {"drive": "switched", "switched.current_control": "pwm", "switched.pwm_frequency": 5e3}
 # Choices, and how many steps plain Python can take in a second.

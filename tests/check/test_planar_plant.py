@@ -8,6 +8,8 @@ from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.lockstep.configuration import configure
 
+pytestmark = pytest.mark.slow
+
 PERIODS = 15  # plain Python takes about 2 ms for a step of 1 ms
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}

@@ -9,6 +9,8 @@ from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.lockstep.methods import create
 
+pytestmark = pytest.mark.slow
+
 SEED = 1
 STEPS = 600
 FEWER_STEPS = 200  # of the laws whose state is long, for every number of it is looked at in every step

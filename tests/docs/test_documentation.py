@@ -17,6 +17,8 @@ from documentation.scenario_results import SCENARIO_PAGES, results_of
 from ev_sim.commands.run_scenario import main as run_scenario
 from ev_sim.run.recording.recording import load, signal_hash
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
 PAGES = sorted([ROOT / "README.md", ROOT / "CHANGELOG.md", *ROOT.glob("docs/*.md")])

@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 
 from ev_msgs_py import elementary
 
+pytestmark = pytest.mark.slow
+
 PI = math.pi
 
 # Where a function passes from one formula to the next, overflows or becomes subnormal, and where fdlibm's own formulas

@@ -10,6 +10,8 @@ from elementary.precise import ONE, TWO, compiled
 
 from ev_msgs_py import elementary
 
+pytestmark = pytest.mark.slow
+
 COUNT = 100_000
 SPECIAL = (0.0, -0.0, 1.0, -1.0, 5e-324, -2.2e-308, 1.7e308, 1048576.0, 709.75, -745.0, math.inf, -math.inf, math.nan)
 

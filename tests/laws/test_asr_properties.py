@@ -31,6 +31,8 @@ from ev_msgs_py.contract.record import names, numbers
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.lockstep.methods import find_method
 
+pytestmark = pytest.mark.slow
+
 RING = ("fit.x.", "fit.y.", "fit.sum_", "fit.offset")  # samples of a window that says it is empty, and their sums
 
 

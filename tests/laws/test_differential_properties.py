@@ -14,6 +14,8 @@ from ev_msgs_py.lockstep.methods import methods_of
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.description import Vehicle
 
+pytestmark = pytest.mark.slow
+
 # By law: a car of its own layout, and choices of parameters besides the default.
 CARS: dict[str, Vehicle] = dict.fromkeys(methods_of(ROLE), SHCHUR) | {
     "axle_redistribution": ZHILEYKIN,

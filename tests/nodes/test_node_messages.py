@@ -22,6 +22,8 @@ from ev_msgs_py.lockstep.methods import create, find_method
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.vehicle.description import Vehicle
 
+pytestmark = pytest.mark.slow
+
 PERIOD = 0.01
 DRIVER = DriverCommand(drive_torque=100.0, brake_torque=0.0, hand_torque=1.0)
 TURNED = SteeringColumnState(0.8, 0.1, 1.0, 0.02, 0.0)

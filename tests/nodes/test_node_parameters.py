@@ -13,6 +13,8 @@ from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.parameters.declaration import entries
 from ev_sim.run.recording.recorder_parameters import RecorderParameters
 
+pytestmark = pytest.mark.slow
+
 LAW = "electronic_differential"
 EVERY_METHOD = [(role, name) for role, methods in all_methods().items() for name in methods]
 

@@ -15,6 +15,8 @@ from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.run.processes import command
 
+pytestmark = pytest.mark.slow
+
 BROKEN_LAW = '''
 from dataclasses import dataclass
 from ev_msgs_py.lockstep.methods import method

@@ -9,6 +9,8 @@ from rosbags.highlevel import AnyReader
 from ev_msgs_py.contract.signals import WheelStates
 from ev_msgs_py.contract.stamps import to_seconds
 
+pytestmark = pytest.mark.slow
+
 DURATION = 0.8
 RUN = shchur(DURATION, plant__real_time_factor=1.0)
 PERIOD = 0.01

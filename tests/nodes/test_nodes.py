@@ -11,6 +11,8 @@ from ev_sim.run.node_parameters import RECORDER
 from ev_sim.run.recording.recording import load
 from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
 
+pytestmark = pytest.mark.slow
+
 
 class Said:
     """What the nodes have logged since this was made."""

@@ -20,6 +20,8 @@ from rosbags.rosbag2 import Reader
 
 from ev_sim.run.recording.durable_bag import DurableBag
 
+pytestmark = pytest.mark.slow
+
 NEVER = 1e9  # seconds between checkpoints, for tests that ask for each checkpoint themselves
 INT64 = "std_msgs/msg/Int64"
 

@@ -14,6 +14,8 @@ from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.run.domain import free_domain
 
+pytestmark = pytest.mark.slow
+
 
 def inspect(domain: int, *words: str) -> subprocess.CompletedProcess:
     environment = {**ENVIRONMENT, "ROS_DOMAIN_ID": str(domain)}

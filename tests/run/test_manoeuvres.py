@@ -19,6 +19,8 @@ from ev_sim.run.offline import run_offline
 from ev_sim.run.recording.recording import Recording
 from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
 
+pytestmark = pytest.mark.slow
+
 PERIOD = 0.01
 SCENARIOS = (
     "coast_down",

@@ -19,6 +19,8 @@ from run_script import ENVIRONMENT, RUN, Running
 
 from ev_sim.run.recording.recording import load
 
+pytestmark = pytest.mark.slow
+
 
 def run(*arguments: object, check: bool = True) -> subprocess.CompletedProcess:
     """Run the script to its end."""

@@ -12,6 +12,8 @@ from ev_sim.report.metric import Metric
 from ev_sim.study import asr_shootout
 from ev_sim.study.case import CaseResult, drive_case
 
+pytestmark = pytest.mark.slow
+
 GIVEN = argparse.Namespace(controls=["off", "least_squares"], roads=["snow", "dry, gentle"])
 
 

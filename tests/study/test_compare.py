@@ -23,6 +23,8 @@ from ev_sim.study import compare
 from ev_sim.study.case import drive_case
 from ev_sim.tyres.curve import peak_slip
 
+pytestmark = pytest.mark.slow
+
 ALL_DRIVEN = [("*", "vehicle.driven_wheels", list(WHEEL_NAMES))]
 
 

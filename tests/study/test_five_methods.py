@@ -14,6 +14,8 @@ from ev_sim.study.urban_cases import METHODS, case, case_name
 from ev_sim.study.workers import drive_cases
 from ev_sim.surfaces.table import SURFACES
 
+pytestmark = pytest.mark.slow
+
 SEEDS = (1, 2)  # ten seeds are in docs/dissertation.md
 WITHOUT_ASR = "method 1 without ASR"
 HALF_STEP = (("plant", "step", 0.5e-3),)

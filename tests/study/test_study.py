@@ -17,6 +17,8 @@ from ev_sim.run.outcome import RunFailed
 from ev_sim.study.case import Case, drive_case
 from ev_sim.study.workers import drive_cases
 
+pytestmark = pytest.mark.slow
+
 CASES = [
     Case(f"from {speed:g} m/s", "coast_down", (("plant", "initial_speed", speed),), duration=2.0)
     for speed in (10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
