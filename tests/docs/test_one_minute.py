@@ -1,0 +1,33 @@
+"""Whoever looks for a law finds its equation, its module and its test within a minute: all three exist and are named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ev_msgs_py.lockstep.methods import all_methods
+
+ROOT = Path(__file__).parents[2]
+PAGES = "\n".join(page.read_text() for page in (ROOT / "docs").glob("*.md"))
+LAWS = [
+    (role, method)
+    for role, methods in all_methods().items()
+    for method in methods.values()
+    if method.documented.__module__.startswith("ev_control.")
+]
+
+
+@pytest.mark.parametrize(("role", "method"), LAWS, ids=lambda each: getattr(each, "name", each))
+def test_a_law_has_a_file_a_test_and_a_place_in_the_documentation(role, method):
+    assert method.documented.__module__ == f"ev_control.{role}.{method.name}"
+    test = f"tests/laws/test_{method.name}.py"
+    assert (ROOT / test).exists()
+    assert any(test in line and method.name in line for line in PAGES.splitlines()), f"no table names {test}"
+
+
+def test_every_test_of_a_law_is_that_of_a_law_or_of_many():
+    """A file that is left over would test nothing that anybody finds."""
+    of_many = {"test_asr_launches", "test_asr_properties", "test_differential_properties"}
+    names = {path.stem for path in (ROOT / "tests" / "laws").glob("test_*.py")}
+    assert names - of_many == {f"test_{method.name}" for _, method in LAWS}
