@@ -1,4 +1,4 @@
-"""Whoever looks for a law finds its equation, its module and its test within a minute: all three exist and are named."""
+"""Whoever looks for a law finds its equation, module and test within a minute: all three exist and are named."""
 
 from __future__ import annotations
 
