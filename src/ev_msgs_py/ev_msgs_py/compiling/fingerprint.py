@@ -7,14 +7,15 @@ another module, has changed goes unnoticed, and the old results would come back.
 from __future__ import annotations
 
 import hashlib
-import inspect
 from collections.abc import Iterator
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
+from ev_msgs_py.compiling.compilable import INLINED
+
 
 def fingerprint(*roots: Any) -> str:
-    """Hexadecimal digits that change with the source text of any function reached, and with all their constants."""
+    """Hexadecimal digits that change with what any function reached does, and with all their constants."""
     digest = hashlib.sha256()
     seen: set[int] = set()
     waiting = list(reversed(roots))
@@ -25,7 +26,8 @@ def fingerprint(*roots: Any) -> str:
             digest.update(_constant(found).encode())
         elif id(function) not in seen:
             seen.add(id(function))
-            digest.update(f"{function.__module__}.{function.__qualname__}\0{inspect.getsource(function)}\0".encode())
+            digest.update(f"{function.__module__}.{function.__qualname__}\0{function in INLINED}\0".encode())
+            digest.update(_code(function.__code__))
             waiting += reversed(list(_used_by(function)))
     return digest.hexdigest()
 
@@ -37,6 +39,13 @@ def _used_by(function: FunctionType) -> Iterator[Any]:
             yield function.__globals__[name]
     for cell in function.__closure__ or ():
         yield cell.cell_contents
+
+
+def _code(code: CodeType) -> bytes:
+    """What a function does, in bytes that do not depend on where its text stands."""
+    constants = [_code(each) if isinstance(each, CodeType) else repr(each).encode() for each in code.co_consts]
+    names = repr((code.co_names, code.co_varnames, code.co_freevars)).encode()
+    return b"\0".join((code.co_code, names, *constants))
 
 
 def _names(code: CodeType) -> Iterator[str]:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from numba.core.errors import TypingError
 from numba.extending import register_jitable
 
 from ev_msgs_py.compiling.compilable import FUNCTIONS, INLINED
@@ -71,7 +72,6 @@ def compiled_part(method: Method, given: Given) -> int:
 def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
     """The C function `step` of a text that uses these names; as a file, because numba keeps compiled code by file."""
     use_cache()
-    register_functions()
     digest = fingerprint(text, *names.values())[:12]
     file = cache_folder() / f"{name}_{digest}.py"
     if not file.exists():
@@ -83,6 +83,10 @@ def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
     module = importlib.util.module_from_spec(spec)
     vars(module).update(names)
     sys.modules[spec.name] = module  # what numba loads from disk asks for its module by name
-    spec.loader.exec_module(module)
+    try:
+        spec.loader.exec_module(module)  # what is on disk needs no functions to be known, which takes a while
+    except TypingError:
+        register_functions()
+        spec.loader.exec_module(module)
     return module.step
 
