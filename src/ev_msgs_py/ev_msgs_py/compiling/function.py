@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.compiling.constants import Unpacking, constants_row, constants_type
-from ev_msgs_py.compiling.library import compiled_function
+from ev_msgs_py.compiling.library import compiled_function, register_functions
 from ev_msgs_py.contract.record import numbers, record_type
 from ev_msgs_py.lockstep.law import Given, given_names
 
@@ -43,6 +43,7 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function, compiled and kept on disk; it takes numbers, arrays, named tuples and `in_memory` records."""
     arguments = ", ".join(inspect.signature(function).parameters)
     text = _TEXT.format(function=function.__qualname__, arguments=arguments)
+    register_functions()  # it is compiled, or loaded, with the first call
     return compiled_function(function.__name__, text, {"function": function})
 
 
@@ -66,5 +67,6 @@ def bound(function: Callable[..., Any], given: Given) -> Callable[..., Any]:
     text = _BOUND.format(
         function=function.__qualname__, given=", ".join(names), rest=", ".join(rest), c=unpacking.text
     )
+    register_functions()
     step = compiled_function(function.__name__, text, {"function": function, **unpacking.names})
     return partial(step, row[: layout.itemsize // row.itemsize].view(layout), row, states)
