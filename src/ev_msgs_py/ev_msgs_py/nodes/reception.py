@@ -51,14 +51,12 @@ class Reception:
             try:
                 readable = canonical(message)
             except MessageError as error:
-                self._warn(f"{topic.name}{_when(message)} ignored: {error}")
-                return None
-            stamp, last = stamp_of(readable), inbox.last
-            fresh = last is None and stepper.answer is None
+                return self._refuse(topic, message, error)
+            stamp, last, fresh = stamp_of(readable), inbox.last, stepper.is_fresh
             arrival = stepper.offer(kind, stamp)
             if arrival is new:
                 unpack(readable, inbox.frame_at(stamp))
-                if last is not None and stepper.answer is not None and inbox.complete() is None:
+                if stepper.lacks_inputs:
                     return None
             elif arrival is Arrival.RESTART:
                 unpack(readable, inbox.frame_at(stamp))
@@ -75,8 +73,10 @@ class Reception:
         try:
             return format_of(topic.signal).canonical(message)
         except MessageError as error:
-            self._warn(f"{topic.name}{_when(message)} ignored: {error}")
-            return None
+            return self._refuse(topic, message, error)
+
+    def _refuse(self, topic: Topic, message: bytes, error: MessageError) -> None:
+        self._warn(f"{topic.name}{_when(message)} ignored: {error}")
 
     def _report_gap(self, topic: Topic, stamp: int) -> None:
         if topic in self._gaps or stamp <= self._before_reset:
