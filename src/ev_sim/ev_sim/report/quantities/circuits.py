@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.drives.losses import loss_power, map_loss_power
 from ev_sim.report.metric import NotMeasured
@@ -131,7 +132,7 @@ def circuit_shares(run: Recording, vehicle: Vehicle) -> dict[str, CircuitShares]
         torque = channel(run, f"wheel_states.effort.{wheel}")
         force = channel(run, f"tire_forces.longitudinal_force.{wheel}")
         gained = inertia * np.diff(speed, prepend=speed[0])
-        resistance = (torque - vehicle.wheel_radius * force) * period - gained
+        resistance = (torque - _radius(vehicle, wheel) * force) * period - gained
         motor, shaft_speed = (channel(run, f"motor_states.{of}.{wheel}") for of in ("effort", "velocity"))
         shares[wheel] = CircuitShares(
             torque=torque * period,
@@ -169,13 +170,17 @@ def slip_energy(run: Recording, vehicle: Vehicle, counted: np.ndarray) -> float:
         free = free_wheel_beside(wheel, vehicle)
         force = channel(run, f"tire_forces.longitudinal_force.{wheel}")
         gap = channel(run, f"wheel_states.velocity.{wheel}") - channel(run, f"wheel_states.velocity.{free}")
-        lost += float((force * vehicle.wheel_radius * gap * period)[counted].sum())
+        lost += float((force * _radius(vehicle, wheel) * gap * period)[counted].sum())
     return lost
 
 
 def battery_power(run: Recording) -> np.ndarray:
     """Power of the battery at its terminals, (n,) [W]."""
     return -channel(run, "battery.voltage") * channel(run, "battery.current")
+
+
+def _radius(vehicle: Vehicle, wheel: str) -> float:
+    return vehicle.wheel_radius * vehicle.wheel_radius_ratio[WHEEL_NAMES.index(wheel)]
 
 
 def _losses(vehicle: Vehicle, torque: np.ndarray, speed: np.ndarray) -> np.ndarray:
