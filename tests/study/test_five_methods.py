@@ -69,7 +69,7 @@ def test_released_pedal_costs_eq_2_37_a_lot(driven, method):
     measured = driven[case_name(method, "pulse", 1)].measured
     assert measured["wheel_efficiency_windows"] < measured["wheel_efficiency"] - 0.1
     driven_time = measured["energy_windows"] / measured["energy_as_printed"] * 580.0
-    assert driven_time == pytest.approx(355.2, abs=0.01)  # eq 2.40 is the energy in the windows over 355.2 s, times 580 s
+    assert driven_time == pytest.approx(355.2, abs=0.01)  # eq 2.40: energy over 355.2 s, times 580 s
 
 
 @pytest.mark.timeout(400)

@@ -12,8 +12,8 @@ from ev_sim.report.metric import Metric, mean_over_seeds
 from ev_sim.report.text_table import text_table
 from ev_sim.study import urban_cases
 from ev_sim.study.case import Case
-from ev_sim.study.study import Results
 from ev_sim.study.five_methods import judged_quantity
+from ev_sim.study.study import Results
 from ev_sim.study.urban_cases import DRIVERS, METHODS, Values, roads
 from ev_sim.surfaces.table import SURFACES
 
