@@ -7,6 +7,7 @@ from pathlib import Path
 
 from documentation import can_reference, parameter_reference, topic_reference
 from documentation.graph_diagram import graph_diagram
+from documentation.hashes import HASHES
 from documentation.lists import method_table, scenario_table, study_list
 from documentation.markdown import block_names, with_blocks
 from documentation.scenario_results import SCENARIO_PAGES, STUDY_PAGES
@@ -39,6 +40,7 @@ PAGES = {
     "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
     "docs/topics.md": ("topics", "wheel names", "fields"),
     "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
+    HASHES: (RESULTS,),
     SHCHUR: (RESULTS,),
     **{name: (RESULTS, *page.studies) for name, page in SCENARIO_PAGES.items()},
     **STUDY_PAGES,
