@@ -13,6 +13,7 @@ from documentation.markdown import block_names, with_blocks
 from documentation.scenario_results import SCENARIO_PAGES, STUDY_PAGES
 
 SHCHUR = "docs/shchur2019.md"
+VERDICTS = "docs/verdicts.md"
 RESULTS = "results"  # made from runs, and so only on demand
 
 PARTS: dict[str, Callable[[], str]] = {
@@ -38,6 +39,7 @@ PAGES = {
     "docs/topics.md": ("topics", "wheel names", "fields"),
     HASHES: (RESULTS,),
     SHCHUR: (RESULTS,),
+    VERDICTS: ("verdicts",),  # made from runs, too
     **{name: (RESULTS, *page.studies) for name, page in SCENARIO_PAGES.items()},
     **STUDY_PAGES,
 }
