@@ -21,12 +21,18 @@ class TyreOnRoad(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """One surface: its Burckhardt coefficients [1] and its part of the rolling resistance coefficient [1]."""
+    """One surface: Burckhardt coefficients [1] and the range of its part of the rolling resistance coefficient [1]."""
 
     c1: float
     c2: float
     c3: float
-    rolling_resistance: float = 0.0
+    rolling_resistance_range: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def rolling_resistance(self) -> float:
+        """The middle of the range [1]."""
+        least, largest = self.rolling_resistance_range
+        return (least + largest) / 2
 
     @property
     def peak_friction(self) -> float:
@@ -34,15 +40,15 @@ class Surface:
         return peak("burckhardt", (self.c1, self.c2, self.c3, 0.0))
 
 
-# Dissertation, table 2.3 (friction) and table 2.2 (f_surface, the middle of the range that it gives); the last one is
-# Burckhardt's dry asphalt as most textbooks print it (for example Kiencke & Nielsen 2005).
+# Dissertation, table 2.3 (friction) and table 2.2 (f_surface); the last one is Burckhardt's dry asphalt as most
+# textbooks print it (for example Kiencke & Nielsen 2005).
 SURFACES = {
     "dry_asphalt": Surface(1.029, 17.16, 0.523),
-    "wet_asphalt_1": Surface(0.857, 33.822, 0.347, 0.011),
-    "wet_asphalt_2": Surface(0.635, 41.915, 0.289, 0.011),
-    "packed_snow_1": Surface(0.425, 51.348, 0.207, 0.071),
-    "packed_snow_2": Surface(0.1946, 94.129, 0.0646, 0.071),
-    "ice": Surface(0.05, 306.39, 0.0, 0.005),
+    "wet_asphalt_1": Surface(0.857, 33.822, 0.347, (0.007, 0.015)),
+    "wet_asphalt_2": Surface(0.635, 41.915, 0.289, (0.007, 0.015)),
+    "packed_snow_1": Surface(0.425, 51.348, 0.207, (0.056, 0.086)),
+    "packed_snow_2": Surface(0.1946, 94.129, 0.0646, (0.056, 0.086)),
+    "ice": Surface(0.05, 306.39, 0.0, (0.004, 0.006)),
     "dry_asphalt_burckhardt": Surface(1.2801, 23.99, 0.52),
 }
 REFERENCE = "dry_asphalt"

@@ -13,7 +13,7 @@ from ev_sim.run.scenarios.scenario import Overrides, Scenario, load_scenario
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.run_study import arguments, study_cases
 from ev_sim.study.study import study_named
-from ev_sim.verdicts.kept import Keep, Kept, recording_at
+from ev_sim.verdicts.kept import Keep, Kept, case_key, recording_at
 from ev_sim.verdicts.need import Driven, Need, ScenarioNeed, ScenarioRuns, StudyCases, StudyNeed
 
 Drive = Callable[[Sequence[Case], Sequence[Measure]], Sequence[CaseResult]]
@@ -26,12 +26,10 @@ def drive(needs: Iterable[Need], kept: Kept, drive_cases: Drive) -> dict[Need, D
     ParameterError if a scenario or study is refused, RunFailed if a run of a scenario cannot be driven.
     """
     wanted = list(dict.fromkeys(needs))
-    jobs: dict[tuple[str, Case], Measure] = {}
-    for need in wanted:
-        jobs.update(_missing(need, kept))
-    keys = list(jobs)
-    results = drive_cases([case for _, case in keys], list(jobs.values())) if keys else []
-    for (study, case), result in zip(keys, results, strict=True):
+    found = [job for need in wanted for job in _missing(need, kept)]
+    jobs = list({(study, case_key(case)): (study, case, measure) for study, case, measure in found}.values())
+    results = drive_cases([case for _, case, _ in jobs], [measure for *_, measure in jobs]) if jobs else []
+    for (study, case, _), result in zip(jobs, results, strict=True):
         if study:
             kept.keep(study, case, result)
         elif result.refused:
@@ -47,13 +45,13 @@ def cases_of(need: Need) -> list[Case]:
     return [Case(f"{need.command} {run}", need.scenario, need.values, run, duration=need.duration) for run in runs]
 
 
-def _missing(need: Need, kept: Kept) -> Iterator[tuple[tuple[str, Case], Measure]]:
+def _missing(need: Need, kept: Kept) -> Iterator[tuple[str, Case, Measure]]:
     for case in cases_of(need):
         if isinstance(need, StudyNeed):
             if kept.measured(need.study, case) is None:
-                yield (need.study, case), study_named(need.study).measure
+                yield need.study, case, study_named(need.study).measure
         elif not kept.recording(case).exists():
-            yield ("", case), Keep(kept.recording(case))
+            yield "", case, Keep(kept.recording(case))
 
 
 def _scenario(need: ScenarioNeed) -> Scenario:

@@ -53,16 +53,16 @@ class Kept:
 
     def recording(self, case: Case) -> Path:
         """Where the signals of a case are, or have to be written."""
-        return self._recordings / f"{_key(case)}.npz"
+        return self._recordings / f"{case_key(case)}.npz"
 
     def measured(self, study: str, case: Case) -> CaseResult | None:
         """What a study has measured on a case, None if that is not known yet."""
-        path = self._measured / f"{study}_{_key(case)}.pickle"
+        path = self._measured / f"{study}_{case_key(case)}.pickle"
         return pickle.loads(path.read_bytes()) if path.exists() else None
 
     def keep(self, study: str, case: Case, result: CaseResult) -> None:
         """Write what a study has measured on a case."""
-        with atomic_file(self._measured / f"{study}_{_key(case)}.pickle") as file:
+        with atomic_file(self._measured / f"{study}_{case_key(case)}.pickle") as file:
             pickle.dump(result, file)
 
 
@@ -72,7 +72,8 @@ def recording_at(path: Path) -> Recording:
     return load(path)
 
 
-def _key(case: Case) -> str:
+def case_key(case: Case) -> str:
+    """A digest of what a case drives, whatever its name."""
     said = repr((case.scenario, case.values, case.run, [str(file) for file in case.files], case.duration))
     return hashlib.sha256(said.encode()).hexdigest()[:24]
 
