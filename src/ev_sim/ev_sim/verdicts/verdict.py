@@ -34,7 +34,7 @@ class Verdict:
         """The verdict without its reason or assumption; an id with several numbers holds if all of them hold."""
         if self.declaration.unjudged:
             return self.declaration.unjudged.partition(":")[0]
-        each = {metric.judgement for metric in self.metrics.values()}
+        each = {metric.judgement for metric in self.metrics.values() if metric.reference}
         for worst in (NOT_MEASURED, NOT_REPRODUCED):
             if worst in each:
                 return worst
