@@ -105,13 +105,13 @@ def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here):
 
 
 def test_no_scheduler_at_that_address(monkeypatch):
-    monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 0.5)
+    monkeypatch.setattr("ev_sim.study.cluster._PATIENCE", 0.5)
     with pytest.raises(RunFailed, match="cannot be reached"):
         drive_cases(CASES[:1], last_speed, scheduler="tcp://127.0.0.1:9")
 
 
 def test_scheduler_without_workers(monkeypatch):
-    monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 3.0)
+    monkeypatch.setattr("ev_sim.study.cluster._PATIENCE", 3.0)
     address = f"tcp://127.0.0.1:{free_port()}"
     port = address.rpartition(":")[2]
     with (

@@ -14,7 +14,6 @@ from typing import Any
 from tqdm import tqdm
 
 from ev_sim.commands.command_line import add_overrides, overrides
-from ev_sim.report.figures.drawing import save_figures
 from ev_sim.report.metric import Metric
 from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.summary import versions
@@ -54,11 +53,14 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     ]
     folder = OutputFolder(given.out or Path("results") / name, ())
     start = time.monotonic()
+    tqdm.monitor_interval = 0  # it would start a thread, beside which no process should be forked
     with tqdm(desc=name, total=len(cases), unit="run", ascii=not sys.stderr.isatty(), mininterval=0.5) as bar:
         driven = drive_cases(cases, study.measure, lambda result: bar.update(), given.scheduler, given.workers)
     wall_time = time.monotonic() - start
     results = {result.name: result for result in driven}
     metrics = study.metrics(given, results)
+    from ev_sim.report.figures.drawing import save_figures  # what draws is not loaded into every worker
+
     save_figures(study.figures(given, results), folder.directory)
     content = _summary(name, given, cases, results, metrics, wall_time)
     with atomic_file(folder.directory / "summary.json") as file:
