@@ -87,9 +87,14 @@ def windows(driver: Mapping[str, Any]) -> tuple[Profile, CycleModes]:
 
 def modes_over_time(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
     """The mode of the cycle at each sample, (n,) str; NotMeasured if the driver drives no cycle."""
+    return np.array(MODES)[_modes(run, driver)]
+
+
+def _modes(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
+    """The same as places in `MODES`."""
     profile, modes = windows(driver)
     period = float(run.time[1] - run.time[0]) if len(run.time) > 1 else 1.0
-    return np.array(MODES)[modes_at(modes, profile, run.time, period)]
+    return modes_at(modes, profile, run.time, period)
 
 
 def wanted_speed(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
@@ -105,7 +110,7 @@ def traction(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
     cycle.
     """
     pressed = channel(run, "driver.command.drive_torque") > 0.0
-    answered = (modes_over_time(run, driver) == MODES[TRACTION]) & pressed
+    answered = (_modes(run, driver) == TRACTION) & pressed
     return np.concatenate(([False], answered[:-1]))
 
 
