@@ -16,9 +16,9 @@ _PATIENCE = 60.0  # s for a scheduler to answer and for its first worker to join
 
 
 def drive_on_cluster(
-    cases: Sequence[Case], measure: Measure, progress: Callable[[CaseResult], None], scheduler: str
+    jobs: Sequence[tuple[Case, Measure]], progress: Callable[[CaseResult], None], scheduler: str
 ) -> list[CaseResult]:
-    """The results of all cases, in their order; `scheduler` is an address, tcp://HOST:PORT.
+    """The results of all cases, each with what measures it, in their order; `scheduler` is an address, tcp://HOST:PORT.
 
     The cases of a worker that is lost are driven again by others. RunFailed if there is no such scheduler, if it has no
     workers, or if a worker computes with other versions than this process.
@@ -26,7 +26,7 @@ def drive_on_cluster(
     with _client(scheduler) as client:
         _refuse_other_versions(client)
         # The same case driven twice is no matter of a cache: whoever asks wants it driven.
-        futures = client.map(drive_case, cases, measure=measure, pure=False)
+        futures = client.map(drive_case, *zip(*jobs, strict=True), pure=False)
         for _, result in as_completed(futures, with_results=True):
             progress(result)
         return client.gather(futures)

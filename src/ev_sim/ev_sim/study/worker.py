@@ -1,4 +1,4 @@
-"""One worker process of this machine: forked off, it has the cases already and is told their numbers."""
+"""One worker process of this machine: forked off, it has all cases already and is told their numbers."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from multiprocessing.connection import Connection
 
 from ev_sim.study.case import Case, CaseResult, Measure, drive_case
 
+Job = tuple[Case, Measure]
+
 _FORK = get_context("fork")
 
 
@@ -20,10 +22,10 @@ class WorkerLost(Exception):
 class Worker:
     """A process that drives one case after the other."""
 
-    def __init__(self, cases: Sequence[Case], measure: Measure) -> None:
+    def __init__(self, jobs: Sequence[Job]) -> None:
         self.number = -1  # of the case that it drives
         self._connection, its_end = _FORK.Pipe()
-        self._process = _FORK.Process(target=_serve, args=(its_end, cases, measure), daemon=True)
+        self._process = _FORK.Process(target=_serve, args=(its_end, jobs), daemon=True)
         self._process.start()
         its_end.close()  # so that the end of the process is heard
 
@@ -54,13 +56,13 @@ class Worker:
         self._connection.close()
 
 
-def _serve(connection: Connection, cases: Sequence[Case], measure: Measure) -> None:
+def _serve(connection: Connection, jobs: Sequence[Job]) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent as well, which ends its workers
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     with suppress(EOFError, ConnectionError):  # the parent has ended
         while True:
             number = connection.recv()
             try:
-                connection.send(drive_case(cases[number], measure))
+                connection.send(drive_case(*jobs[number]))
             except Exception as error:  # the parent raises it
                 connection.send(error)
