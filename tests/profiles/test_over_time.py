@@ -11,9 +11,9 @@ from ev_sim.profiles.cycle_modes import MODES, CycleModesParameters, cycle_modes
 from ev_sim.profiles.over_time import modes_at, values_at
 from ev_sim.profiles.profile import INTERPOLATIONS, profile_of, value_at
 
-points = st.dictionaries(st.floats(-50.0, 50.0), st.floats(-40.0, 40.0), min_size=1, max_size=6).map(
-    lambda found: tuple(zip(*sorted(found.items()), strict=True))
-)
+points = st.dictionaries(
+    st.integers(-200, 200).map(lambda n: n / 4), st.floats(-40.0, 40.0), min_size=1, max_size=6
+).map(lambda found: tuple(zip(*sorted(found.items()), strict=True)))
 times = st.lists(st.floats(-60.0, 60.0), max_size=20)
 
 

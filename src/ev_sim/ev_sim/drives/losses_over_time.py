@@ -8,7 +8,11 @@ import numpy as np
 
 
 def map_loss_powers(
-    torque: np.ndarray, speed: np.ndarray, speeds: Sequence[float], torques: Sequence[float], efficiency: Sequence[float]
+    torque: np.ndarray,
+    speed: np.ndarray,
+    speeds: Sequence[float],
+    torques: Sequence[float],
+    efficiency: Sequence[float],
 ) -> np.ndarray:
     """`losses.map_loss_power` [W] at each pair of shaft torque [N m] and speed [rad/s], all (n,)."""
     lowest = speeds[0] if speeds[0] > 0.0 else speeds[1]

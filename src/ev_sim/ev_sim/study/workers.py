@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import wait
 
-from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.run.outcome import RunFailed
 from ev_sim.study.case import Case, CaseResult, Measure, run_of
 from ev_sim.study.worker import Job, Worker, WorkerLost
@@ -77,7 +76,7 @@ def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[Cas
 
 def _load(case: Case) -> None:
     """What driving a case needs is loaded once, for all workers that are forked then."""
-    from ev_msgs_py.lockstep.run import GraphRun
+    from ev_sim.run.offline import load_compiled
 
-    with suppress(ParameterError, ValueError):  # a case that is refused says so when it is driven
-        GraphRun(run_of(case).configurations, 1)
+    with suppress(ValueError):  # a case that is refused says so when it is driven
+        load_compiled(run_of(case).configurations)

@@ -82,7 +82,7 @@ def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerCon
 
 @inlined
 def _loss(p: PlanarParameters, car: Car, map: EfficiencyMap, i: int, torque: float, shaft: float) -> float:
-    """Loss of the motor of wheel i [W], none where it has no motor, at the speed of its shaft behind the gear [rad/s]."""
+    """Loss of the motor of wheel i [W], at the speed of its shaft behind the gear [rad/s]; none where there is none."""
     return 0.0 if car.driven[i] == 0.0 else motor_loss(p, car, map, torque, shaft * car.gear_ratio)
 
 
