@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from documentation import can_reference, parameter_reference, topic_reference
+from documentation import can_reference, parameter_reference, topic_reference, verdict_tables
 from documentation.graph_diagram import graph_diagram
 from documentation.hashes import HASHES
 from documentation.lists import method_table, scenario_table, study_list
@@ -44,6 +44,7 @@ PAGES = {
     "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
     HASHES: (RESULTS,),
     SHCHUR: (RESULTS,),
+    verdict_tables.PAGE: verdict_tables.PARTS,  # made from runs, too
     **{name: (RESULTS, *page.studies) for name, page in SCENARIO_PAGES.items()},
     **STUDY_PAGES,
 }

@@ -5,14 +5,14 @@ Imports matplotlib: import this module only where something is drawn.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.circuit_curves import circuit_current, running_drive_efficiency, running_wheel_efficiency
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.figures.urban_sheets import (
@@ -25,8 +25,8 @@ from ev_sim.report.figures.urban_sheets import (
     thin_sheet,
 )
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities import cycle_efficiency as cycle
 from ev_sim.report.quantities import derived, motion
+from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.report.samples import channel
 from ev_sim.run.recording.recording import Recording
 
@@ -47,15 +47,6 @@ def torques_and_speeds(run: Recording, vehicle: Vehicle, driver: Mapping[str, An
 
 def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
     """Figures 3.2, 3.4, 3.6, 3.8 and 3.10: running wheel efficiency over the friction under the wheel, and torques."""
-
-    def running(wheel: str) -> list[Curve]:
-        shares = cycle.wheel_shares(run, vehicle, driver)
-        if wheel not in shares:
-            raise NotMeasured(f"{wheel.replace('_', ' ')} is not driven")
-        found = shares[wheel].running_efficiency()
-        # The first fractions of a turn give any quotient.
-        return [Curve(run.time, np.where((found >= 0.0) & (found <= 1.0), found, np.nan))]
-
     wheels = left_and_right(vehicle)
     figure = thin_sheet(
         [
@@ -63,7 +54,7 @@ def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
                 panel(
                     f"Wheel efficiency since the start, {wheel.replace('_', ' ')} (grey: largest friction of the road)",
                     "efficiency, friction [1]",
-                    lambda wheel=wheel: running(wheel),
+                    lambda wheel=wheel: [running_wheel_efficiency(run, vehicle, driver, wheel)],
                 )
                 for wheel in wheels
             ),
@@ -71,10 +62,7 @@ def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
         ],
     )
     for axes, wheel in zip(figure.axes, wheels, strict=False):
-        _ground_of_friction(axes, run, wheel)
-        axes.set_ylim(0.0, 1.05)
-        for line in axes.lines:
-            line.set_linewidth(1.5)
+        lay_over_friction(axes, run, wheel)
     return figure
 
 
@@ -125,40 +113,43 @@ def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figur
 
 
 def electrical(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
-    """Figures 5.1 to 5.25: the electrical side, and the running efficiency of the drives (eq 2.38)."""
+    """Figures 5.1 to 5.25: torques, speeds, currents and voltages of both circuits, and their efficiency (eq 2.38).
 
-    def in_kilowatts(place: int) -> list[Curve]:
-        return [Curve(run.time, cycle.powers(run)[place] / 1e3)]
+    One battery feeds both circuits, so both have its voltage.
+    """
 
-    def running() -> list[Curve]:
-        shaft, battery = cycle.energies_since_start(run, driver)
-        used = battery > 0.0
-        share = np.full(len(used), np.nan)
-        share[used] = shaft[used] / battery[used]
-        return [Curve(run.time, np.where(share >= 0.0, share, np.nan))]
-
-    def one(title: str, ylabel: str, name: str) -> Panel:
-        return panel(title, ylabel, lambda: [Curve(run.time, channel(run, name))])
+    def sides(title: str, ylabel: str, curve: Callable[[str], Curve]) -> list[Panel]:
+        return [
+            panel(f"{title}, {wheel.replace('_', ' ')}", ylabel, lambda wheel=wheel: [curve(wheel)])
+            for wheel in left_and_right(vehicle)
+        ]
 
     figure = sheet_over_cycle(
         [
             *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
             *each_side(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
-            one("Battery voltage", "voltage [V]", "battery.voltage"),
-            one("Battery current, negative while it gives", "current [A]", "battery.current"),
-            panel("Power at the terminals of the battery", "power [kW]", lambda: in_kilowatts(1)),
-            panel("Power at the shafts of the motors", "power [kW]", lambda: in_kilowatts(0)),
-            panel("Drive efficiency in the traction windows since the start", "efficiency [1]", running),
+            *sides("Current of the motor's circuit", "current [A]", lambda wheel: circuit_current(run, vehicle, wheel)),
+            *sides("Voltage", "voltage [V]", lambda wheel: Curve(run.time, channel(run, "battery.voltage"))),
+            *sides(
+                "Drive efficiency in the traction windows since the start",
+                "efficiency [1]",
+                lambda wheel: running_drive_efficiency(run, vehicle, driver, wheel),
+            ),
         ],
         run,
         driver,
         columns=2,
     )
-    figure.axes[-1].set_ylim(0.5, 1.0)
+    for axes in figure.axes[-2:]:
+        axes.set_ylim(0.5, 1.0)
     return figure
 
 
-def _ground_of_friction(axes: Axes, run: Recording, wheel: str) -> None:
+def lay_over_friction(axes: Axes, run: Recording, wheel: str) -> None:
+    """The largest friction of the road under a wheel as a ground of its efficiency, whose curves become bolder."""
+    axes.set_ylim(0.0, 1.05)
+    for line in axes.lines:
+        line.set_linewidth(1.5)
     try:
         friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
     except NotMeasured:
