@@ -12,8 +12,8 @@ from ev_sim.verdicts.tolerance import relative
 _DRIVER = "pulse"
 _ASSUMED = (
     f"{VIRTUAL}; what is printed as kWh is kW min; it is the energy of traction with the pedal pressed, not eq 2.40 "
-    "as printed, mean power of the 355.2 s of traction times the 580 s of the cycle; both circuits summed; driver pulse "
-    "at k = 1.11 times the power of packed snow's limit, k fitted on method 2's wheel efficiency"
+    "as printed, mean power of the 355.2 s of traction times the 580 s of the cycle; both circuits summed; driver "
+    "pulse at k = 1.11 times the power of packed snow's limit, k fitted on method 2's wheel efficiency"
 )
 
 
