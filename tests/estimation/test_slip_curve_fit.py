@@ -138,10 +138,19 @@ def test_curves_that_only_rise_or_only_fall(a, b, peak):
     assert fitted_peak(fit) == peak
 
 
-@pytest.mark.parametrize("surface", ["packed_snow_1", "wet_asphalt_1", "dry_asphalt"])
+OFF = {  # the template is not Burckhardt's curve, so it errs by the surface
+    "packed_snow_1": -0.051,
+    "packed_snow_2": -0.141,
+    "wet_asphalt_1": -0.021,
+    "wet_asphalt_2": -0.034,
+    "dry_asphalt": 0.141,
+}
+
+
+@pytest.mark.parametrize("surface", OFF)
 def test_the_fit_finds_burckhardts_peak(surface):
-    """A window that ends at 1.1 S* and begins at a third of that: within 15 % of S*, without noise (14 % measured)."""
+    """A window that ends at 1.1 S* and begins at a third of that, without noise; within the rounding of `OFF`."""
     of = SURFACES[surface]
     star = math.log(of.c1 * of.c2 / of.c3) / of.c2
     fit = fitted(np.linspace(1.1 * star / 3, 1.1 * star, 25), lambda x: of.c1 * (1 - math.exp(-of.c2 * x)) - of.c3 * x)
-    assert fitted_peak(fit) == pytest.approx(star, rel=0.15)
+    assert fitted_peak(fit) / star - 1.0 == pytest.approx(OFF[surface], abs=0.0005)

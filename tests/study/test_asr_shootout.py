@@ -29,7 +29,7 @@ def test_all_cases_are_driven(results):
 
 def test_every_control_on_every_road_by_default():
     names = [case.name for case in asr_shootout.cases(argparse.Namespace())]
-    assert len(names) == len(set(names)) == len(asr_shootout.SITUATIONS) * len(asr_shootout.controls()) == 90
+    assert len(names) == len(set(names)) == len(asr_shootout.SITUATIONS) * len(asr_shootout.controls())
     assert asr_shootout.controls() == ["off", *METHODS]
 
 

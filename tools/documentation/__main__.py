@@ -62,10 +62,10 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
             run = results.drive(page.scenario)
             texts = {RESULTS: scenario_results.results_of(page, run)}
             scenario_results.save_images(page, run, images)
-            _write(root / name, {**texts, **_studied(page.studies, images)})
+            _write(root / name, {**texts, **_studied(root, page.studies, images)})
     for name, studies in scenario_results.STUDY_PAGES.items():
         if name in wanted:
-            _write(root / name, _studied(studies, images))
+            _write(root / name, _studied(root, studies, images))
 
 
 def _write_hashes(page: Path) -> None:
@@ -75,13 +75,13 @@ def _write_hashes(page: Path) -> None:
     _write(page, {RESULTS: hash_table(now)})
 
 
-def _studied(studies: Sequence[str], images: Path) -> dict[str, str]:
+def _studied(root: Path, studies: Sequence[str], images: Path) -> dict[str, str]:
     """The table of each study; its figures go to the images."""
     from documentation import scenario_results
 
     texts = {}
     for study in studies:
-        cases = scenario_results.drive_study(study)
+        cases = scenario_results.drive_study(study, root)
         scenario_results.save_study_images(study, cases, images)
         texts[study] = scenario_results.study_table(study, cases)
     return texts

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from documentation.markdown import code, table
+from documentation.measured import is_long, write_measured
 from documentation.results import Driven
 from ev_sim.report.metric import Metric
 from ev_sim.study.run_study import arguments
 from ev_sim.study.study import Results, study_named
-from ev_sim.study.workers import drive_cases
+from ev_sim.verdicts.driving import drive
+from ev_sim.verdicts.kept import Kept
+from ev_sim.verdicts.need import StudyNeed
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,10 +72,15 @@ def results_of(page: Page, driven: Driven) -> str:
     return "\n".join([*_by_run(metrics, page.columns), _compared(metrics)])
 
 
-def drive_study(name: str) -> Results:
-    """All cases of a study with its default options."""
-    study = study_named(name)
-    return {result.name: result for result in drive_cases(study.cases(arguments(name, ())), study.measure)}
+def drive_study(name: str, root: Path) -> Results:
+    """All cases of a study with its default options; of a long one the numbers are kept beside the page."""
+    from ev_sim.commands.verdicts import CACHE, drive_with_progress
+
+    need = StudyNeed(name)
+    cases = drive([need], Kept(CACHE), drive_with_progress)[need]
+    if is_long(need):
+        write_measured(root, need, cases)
+    return cases.results
 
 
 def study_table(name: str, results: Results) -> str:

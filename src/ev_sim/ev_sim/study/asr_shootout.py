@@ -29,6 +29,7 @@ SCENARIO, RUN = "launch_split_mu", "steered"
 DURATION, PERIOD = 8.0, 0.005  # [s]
 NOISE = {"wheel_speed": 0.03, "wheel_torque": 0.5, "imu_acceleration": 0.05, "imu_yaw_rate": 0.002}
 REACHED = 30 / 3.6  # [m/s]
+SERVED = 0.9  # of the request [1], from which on the torque counts as back
 GRIP, GRIP_TIME = 0.8, 0.5  # friction in use below which for so long nothing had to be limited [1, s]
 RIPPLE_WINDOW = 0.1  # [s]
 TRACE_STEP = 0.02  # [s]
@@ -44,6 +45,7 @@ QUANTITIES = {  # what is measured -> heading of its column and digits
     "heading_deviation": ("heading [deg]", 1),
     "torque_ripple": ("ripple [N m]", 1),
     "false_triggers": ("false triggers", 0),
+    "recovery": ("torque back after [s]", 2),
 }
 COLUMNS = ("road", "asr", *(heading_ for heading_, _ in QUANTITIES.values()))
 SUMS = ("distance_", "mean_slip_", "slip_energy_", "false_triggers_")
@@ -109,6 +111,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
         "heading_deviation": math.degrees(float(np.abs(heading(recording)).max())),
         "torque_ripple": float(np.mean([wheel["ripple"] for wheel in wheels])),
         "false_triggers": int(sum(wheel["false_triggers"] for wheel in wheels)),
+        "recovery": _recovery(recording, vehicle.driven_wheels),
         "trace_time": time[::step],
         "trace_slip": slips[0, ::step],
     }
@@ -132,6 +135,20 @@ def _wheel(recording: Recording, name: str, radius: float) -> dict[str, Any]:
         "ripple": float(np.sqrt(np.mean((command[window:-window] - smooth) ** 2))),
         "false_triggers": sum(float(use[max(i - before, 0) : i + 1].max()) < GRIP for i in begins),
     }
+
+
+def _recovery(recording: Recording, wheels: Sequence[str]) -> float | None:
+    """From where the friction has risen under a wheel until it gets most of its request, the longest time [s]."""
+    longest = None
+    for name in wheels:
+        friction = channel(recording, f"tire_forces.friction_coefficient.{name}")
+        rises = np.flatnonzero(np.diff(friction) > 0.0) + 1
+        if len(rises):
+            request = channel(recording, f"torque_request.drive.{name}")
+            served = channel(recording, f"torque_command.drive.{name}") >= SERVED * request
+            back = np.flatnonzero(served[rises[-1] :])
+            longest = max(longest or 0.0, float(back[0]) * PERIOD if len(back) else math.inf)
+    return longest if longest is None or math.isfinite(longest) else None
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:

@@ -35,6 +35,7 @@ class Situation:
 SITUATIONS = {
     "ice": Situation(3000.0, ("ice",)),
     "snow": Situation(3000.0, ("packed_snow_1",)),
+    "snow 2": Situation(3000.0, ("packed_snow_2",)),
     "wet": Situation(3000.0, ("wet_asphalt_1",)),
     "dry": Situation(3600.0, ("dry_asphalt",)),
     "dry, gentle": Situation(1500.0, ("dry_asphalt",)),

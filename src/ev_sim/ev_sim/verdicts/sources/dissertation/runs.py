@@ -16,7 +16,7 @@ MODEL = ScenarioNeed("urban_mixed", duration=1.0)  # for the car and the paramet
 PART = ScenarioNeed(  # the first windows of traction
     "urban_mixed", (("driver", "method", "imposed_speed"), ("plant", "speed", "imposed")), duration=95.0
 )
-FIVE_METHODS = StudyNeed("five_methods", ("--drivers", "imposed_speed", "pulse"))
+FIVE_METHODS = StudyNeed("five_methods")
 
 SPEEDS = "wheel_speed_efficiency"  # eq 2.37 without rolling resistance in M_f
 ByMethod = Mapping[int, float]

@@ -1,0 +1,35 @@
+"""The tables of studies on the pages are what their cases have measured."""
+
+from pathlib import Path
+
+import pytest
+
+from documentation.markdown import with_blocks
+from documentation.measured import is_long, read_measured, sample
+from documentation.scenario_results import STUDY_PAGES, study_table
+from ev_sim.study.study import study_named
+from ev_sim.study.workers import drive_cases
+from ev_sim.verdicts.need import StudyNeed
+
+ROOT = Path(__file__).parents[2]
+STUDIES = [(page, study) for page, studies in STUDY_PAGES.items() for study in studies]
+IN_VERDICTS = ("five_methods",)  # tests/docs/test_verdicts_page.py drives some of its cases
+
+
+@pytest.mark.parametrize(("page", "study"), STUDIES)
+def test_table_is_that_of_the_measured_numbers(page: str, study: str):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    results = read_measured(ROOT, StudyNeed(study)).results
+    assert is_long(StudyNeed(study))
+    assert with_blocks(text, {study: study_table(study, results)}) == text, f"run scripts/document.sh --runs {page}"
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(400)
+@pytest.mark.parametrize("study", [study for _, study in STUDIES if study not in IN_VERDICTS])
+def test_measured_numbers_are_those_of_the_cases(study: str):
+    """A changed law shows here; 1e-6, for another processor may add up a recording in another order."""
+    kept = read_measured(ROOT, StudyNeed(study)).results
+    for now in drive_cases(sample(StudyNeed(study)), study_named(study).measure):
+        for name, value in kept[now.name].measured.items():
+            assert now.measured[name] == pytest.approx(value, rel=1e-6, abs=1e-9, nan_ok=True), (now.name, name)
