@@ -13,11 +13,13 @@ from ev_sim.verdicts.published import published
 from ev_sim.verdicts.sources.ge_ni2005.runs import (
     BASELINE,
     CASES,
+    COMPARED,
+    COMPARED_FREE,
     EACH,
     FREE_SPEED,
     READINGS,
-    RUNS,
     SETTLED,
+    STEADY,
     of,
     quantity,
 )
@@ -102,9 +104,9 @@ _half_of_target = Number(
 )
 
 DECLARATIONS = (
-    *(judged(id, RUNS, *orderings(id, ""), assumption=EACH) for id in ORDERINGS if not judged_case(id)),
-    judged("ge.claim.speed", RUNS, *orderings("ge.claim.speed", FREE_SPEED), assumption=f"{EACH}; u free"),
-    judged("ge.claim.outer_slip_low", RUNS, _half_of_target, assumption=SETTLED),
-    judged("ge.claim.response", RUNS, *_responses(), assumption=EACH),
+    *(judged(id, COMPARED, *orderings(id, ""), assumption=EACH) for id in ORDERINGS if not judged_case(id)),
+    judged("ge.claim.speed", COMPARED_FREE, *orderings("ge.claim.speed", FREE_SPEED), assumption=f"{EACH}; u free"),
+    judged("ge.claim.outer_slip_low", STEADY, _half_of_target, assumption=SETTLED),
+    judged("ge.claim.response", COMPARED, *_responses(), assumption=EACH),
     not_judgeable("ge.claim.robust", "no run of the source shows it"),
 )

@@ -10,7 +10,7 @@ from ev_sim.verdicts.check import Measure, larger
 from ev_sim.verdicts.declaration import no_verdict, not_judgeable
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.sources.ge_ni2005.claims import MARGIN, WHY
-from ev_sim.verdicts.sources.ge_ni2005.runs import BASELINE, RUNS
+from ev_sim.verdicts.sources.ge_ni2005.runs import BASELINE, COMPARED
 
 LOST = tuple(f"ge.fig3{panel}" for panel in "abcde") + tuple(f"ge.fig4{panel}" for panel in "ade")
 
@@ -27,12 +27,12 @@ DECLARATIONS = (
     not_judgeable(
         "ge.fig3f_4f",
         "curve not in the text; beyond it, V_4 above V_3",
-        (RUNS,),
+        (COMPARED,),
         *(
             larger("m/s", _speed("right", run), _speed("left", run), MARGIN, WHY, name)
             for name, run in (("4f", BASELINE), ("3f", "rate"))
         ),
     ),
-    *(not_judgeable(id, "curve not in the text", (RUNS,)) for id in LOST),
+    *(not_judgeable(id, "curve not in the text", (COMPARED,)) for id in LOST),
     *(no_verdict(id, "a scheme without numbers") for id in ("ge.fig1", "ge.fig2")),
 )

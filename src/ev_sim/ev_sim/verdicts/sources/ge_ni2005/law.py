@@ -13,10 +13,11 @@ from ev_sim.verdicts.check import Basis, Comparison, Number, smaller
 from ev_sim.verdicts.declaration import judged
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_sim.verdicts.published import published
-from ev_sim.verdicts.sources.ge_ni2005.runs import RUNS, of
+from ev_sim.verdicts.sources.ge_ni2005.runs import of
 from ev_sim.verdicts.tolerance import relative
 
 SWITCHED = "_switched"
+SHORT = ScenarioNeed("ge_ni2005", runs=("increment", "increment" + SWITCHED))
 LONG = ScenarioNeed("ge_ni2005", runs=("rate", "rate" + SWITCHED), duration=15.0)
 STRAIGHT = ScenarioNeed("ge_ni2005", (("steering_column", "profile.angle", (0.0,)),), ("increment",))
 # A boundary layer as wide as any slip: what `offset` adds to T* is k D, which tells the target.
@@ -81,7 +82,7 @@ _turned = paper.turn_in_difference()
 DECLARATIONS = (
     judged(
         "ge.claim.chatter",
-        (RUNS, LONG),
+        (SHORT, LONG),
         _short(chatters("increment", paper.TARGET, "increment")),
         _long(chatters("rate", paper.TARGET, "rate, 15 s")),
         assumption="T = k sgn(D) read as rate and increment; offset never comes to the printed target slip of 0.19",

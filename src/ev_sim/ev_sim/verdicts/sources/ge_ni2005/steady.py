@@ -14,7 +14,7 @@ from ev_sim.run.recording.recording import Recording
 from ev_sim.verdicts.check import Number
 from ev_sim.verdicts.declaration import Declaration, judged
 from ev_sim.verdicts.need import ScenarioRuns
-from ev_sim.verdicts.sources.ge_ni2005.runs import BASELINE, RUNS, SETTLED, of, quantity
+from ev_sim.verdicts.sources.ge_ni2005.runs import BASELINE, SETTLED, STEADY, of, quantity
 from ev_sim.verdicts.tolerance import between, relative
 
 SMALL_ANGLES = relative(0.005, "the closed form takes sines of 2 deg for the angle; measured are 0.06 %")
@@ -27,7 +27,7 @@ _turn = paper.steady_turn()
 
 def _motion(id: str, name: str, value: float) -> Declaration:
     number = Number(QUANTITIES[name][0], value, SMALL_ANGLES, quantity(name, BASELINE))
-    return judged(id, RUNS, number)
+    return judged(id, STEADY, number)
 
 
 def _loads() -> tuple[Number, ...]:
@@ -83,18 +83,18 @@ DECLARATIONS = (
     _motion("ge.eq.v", "lateral_speed", _turn.lateral_speed),
     _motion("ge.eq.radius", "radius", _turn.radius),
     _motion("ge.eq.centripetal", "centripetal_acceleration", _turn.centripetal_acceleration),
-    judged("ge.eq.loads", RUNS, *_loads()),
-    judged("ge.eq.slips", RUNS, *_slips(), assumption="T* on each rear wheel"),
-    judged("ge.eq.speeds", RUNS, *_speeds(), assumption="T* on each rear wheel (rim speeds)"),
+    judged("ge.eq.loads", STEADY, *_loads()),
+    judged("ge.eq.slips", STEADY, *_slips(), assumption="T* on each rear wheel"),
+    judged("ge.eq.speeds", STEADY, *_speeds(), assumption="T* on each rear wheel (rim speeds)"),
     judged(
         "ge.fig4b.axis",
-        RUNS,
+        STEADY,
         Number("m", 70.0, between(0.0, 70.0, "inside the axis"), _largest(motion.radius_of_path, BEGINNING)),
         assumption=SETTLED,
     ),
     judged(
         "ge.fig4c.axis",
-        RUNS,
+        STEADY,
         Number("m/s^2", 0.6, between(0.0, 0.6, "inside the axis"), _largest(motion.lateral_acceleration_on_path, 0.0)),
         assumption=SETTLED,
     ),

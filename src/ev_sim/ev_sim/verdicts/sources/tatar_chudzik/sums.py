@@ -27,6 +27,7 @@ WALKING = ScenarioNeed(
         ("plant", "initial_speed", 1.0),
         ("plant", "speed", "held"),
         ("driver", "pedals.drive_torque", (0.0,)),
+        ("*", "vehicle.steering_geometry", "ackermann"),
         ("steering_column", "profile.time", (0.0,)),
         ("steering_column", "profile.angle", (16.0 * ANGLE,)),
     ),
@@ -81,7 +82,7 @@ DECLARATIONS = (
         Number(
             "m", WHEELBASE / math.tan(ANGLE), relative(0.01, "no slip angles: 1 m/s, where they are 0.1 deg"), _radius
         ),
-        assumption="both front wheels parallel",
+        assumption="Ackermann geometry; two parallel wheels, which cannot both roll without slip, turn on 12.6 m",
     ),
     no_verdict(
         "tatar.resistance",
