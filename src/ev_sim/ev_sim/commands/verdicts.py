@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from tqdm import tqdm
-
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.run.progress_bar import bar_of_runs
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.workers import drive_cases
 from ev_sim.verdicts.all_verdicts import SOURCES, needs_of, verdicts, wanted
@@ -19,7 +17,6 @@ from ev_sim.verdicts.kept import Kept
 from ev_sim.verdicts.table import counts, plain_table, write
 from ev_sim.verdicts.verdict import Verdict
 
-ABOUT = "verdicts on every published number of all sources, one table (--only SOURCE, --quick)"
 CACHE = Path("results") / "cache"
 
 
@@ -51,12 +48,12 @@ def judge(only: Sequence[str] = (), quick: bool = False) -> list[Verdict]:
 
 def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> list[CaseResult]:
     """Drive cases on all cores of this machine behind a progress bar."""
-    with tqdm(desc="driving", total=len(cases), unit="run", ascii=not sys.stderr.isatty(), mininterval=0.5) as bar:
+    with bar_of_runs("driving", len(cases)) as bar:
         return drive_cases(cases, measures, lambda result: bar.update())
 
 
 def _arguments(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="run.sh verdicts", description=ABOUT)
+    parser = argparse.ArgumentParser(prog="run.sh verdicts", description=__doc__)
     parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/verdicts")
     parser.add_argument("--only", nargs="+", default=[], metavar="SOURCE", help="sources, ids or beginnings of ids")
     parser.add_argument("--quick", action="store_true", help="leave out what takes more than a few seconds to drive")
