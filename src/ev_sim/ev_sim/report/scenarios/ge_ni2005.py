@@ -8,7 +8,7 @@ the law estimates the speed, `_rear_steered` where the rear wheels turn, too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -62,13 +62,13 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
         for side in SIDES
     ]
     return {
-        **{f"fig3_fig4{case}": sheet(_panels(runs, vehicle, case), "time [s]") for case in CASES},
+        **{f"fig3_fig4{case}": sheet(_case(runs, vehicle, case), "time [s]") for case in CASES},
         "boundary_layer": sheet(torques, "time [s]"),
     }
 
 
-def _panels(runs: Runs, vehicle: Vehicle, case: str) -> list[Panel]:
-    names = [name + case for name in (BASELINE, *READINGS)]
+def panels(runs: Runs, vehicle: Vehicle, names: Sequence[str]) -> dict[str, list[Panel]]:
+    """The panels of figs 3 and 4 by their letter, with a curve for each of the runs."""
 
     def of(title: str, ylabel: str, quantity: Callable[[Recording], np.ndarray]) -> Panel:
         return panel(title, ylabel, lambda: _curves(runs, names, quantity))
@@ -80,16 +80,36 @@ def _panels(runs: Runs, vehicle: Vehicle, case: str) -> list[Panel]:
     def wheels(title: str, ylabel: str, quantity: Callable[[Recording, str], np.ndarray]) -> list[Panel]:
         return [of(f"{title}, rear {side}", ylabel, lambda run, side=side: quantity(run, side)) for side in SIDES]
 
-    return [
-        of("a  Sideslip angle", "angle [deg]", lambda run: np.degrees(motion.sideslip_angle(run))),
-        of("b  Radius of the path", "radius [m]", radius),
-        of("c  Centripetal acceleration", "acceleration [m/s²]", motion.lateral_acceleration_on_path),
-        of("Longitudinal speed", "speed [m/s]", lambda run: channel(run, "twist.longitudinal")),
-        of("d  Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE)),
-        of("d  Lateral speed", "speed [m/s]", lambda run: channel(run, "twist.lateral")),
-        *wheels("e  Slip", "slip [1]", slip),
-        *wheels("f  Ground speed along the wheel", "speed [m/s]", lambda run, side: ground_speed(run, side, vehicle)),
-        *wheels("Rim speed", "speed [m/s]", lambda run, side: rim_speed(run, side, vehicle)),
+    return {
+        "a": [of("a  Sideslip angle", "angle [deg]", lambda run: np.degrees(motion.sideslip_angle(run)))],
+        "b": [of("b  Radius of the path", "radius [m]", radius)],
+        "c": [of("c  Centripetal acceleration", "acceleration [m/s²]", motion.lateral_acceleration_on_path)],
+        "d": [
+            of("d  Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE)),
+            of("d  Lateral speed", "speed [m/s]", lambda run: channel(run, "twist.lateral")),
+        ],
+        "e": wheels("e  Slip", "slip [1]", slip),
+        "f": [
+            *wheels(
+                "f  Ground speed along the wheel", "speed [m/s]", lambda run, side: ground_speed(run, side, vehicle)
+            ),
+            *wheels("f  Rim speed", "speed [m/s]", lambda run, side: rim_speed(run, side, vehicle)),
+        ],
+    }
+
+
+def _case(runs: Runs, vehicle: Vehicle, case: str) -> list[Panel]:
+    """All panels of a case of car and speed, and the speed of the car."""
+    names = [name + case for name in (BASELINE, *READINGS)]
+    by_letter = panels(runs, vehicle, names)
+    speed = panel(
+        "Longitudinal speed",
+        "speed [m/s]",
+        lambda: _curves(runs, names, lambda run: channel(run, "twist.longitudinal")),
+    )
+    return [each for letter in "abc" for each in by_letter[letter]] + [
+        speed,
+        *(each for letter in "def" for each in by_letter[letter]),
     ]
 
 

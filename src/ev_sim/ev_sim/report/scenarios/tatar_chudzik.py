@@ -63,11 +63,14 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
             for layout in LAYOUTS
         ]
 
+    shown = panels(runs, vehicle)
     return {
         "forces_y": sheet(over_speed("force_y"), "speed [m/s]", columns=len(LAYOUTS)),
         "lateral_forces": sheet(over_speed("lateral_force"), "speed [m/s]", columns=len(LAYOUTS)),
-        "fig3_to_fig11": sheet(_equal_over_time(runs, vehicle), "time [s]", columns=len(LAYOUTS)),
-        "fig12_to_fig14": sheet(_corrected_over_time(runs, vehicle), "time [s]", columns=len(LAYOUTS)),
+        "fig3_to_fig11": sheet([shown[n] for n in (3, 6, 9, 4, 7, 10, 5, 8, 11)], "time [s]", columns=len(LAYOUTS)),
+        "fig12_to_fig14": sheet(
+            [*(shown[n] for n in (12, 13, 14)), *_across_the_wheels(runs)], "time [s]", columns=len(LAYOUTS)
+        ),
     }
 
 
@@ -111,27 +114,32 @@ def _wheels_over_time(
     return panel(f"{title}, {name.replace('_', ', ')}", ylabel, curves)
 
 
-def _equal_over_time(runs: Runs, vehicle: Vehicle) -> list[Panel]:
-    """Figs 3 to 11: forces along y and x of the car and wheel speeds, with equal torques."""
-    rows = (
-        (3, "F_y", "force [N]", lambda run, wheel: tyre_force(run, wheel, vehicle).y),
-        (4, "F_x", "force [N]", lambda run, wheel: tyre_force(run, wheel, vehicle).x),
-        (5, "Wheel speed", "speed [rad/s]", lambda run, wheel: channel(run, f"wheel_states.velocity.{wheel}")),
-    )
-    return [
-        _wheels_over_time(runs, f"{first + 3 * n}  {title}", f"{layout}_{EQUAL}", ylabel, of)
-        for first, title, ylabel, of in rows
-        for n, layout in enumerate(LAYOUTS)
-    ]
+def panels(runs: Runs, vehicle: Vehicle) -> dict[int, Panel]:
+    """Figs 3 to 14 by number: forces along y and x of the car and wheel speeds, with equal and corrected torques."""
+
+    def force_y(run: Recording, wheel: str) -> np.ndarray:
+        return tyre_force(run, wheel, vehicle).y
+
+    def force_x(run: Recording, wheel: str) -> np.ndarray:
+        return tyre_force(run, wheel, vehicle).x
+
+    def wheel_speed(run: Recording, wheel: str) -> np.ndarray:
+        return channel(run, f"wheel_states.velocity.{wheel}")
+
+    found = {}
+    for n, layout in enumerate(LAYOUTS):
+        equal, corrected = f"{layout}_{EQUAL}", f"{layout}_{CORRECTED}"
+        found[3 + 3 * n] = _wheels_over_time(runs, f"{3 + 3 * n}  F_y", equal, "force [N]", force_y)
+        found[4 + 3 * n] = _wheels_over_time(runs, f"{4 + 3 * n}  F_x", equal, "force [N]", force_x)
+        found[5 + 3 * n] = _wheels_over_time(runs, f"{5 + 3 * n}  Wheel speed", equal, "speed [rad/s]", wheel_speed)
+        found[12 + n] = _wheels_over_time(runs, f"{12 + n}  F_y", corrected, "force [N]", force_y)
+    return found
 
 
-def _corrected_over_time(runs: Runs, vehicle: Vehicle) -> list[Panel]:
-    """Figs 12 to 14: forces along y of the car with the correction, and below them those across the wheels."""
-    return [
-        _wheels_over_time(runs, title.format(12 + n), f"{layout}_{CORRECTED}", "force [N]", of)
-        for title, of in (
-            ("{}  F_y", lambda run, wheel: tyre_force(run, wheel, vehicle).y),
-            ("{}  Across the wheel", lambda run, wheel: channel(run, f"tire_forces.lateral_force.{wheel}")),
-        )
-        for n, layout in enumerate(LAYOUTS)
-    ]
+def _across_the_wheels(runs: Runs) -> list[Panel]:
+    """What figs 12 to 14 would show in the axes of the wheels."""
+
+    def across(run: Recording, wheel: str) -> np.ndarray:
+        return channel(run, f"tire_forces.lateral_force.{wheel}")
+
+    return [_wheels_over_time(runs, "Across the wheel", f"{each}_{CORRECTED}", "force [N]", across) for each in LAYOUTS]
