@@ -1,24 +1,43 @@
 """The carcass: a spring and a damper between rim and contact patch, in series with the sliding contact.
 
-The contact patch carries the steady force f s of the friction curve, with slip s = (v - u')/V_t: a viscous element
-of coefficient f/V_t. The carcass carries k u + d u'. Equating both gives the tyre of first order of Rill (First order
-tire dynamics, III European Conference on Computational Mechanics, Lisbon 2006):
+The contact patch carries the steady force f s of the friction curve, with slip s = w/V_t, where w = v - u' is what slides
+of the slip velocity v: a viscous element of coefficient f/V_t. The carcass carries k u + d u'. Equating both gives the
+tyre of first order of Rill (First order tire dynamics, III European Conference on Computational Mechanics, Lisbon 2006):
 
     u' = (f v - V_t k u) / (f + V_t d),    F = f (k u + d v) / (f + V_t d)
 
 At speed the steady force of the curve is reached over the relaxation length (f + V_t d)/k; at rest (V_t = 0) the
 contact sticks and the carcass is a damped spring. No eigenvalue exceeds k/d, so an explicit step that suits the
-carcass suits every speed, and F v = d/dt(k u^2 / 2) + d u'^2 + (f/V_t)(v - u')^2 shows that it never gives energy.
+carcass suits every speed, and F v = d/dt(k u^2 / 2) + d u'^2 + F w shows that it never gives energy.
+
+f = N mu(S)/S is that of the slip S in the contact, which follows s over a contact length l (the contact relaxation
+length of Pacejka, Tire and Vehicle Dynamics, 2012, chapter 8):
+
+    S' = (w - V_t S) / l
+
+A wheel that starts to turn at rest has v = V_t, but as long as its carcass takes all of v nothing slides: S stays on the
+rising side of the curve, and F follows the deflection up to the peak. No force is above the peak, not when load or
+friction fall below what the carcass holds: then the contact slides with the peak's force, and u' = (F - k u)/d.
 """
 
+from __future__ import annotations
+
 from ev_msgs_py.compiling.compilable import inlined
+
+# Speed of the renewal of a contact at rest [m/s]: what slid there before is forgotten within a second or two. An
+# assumption; real rubber takes up its static friction within about that time.
+RENEWAL = 0.05
+
+# The slip of the contact lags at least so long behind [s]: it is the slower, the faster a wheel spins, only against the
+# contact length, and an explicit step of 1 ms has to follow it.
+SHORTEST_LAG = 1e-3
 
 
 @inlined
 def force_and_rate(
     deflection: float, slip_velocity: float, transport: float, secant: float, stiffness: float, damping: float
 ) -> tuple[float, float]:
-    """Force of the road on the tyre [N] and rate of the deflection [m/s] of one direction.
+    """Force of the road on the tyre [N] and rate of the deflection [m/s] of one direction, below the friction limit.
 
     Deflection u [m], slip velocity v [m/s], transport velocity V_t [m/s], secant stiffness f of the friction curve
     [N], carcass stiffness k [N/m] and damping d [N s/m]. Source: Rill 2006.
@@ -28,3 +47,9 @@ def force_and_rate(
     force = secant * (spring + damping * slip_velocity) * contact
     rate = (secant * slip_velocity - transport * spring) * contact
     return force, rate
+
+
+@inlined
+def slip_rate(slip: float, sliding: float, transport: float, contact_length: float) -> float:
+    """Rate of the slip S of the contact [1/s], which slides with w = v - u' at a transport velocity [m/s]."""
+    return (sliding - max(transport, RENEWAL) * slip) / (contact_length + transport * SHORTEST_LAG)

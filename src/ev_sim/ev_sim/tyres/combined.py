@@ -15,28 +15,36 @@ STILL = 1e-9
 
 
 @inlined
-def slip_vector(
-    tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float, transport: float
-) -> tuple[float, float]:
+def slip_vector(tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float) -> tuple[float, float]:
     """Friction per longitudinal and per lateral slip [1] when both share one curve over the resulting slip.
 
-    Slip velocities [m/s] over the transport velocity [m/s] give the slip vector; the tyre's `lateral_ratio` [1]
-    stretches its lateral component where it is stiffer or softer sideways. Source: Kiencke & Nielsen, Automotive
-    Control Systems, 2nd ed. 2005, wheel model.
+    The tyre's `lateral_ratio` [1] stretches the lateral component of the slip vector [1] where the tyre is stiffer or
+    softer sideways. Source: Kiencke & Nielsen, Automotive Control Systems, 2nd ed. 2005, wheel model.
     """
     stretched = tyre.lateral_ratio * slip_y
-    common = secant(tyre.curve, sqrt(slip_x * slip_x + stretched * stretched) / transport, on_road)
+    common = secant(tyre.curve, sqrt(slip_x * slip_x + stretched * stretched), on_road)
     return common, tyre.lateral_ratio * common
 
 
 @inlined
-def uncoupled(
-    tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float, transport_x: float, transport_y: float
-) -> tuple[float, float]:
+def uncoupled(tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float) -> tuple[float, float]:
     """Friction per longitudinal and per lateral slip [1] when each direction follows the curve on its own.
 
-    Slip and transport velocities [m/s] of the two directions. Source: Tatar & Chudzik (their F_p and F_b).
+    Source: Tatar & Chudzik (their F_p and F_b).
     """
-    longitudinal = secant(tyre.curve, abs(slip_x) / transport_x, on_road)
-    lateral = secant(tyre.curve, tyre.lateral_ratio * abs(slip_y) / transport_y, on_road)
+    longitudinal = secant(tyre.curve, abs(slip_x), on_road)
+    lateral = secant(tyre.curve, tyre.lateral_ratio * abs(slip_y), on_road)
     return longitudinal, tyre.lateral_ratio * lateral
+
+
+@inlined
+def within_circle(limit: float, force_x: float, force_y: float) -> float:
+    """The factor [1] that keeps the resultant of two forces within a limit; all in [N]."""
+    squared = force_x * force_x + force_y * force_y
+    return limit / sqrt(squared) if squared > limit * limit else 1.0
+
+
+@inlined
+def within(limit: float, force: float) -> float:
+    """The factor [1] that keeps one force within a limit; both in [N]."""
+    return limit / abs(force) if abs(force) > limit else 1.0

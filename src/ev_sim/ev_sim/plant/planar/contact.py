@@ -1,4 +1,4 @@
-"""The contact of a wheel with the road: slip velocities, secants of the friction curve, slips that are shown."""
+"""The contact of a wheel with the road: velocities, secants of the friction curve, friction limits."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from ev_msgs_py.elementary import sqrt
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.memory import Step
-from ev_sim.plant.planar.state import DEFLECTION_X, DEFLECTION_Y, VX, VY, WHEEL_SPEED, YAW_RATE
-from ev_sim.tyres.combined import SLIP_VECTOR, STILL, slip_vector, uncoupled
+from ev_sim.plant.planar.state import SLIP_X, SLIP_Y, VX, VY, YAW_RATE
+from ev_sim.tyres.combined import SLIP_VECTOR, STILL, slip_vector, uncoupled, within, within_circle
+from ev_sim.tyres.curve import largest
 
 LATERAL_CURVES = ("same", "linear")
 SAME, LINEAR = range(len(LATERAL_CURVES))
@@ -40,37 +41,35 @@ def contact(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: in
 
 
 @inlined
-def secants(car: Car, body: BodyConstants, step: Step, i: int, at: Contact) -> tuple[float, float, float, float]:
-    """Friction per slip [1] and transport velocity [m/s], for both directions of wheel i.
+def transports(car: Car, at: Contact) -> tuple[float, float]:
+    """Transport velocities [m/s] for both directions of a wheel: the larger of rim and ground speed.
 
-    The transport velocity is the larger of rim and ground speed, which gives 1 - V/(r w) in traction and (r w - V)/V in
-    braking.
+    Slip velocity over it is 1 - V/(r w) in traction and (r w - V)/V in braking.
     """
-    tyre, on_road = car.tyre, step.tyre[i]
-    if tyre.combined == SLIP_VECTOR:
+    if car.tyre.combined == SLIP_VECTOR:
         transport = max(abs(at.rim), at.speed, STILL)
-        along_secant, across_secant = slip_vector(tyre, on_road, at.slip_x, at.slip_y, transport)
-        return along_secant, across_secant, transport, transport
-    transport_x = max(abs(at.rim), abs(at.along), STILL)
-    transport_y = max(at.speed, STILL)
-    along_secant, across_secant = uncoupled(tyre, on_road, at.slip_x, at.slip_y, transport_x, transport_y)
-    if tyre.lateral_curve == LINEAR:
-        across_secant = body.cornering_stiffness[i]
-    return along_secant, across_secant, transport_x, transport_y
+        return transport, transport
+    return max(abs(at.rim), abs(at.along), STILL), max(at.speed, STILL)
 
 
 @inlined
-def slips(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int) -> tuple[float, float]:
-    """The slips [1] at which the friction curve gives the present forces of wheel i, along and across.
+def secants(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int) -> tuple[float, float]:
+    """Friction per slip [1] for both directions of wheel i, at the slip of its contact."""
+    tyre, on_road, slip_x, slip_y = car.tyre, step.tyre[i], y[SLIP_X + i], y[SLIP_Y + i]
+    if tyre.combined == SLIP_VECTOR:
+        return slip_vector(tyre, on_road, slip_x, slip_y)
+    along_secant, across_secant = uncoupled(tyre, on_road, slip_x, slip_y)
+    if tyre.lateral_curve == LINEAR:
+        across_secant = body.cornering_stiffness[i]
+    return along_secant, across_secant
 
-    In steady driving they are the slip ratio and the sine of the slip angle (with the sign of their force); at rest,
-    where kinematic slip is 0/0, they stay meaningful and continuous.
-    """
-    at = contact(y, car, body, step, i, y[WHEEL_SPEED + i])
-    secant_x, secant_y, transport_x, transport_y = secants(car, body, step, i, at)
-    spring_x = car.tyre.longitudinal_stiffness * y[DEFLECTION_X + i] + body.damping_x * at.slip_x
-    spring_y = car.tyre.lateral_stiffness * y[DEFLECTION_Y + i] + body.damping_y * at.slip_y
-    return (
-        spring_x / (step.load[i] * secant_x + transport_x * body.damping_x),
-        spring_y / (step.load[i] * secant_y + transport_y * body.damping_y),
-    )
+
+@inlined
+def limits(car: Car, step: Step, i: int, force_x: float, force_y: float) -> tuple[float, float]:
+    """Factors [1] that keep the forces of wheel i [N] within its friction."""
+    tyre, on_road = car.tyre, step.tyre[i]
+    limit = step.load[i] * largest(tyre.curve, on_road.friction, on_road)
+    if tyre.combined == SLIP_VECTOR:
+        scale = within_circle(limit, force_x, force_y)
+        return scale, scale
+    return within(limit, force_x), 1.0 if tyre.lateral_curve == LINEAR else within(limit, force_y)
