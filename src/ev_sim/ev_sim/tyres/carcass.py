@@ -1,8 +1,9 @@
 """The carcass: a spring and a damper between rim and contact patch, in series with the sliding contact.
 
-The contact patch carries the steady force f s of the friction curve, with slip s = w/V_t, where w = v - u' is what slides
-of the slip velocity v: a viscous element of coefficient f/V_t. The carcass carries k u + d u'. Equating both gives the
-tyre of first order of Rill (First order tire dynamics, III European Conference on Computational Mechanics, Lisbon 2006):
+Of the slip velocity v at the rim the carcass takes u', and w = v - u' slides in the contact, with slip s = w/V_t. The
+contact carries the steady force f s of the friction curve, a viscous element of coefficient f/V_t, the carcass
+k u + d u'. Equating both gives the tyre of first order of Rill (First order tire dynamics, III European Conference on
+Computational Mechanics, Lisbon 2006):
 
     u' = (f v - V_t k u) / (f + V_t d),    F = f (k u + d v) / (f + V_t d)
 
@@ -10,26 +11,25 @@ At speed the steady force of the curve is reached over the relaxation length (f 
 contact sticks and the carcass is a damped spring. No eigenvalue exceeds k/d, so an explicit step that suits the
 carcass suits every speed, and F v = d/dt(k u^2 / 2) + d u'^2 + F w shows that it never gives energy.
 
-f = N mu(S)/S is that of the slip S in the contact, which follows s over a contact length l (the contact relaxation
+f = N mu(S)/S is that of the slip S of the contact, which follows s over a contact length l (the contact relaxation
 length of Pacejka, Tire and Vehicle Dynamics, 2012, chapter 8):
 
     S' = (w - V_t S) / l
 
-A wheel that starts to turn at rest has v = V_t, but as long as its carcass takes all of v nothing slides: S stays on the
-rising side of the curve, and F follows the deflection up to the peak. No force is above the peak, not when load or
-friction fall below what the carcass holds: then the contact slides with the peak's force, and u' = (F - k u)/d.
+Where a wheel starts to turn at rest v is V_t, but as long as its carcass takes all of it nothing slides: S stays on the
+rising side of the curve, and F follows the deflection up to the peak. It never gets above the peak, not even where load
+or friction fall below what the carcass holds: then the contact slides with the force of the peak, u' = (F - k u)/d.
 """
 
 from __future__ import annotations
 
 from ev_msgs_py.compiling.compilable import inlined
 
-# Speed of the renewal of a contact at rest [m/s]: what slid there before is forgotten within a second or two. An
-# assumption; real rubber takes up its static friction within about that time.
+# The least speed at which a contact is renewed [m/s]: at rest, too, it forgets within a second or two that it has slid.
+# An assumption: static friction comes back in about that time.
 RENEWAL = 0.05
 
-# The slip of the contact lags at least so long behind [s]: it is the slower, the faster a wheel spins, only against the
-# contact length, and an explicit step of 1 ms has to follow it.
+# The slip of the contact lags at least so long [s], however fast the wheel turns: steps of 1 ms have to follow it.
 SHORTEST_LAG = 1e-3
 
 

@@ -35,16 +35,3 @@ def uncoupled(tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float) -
     longitudinal = secant(tyre.curve, abs(slip_x), on_road)
     lateral = secant(tyre.curve, tyre.lateral_ratio * abs(slip_y), on_road)
     return longitudinal, tyre.lateral_ratio * lateral
-
-
-@inlined
-def within_circle(limit: float, force_x: float, force_y: float) -> float:
-    """The factor [1] that keeps the resultant of two forces within a limit; all in [N]."""
-    squared = force_x * force_x + force_y * force_y
-    return limit / sqrt(squared) if squared > limit * limit else 1.0
-
-
-@inlined
-def within(limit: float, force: float) -> float:
-    """The factor [1] that keeps one force within a limit; both in [N]."""
-    return limit / abs(force) if abs(force) > limit else 1.0

@@ -11,7 +11,7 @@ from collections.abc import MutableSequence, Sequence
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
-from ev_sim.plant.planar.contact import contact, limits, secants, transports
+from ev_sim.plant.planar.contact import contact, friction_limits, secants, transports, within_friction
 from ev_sim.plant.planar.loads import loads
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.parameters import FREE, PlanarParameters
@@ -60,7 +60,6 @@ def rates(
     load = loads(y, car, step.gravity_z)
     step.load[0], step.load[1], step.load[2], step.load[3] = load
     rolling = car.rolling_resistance + car.rolling_resistance_speed * vx * vx
-    radius = car.wheel_radius
     length = car.tyre.contact_length
     stiffness_x, stiffness_y = car.tyre.longitudinal_stiffness, car.tyre.lateral_stiffness
     # Forces and powers of the wheels, summed as (front left + front right) + (rear left + rear right).
@@ -75,19 +74,21 @@ def rates(
             at = contact(y, car, body, step, i, wheel_speed)
             transport_x, transport_y = transports(car, at)
             secant_x, secant_y = secants(y, car, body, step, i)
-            normal, deflection_x, deflection_y = step.load[i], y[DEFLECTION_X + i], y[DEFLECTION_Y + i]
+            normal, radius = step.load[i], body.wheel_radius[i]
+            deflection_x, deflection_y = y[DEFLECTION_X + i], y[DEFLECTION_Y + i]
             along_force, rate_x = force_and_rate(
-                deflection_x, at.slip_x, transport_x, normal * secant_x, stiffness_x, body.damping_x
+                deflection_x, at.slip_x, transport_x, secant_x, stiffness_x, body.damping_x
             )
             across_force, rate_y = force_and_rate(
-                deflection_y, at.slip_y, transport_y, normal * secant_y, stiffness_y, body.damping_y
+                deflection_y, at.slip_y, transport_y, secant_y, stiffness_y, body.damping_y
             )
-            limit_x, limit_y = limits(car, step, i, along_force, across_force)
-            if limit_x < 1.0:
-                along_force *= limit_x
+            limit_x, limit_y = friction_limits(car, step, i)
+            scale_x, scale_y = within_friction(car, limit_x, limit_y, along_force, across_force)
+            if scale_x < 1.0:
+                along_force *= scale_x
                 rate_x = (along_force - stiffness_x * deflection_x) / body.damping_x
-            if limit_y < 1.0:
-                across_force *= limit_y
+            if scale_y < 1.0:
+                across_force *= scale_y
                 rate_y = (across_force - stiffness_y * deflection_y) / body.damping_y
             dy[DEFLECTION_X + i], dy[DEFLECTION_Y + i] = rate_x, rate_y
             dy[SLIP_X + i] = slip_rate(y[SLIP_X + i], at.slip_x - rate_x, transport_x, length)
@@ -121,6 +122,7 @@ def rates(
 
     specific_x, specific_y = sum_x / car.mass, sum_y / car.mass
     drag = body.drag * abs(vx) * vx
+    dy[DRAG_WORK] = drag * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
     holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
     if p.speed != FREE:
@@ -128,6 +130,10 @@ def rates(
         holding = wanted - step.acceleration_x
         step.acceleration_x = wanted
     step.acceleration_y = specific_y + step.gravity_y
+    if body.side_drag > 0.0:
+        side_drag = body.side_drag * abs(vy) * vy
+        step.acceleration_y -= side_drag / car.mass
+        dy[DRAG_WORK] += side_drag * vy
     dy[VX] = step.acceleration_x + yaw_rate * vy
     dy[VY] = step.acceleration_y - yaw_rate * vx
     dy[YAW_RATE] = moment / car.yaw_inertia
@@ -137,7 +143,6 @@ def rates(
     dy[BODY_DISTANCE] = vx
     dy[TYRE_WORK] = tyre_power
     dy[FRICTION_WORK] = friction_power
-    dy[DRAG_WORK] = drag * vx
     dy[GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
     dy[HOLDING_WORK] = -car.mass * holding * vx
 

@@ -6,16 +6,18 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import inlined
-from ev_msgs_py.elementary import sqrt
+from ev_msgs_py.elementary import asin, sqrt
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.state import SLIP_X, SLIP_Y, VX, VY, YAW_RATE
-from ev_sim.tyres.combined import SLIP_VECTOR, STILL, slip_vector, uncoupled, within, within_circle
+from ev_sim.tyres.combined import SLIP_VECTOR, STILL, slip_vector, uncoupled
 from ev_sim.tyres.curve import largest
 
-LATERAL_CURVES = ("same", "linear")
-SAME, LINEAR = range(len(LATERAL_CURVES))
+LATERAL_CURVES = ("same", "linear", "constant_stiffness")
+SAME, LINEAR, CONSTANT_STIFFNESS = range(len(LATERAL_CURVES))
+
+INFINITE = 1e12  # [N], beyond any force, but a number that compiled code may multiply
 
 
 class Contact(NamedTuple):
@@ -36,7 +38,7 @@ def contact(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: in
     ground_y = y[VY] + body.wheel_x[i] * y[YAW_RATE]
     along = ground_x * cosine + ground_y * sine
     across = ground_y * cosine - ground_x * sine
-    rim = car.wheel_radius * wheel_speed
+    rim = body.wheel_radius[i] * wheel_speed
     return Contact(along, sqrt(along * along + across * across), rim, rim - along, -across)
 
 
@@ -54,22 +56,39 @@ def transports(car: Car, at: Contact) -> tuple[float, float]:
 
 @inlined
 def secants(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int) -> tuple[float, float]:
-    """Friction per slip [1] for both directions of wheel i, at the slip of its contact."""
-    tyre, on_road, slip_x, slip_y = car.tyre, step.tyre[i], y[SLIP_X + i], y[SLIP_Y + i]
+    """Force per slip [N] for both directions of wheel i, at the slip of its contact."""
+    tyre, on_road, load = car.tyre, step.tyre[i], step.load[i]
+    slip_x, slip_y = y[SLIP_X + i], y[SLIP_Y + i]
     if tyre.combined == SLIP_VECTOR:
-        return slip_vector(tyre, on_road, slip_x, slip_y)
+        along_secant, across_secant = slip_vector(tyre, on_road, slip_x, slip_y)
+        return load * along_secant, load * across_secant
     along_secant, across_secant = uncoupled(tyre, on_road, slip_x, slip_y)
+    across = load * across_secant
     if tyre.lateral_curve == LINEAR:
-        across_secant = body.cornering_stiffness[i]
-    return along_secant, across_secant
+        across = load * body.cornering_stiffness[i]
+    elif tyre.lateral_curve == CONSTANT_STIFFNESS:
+        # Over the slip angle itself, while slips are sines of it.
+        sine = min(abs(slip_y), 1.0)
+        across = body.cornering_stiffness[i] * (asin(sine) / sine if sine > 0.0 else 1.0)
+    return load * along_secant, across
 
 
 @inlined
-def limits(car: Car, step: Step, i: int, force_x: float, force_y: float) -> tuple[float, float]:
-    """Factors [1] that keep the forces of wheel i [N] within its friction."""
+def friction_limits(car: Car, step: Step, i: int) -> tuple[float, float]:
+    """The largest forces that the friction of wheel i has along and across [N]; a lateral line has no such limit."""
     tyre, on_road = car.tyre, step.tyre[i]
     limit = step.load[i] * largest(tyre.curve, on_road.friction, on_road)
-    if tyre.combined == SLIP_VECTOR:
-        scale = within_circle(limit, force_x, force_y)
+    return limit, limit if tyre.lateral_curve == SAME else INFINITE
+
+
+@inlined
+def within_friction(car: Car, limit_x: float, limit_y: float, force_x: float, force_y: float) -> tuple[float, float]:
+    """Factors [1] that keep forces along and across a wheel within their limits, one for both on a friction circle."""
+    if car.tyre.combined == SLIP_VECTOR:
+        squared = force_x * force_x + force_y * force_y
+        scale = limit_x / sqrt(squared) if squared > limit_x * limit_x else 1.0
         return scale, scale
-    return within(limit, force_x), 1.0 if tyre.lateral_curve == LINEAR else within(limit, force_y)
+    return (
+        limit_x / abs(force_x) if abs(force_x) > limit_x else 1.0,
+        limit_y / abs(force_y) if abs(force_y) > limit_y else 1.0,
+    )
