@@ -92,3 +92,16 @@ def within_friction(car: Car, limit_x: float, limit_y: float, force_x: float, fo
         limit_x / abs(force_x) if abs(force_x) > limit_x else 1.0,
         limit_y / abs(force_y) if abs(force_y) > limit_y else 1.0,
     )
+
+
+@inlined
+def slips(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int) -> tuple[float, float]:
+    """The slips [1] at which wheel i has its present forces by the secants of the friction curve, along and across.
+
+    In steady driving they are the slip ratio and the sine of the slip angle (with the sign of their force); at rest,
+    where kinematic slip is 0/0, they stay meaningful and continuous. A wheel off the ground shows the slip of its rim.
+    """
+    if step.load[i] == 0.0:
+        return y[SLIP_X + i], y[SLIP_Y + i]
+    secant_x, secant_y = secants(y, car, body, step, i)
+    return step.force_x[i] / secant_x, step.force_y[i] / secant_y

@@ -20,12 +20,13 @@ from ev_msgs_py.vehicle.car import Car
 from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
 from ev_sim.driveline.couplings import shaft_speeds
 from ev_sim.plant.planar.body import rates
+from ev_sim.plant.planar.contact import slips
 from ev_sim.plant.planar.energy import PowerConstants
 from ev_sim.plant.planar.memory import STAGES, STEP, Stages, Step
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.prepare import PlanarConstants
 from ev_sim.plant.planar.road_under_wheels import find_road
-from ev_sim.plant.planar.state import HEADING, SLIP_X, SLIP_Y, VX, VY, WHEEL_ANGLE, WHEEL_SPEED, YAW_RATE, PlanarState
+from ev_sim.plant.planar.state import HEADING, VX, VY, WHEEL_ANGLE, WHEEL_SPEED, YAW_RATE, PlanarState
 from ev_sim.plant.planar.steering import steer
 
 SIGNALS = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces)
@@ -49,10 +50,11 @@ def _seen(
     steer(car, step, s.road_wheel_angle)
     rates(y, stages[0].k1, p, car, c.body, step, True)
     shaft_speeds(car, y[WHEEL_SPEED : WHEEL_SPEED + 4], step.shaft)
-    slip_angle = step.target  # memory that nothing else needs here
+    slip_x, slip_y = step.asked, step.target  # memory that nothing else needs here
     for i in range(4):
         step.shaft[i] = step.shaft[i] * car.driven[i] * car.gear_ratio
-        slip_angle[i] = -asin(min(max(y[SLIP_Y + i], -1.0), 1.0))
+        slip_x[i], sine = slips(y, car, c.body, step, i)
+        slip_y[i] = -asin(min(max(sine, -1.0), 1.0))
     tyre = step.tyre
     return (
         WheelStates(_wheels(y, WHEEL_ANGLE), _wheels(y, WHEEL_SPEED), _wheels(s.mean_drive, 0)),
@@ -65,8 +67,8 @@ def _seen(
             _wheels(step.force_x, 0),
             _wheels(step.force_y, 0),
             _wheels(step.load, 0),
-            _wheels(y, SLIP_X),
-            _wheels(slip_angle, 0),
+            _wheels(slip_x, 0),
+            _wheels(slip_y, 0),
             Wheels(tyre[0].friction, tyre[1].friction, tyre[2].friction, tyre[3].friction),
         ),
     )
