@@ -65,7 +65,7 @@ def test_constant_stiffness_gives_a_lateral_force_by_the_slip_angle_alone():
 
 def test_constant_stiffness_is_linear_in_the_angle_and_not_in_its_sine():
     """Half a radian of sideslip: the force is 4 % above that of the sine."""
-    car = dataclasses.replace(CAR, tyre=dataclasses.replace(LINE, lateral_stiffness=1e7, lateral_damping_time=0.001, contact_length=0.01))
+    car = dataclasses.replace(CAR, tyre=dataclasses.replace(LINE, lateral_stiffness=1e7, lateral_damping_time=0.001))
     sliding = plant(car, 0.001, initial_speed=10.0, speed="held", load_transfer_lag=0.002)
     state = sliding.state.copy()
     state[VY] = 10.0 * np.tan(0.5)

@@ -11,14 +11,15 @@ At speed the steady force of the curve is reached over the relaxation length (f 
 contact sticks and the carcass is a damped spring. No eigenvalue exceeds k/d, so an explicit step that suits the
 carcass suits every speed, and F v = d/dt(k u^2 / 2) + d u'^2 + F w shows that it never gives energy.
 
-f = N mu(S)/S is that of the slip S of the contact, which follows s over a contact length l (the contact relaxation
-length of Pacejka, Tire and Vehicle Dynamics, 2012, chapter 8):
+f = N mu(s)/s is taken at s = v/V_t. A wheel that starts to turn at rest has s = 1 at once, but as long as its carcass
+takes all of v nothing slides, and the force is to follow the deflection up to the peak of the curve, not to the
+friction of full slip. So s counts no further than a little ahead of the slip S that the contact has, which builds up as
+it slides over a contact length l (contact relaxation length, Pacejka, Tire and Vehicle Dynamics, 2012, chapter 8):
 
     S' = (w - V_t S) / l
 
-Where a wheel starts to turn at rest v is V_t, but as long as its carcass takes all of it nothing slides: S stays on the
-rising side of the curve, and F follows the deflection up to the peak. It never gets above the peak, not even where load
-or friction fall below what the carcass holds: then the contact slides with the force of the peak, u' = (F - k u)/d.
+No force is above the peak, not even where load or friction fall below what the carcass holds: then the contact slides
+with the force of the peak, and u' = (F - k u)/d.
 """
 
 from __future__ import annotations

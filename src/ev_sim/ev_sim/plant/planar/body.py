@@ -11,7 +11,7 @@ from collections.abc import MutableSequence, Sequence
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
-from ev_sim.plant.planar.contact import contact, friction_limits, secants, transports, within_friction
+from ev_sim.plant.planar.contact import contact, secants, within_friction
 from ev_sim.plant.planar.loads import loads
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.parameters import FREE, PlanarParameters
@@ -72,8 +72,7 @@ def rates(
             if not starts and step.motion[i] * wheel_speed < 0.0:
                 wheel_speed = 0.0  # the brake stops the wheel within this step, it cannot turn it back
             at = contact(y, car, body, step, i, wheel_speed)
-            transport_x, transport_y = transports(car, at)
-            secant_x, secant_y = secants(y, car, body, step, i)
+            secant_x, secant_y, transport_x, transport_y = secants(y, car, body, step, i, at)
             normal, radius = step.load[i], body.wheel_radius[i]
             deflection_x, deflection_y = y[DEFLECTION_X + i], y[DEFLECTION_Y + i]
             along_force, rate_x = force_and_rate(
@@ -82,8 +81,7 @@ def rates(
             across_force, rate_y = force_and_rate(
                 deflection_y, at.slip_y, transport_y, secant_y, stiffness_y, body.damping_y
             )
-            limit_x, limit_y = friction_limits(car, step, i)
-            scale_x, scale_y = within_friction(car, limit_x, limit_y, along_force, across_force)
+            scale_x, scale_y = within_friction(car, step, i, along_force, across_force)
             if scale_x < 1.0:
                 along_force *= scale_x
                 rate_x = (along_force - stiffness_x * deflection_x) / body.damping_x
