@@ -9,7 +9,7 @@ from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
-from ev_control.shared.wheel_dynamics import WheelMotion, slip_of
+from ev_control.shared.wheel_dynamics import WheelMotion, slip_of, slowest_wheel
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import part
 from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
@@ -40,14 +40,7 @@ class SlipWindowParameters:
         about="time over which the slip shows whether it is already on its way back to the window",
         source="assumption",
     )
-    slowest: float = parameter(
-        3.0,
-        unit="rad/s",
-        low=0.1,
-        high=100.0,
-        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
-        source="assumption",
-    )
+    slowest: float = slowest_wheel()
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
 
     def __post_init__(self) -> None:

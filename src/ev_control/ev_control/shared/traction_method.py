@@ -17,6 +17,7 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
+from ev_msgs_py.lockstep.law import named_after
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.vehicle.car import Car
 
@@ -76,8 +77,7 @@ def traction_control(
         ) -> WheelTorqueCommand:
             return controlled(limit_of, forget, reference_of(p), p, car, s, period, request, column, wheels, imu)
 
-        for attribute in ("__module__", "__name__", "__qualname__", "__doc__"):
-            setattr(law, attribute, getattr(limit_of, attribute))
+        named_after(law, limit_of)
         if limit_of in FUNCTIONS and forget in FUNCTIONS:
             compilable(law)
         needs = (free_wheels_for(reference),)

@@ -59,7 +59,7 @@ def rates(
     vx, vy, yaw_rate = y[VX], y[VY], y[YAW_RATE]
     load = loads(y, car, step.gravity_z)
     step.load[0], step.load[1], step.load[2], step.load[3] = load
-    rolling = car.rolling_resistance + car.rolling_resistance_speed * vx * vx
+    rolling = car.rolling_resistance + car.rolling_resistance_growth * vx * vx
     length = car.tyre.contact_length
     stiffness_x, stiffness_y = car.tyre.longitudinal_stiffness, car.tyre.lateral_stiffness
     # Forces and powers of the wheels, summed as (front left + front right) + (rear left + rear right).
