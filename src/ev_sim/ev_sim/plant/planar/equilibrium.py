@@ -26,7 +26,7 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     find_road(y, c.body, step, c.road, True)
     y[TRANSFER_X] = c.body.drag * abs(speed) * speed / car.mass - step.gravity_x
     load = loads(y, car, step.gravity_z)
-    rolling = car.rolling_resistance + car.rolling_resistance_speed * speed * speed
+    rolling = car.rolling_resistance + car.rolling_resistance_growth * speed * speed
     for i in range(4):
         asked, tyre, efficiency = c.initial_drive_torque[i], step.tyre[i], car.motor.gear_efficiency
         torque = asked * efficiency if asked * speed > 0.0 else asked / efficiency
