@@ -45,9 +45,7 @@ class SteppedNode(Node, Polled):
         self.reception = Reception(self.stepper, self.reports.warn, self.publish)
         self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in configuration.method.writes}
         reads = self.also_reads(self.stepper.reads)
-        self.readers = {
-            signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal])) for signal in reads
-        }
+        self.readers = {signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal])) for signal in reads}
         if configuration.unused:
             names = ", ".join(configuration.unused)
             self.get_logger().info(f"method {configuration.method.name} does not use: {names}")
