@@ -5,14 +5,14 @@ from __future__ import annotations
 from ev_sim.verdicts.declaration import Declaration, no_verdict, not_judgeable
 from ev_sim.verdicts.published import published
 
-_DRAWN = "curve not in the text; urban_mixed draws it for the method that it is given"
+_DRAWN = "curve not in the text; scripts/run.sh figures draws it for each method, with driver pulse"
 _REASONS = {
     "diss.fig1.13": "maker's curves are not in the text",
-    "diss.fig1.22": "maker's curves, voltages and efficiencies are not in the text; an efficiency map is an assumption",
+    "diss.fig1.22": "maker's curves, voltages and efficiencies are not in the text; drawn from the assumed losses",
     "diss.fig2.9": "no data in the text; any speed profile from CSV can be driven",
     "diss.fig2.10": "no data in the text; config/cycles/nycc.csv is the public cycle of this name",
     "diss.fig2.11": "no data in the text; any speed profile from CSV can be driven",
-    "diss.fig2.13": "seed and lengths of the segments are not given; drawn as figure_2_13",
+    "diss.fig2.13": "seed and lengths of the segments are not given; drawn for seed 1",
 }
 _SCHEMES = ("diss.fig1.1", "diss.fig2.", "diss.fig4.")  # block diagrams, schemes, photographs, screens
 
@@ -26,7 +26,7 @@ def _declared(id: str) -> Declaration:
         return not_judgeable(id, _REASONS[id])
     if id.startswith(_SCHEMES):
         return no_verdict(id, "a scheme, a photograph or a screen, of which the text has the equations and data")
-    ends = ", and it ends at the value of the table" if "efficiency" in published("dissertation")[id].quantity else ""
+    ends = ", and it ends at its eq 2.37 or 2.38 of the road with seed 1" if "efficiency" in published("dissertation")[id].quantity else ""
     return not_judgeable(id, _DRAWN + ends)
 
 
