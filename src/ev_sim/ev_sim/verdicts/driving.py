@@ -11,7 +11,7 @@ from ev_sim.run.outcome import RunFailed
 from ev_sim.run.recording.recording import Recording
 from ev_sim.run.scenarios.scenario import Overrides, Scenario, load_scenario
 from ev_sim.study.case import Case, CaseResult, Measure
-from ev_sim.study.run_study import arguments
+from ev_sim.study.run_study import arguments, study_cases
 from ev_sim.study.study import study_named
 from ev_sim.verdicts.kept import Keep, Kept, recording_at
 from ev_sim.verdicts.need import Driven, Need, ScenarioNeed, ScenarioRuns, StudyCases, StudyNeed
@@ -42,7 +42,7 @@ def drive(needs: Iterable[Need], kept: Kept, drive_cases: Drive) -> dict[Need, D
 def cases_of(need: Need) -> list[Case]:
     """What has to be driven for a need."""
     if isinstance(need, StudyNeed):
-        return list(study_named(need.study).cases(arguments(need.study, need.options)))
+        return study_cases(study_named(need.study), arguments(need.study, need.options))
     runs = [run.name for run in _scenario(need).runs if not need.runs or run.name in need.runs]
     return [Case(f"{need.command} {run}", need.scenario, need.values, run, duration=need.duration) for run in runs]
 
