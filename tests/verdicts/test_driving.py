@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +13,14 @@ from judging import drive_here
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.run.outcome import RunFailed
-from ev_sim.study.case import CaseResult
+from ev_sim.study.case import CaseResult, drive_case
 from ev_sim.verdicts.driving import cases_of, drive
 from ev_sim.verdicts.kept import Kept
 from ev_sim.verdicts.need import ScenarioNeed, StudyNeed
 
 HOLDING = ScenarioNeed("shchur2019_steps", runs=("hold_manual",), duration=0.1)
-SWEEP = StudyNeed("zhileykin2018_sweep")
+SHORT_STUDY = StudyNeed("five_methods", ("--seeds", "1", "--drivers", "pulse"))
+CHEAP = cases_of(HOLDING)[0]
 
 
 def counting(driven: list[str]):
@@ -47,12 +49,39 @@ def test_another_parameter_is_another_run(tmp_path: Path):
     assert changed.command == "shchur2019_steps --set steering_column.damping=8.0 --duration 0.1"
 
 
+def measuring(cases, measures):
+    """A case that every study can measure, in place of its own."""
+    measures = [replace(measure, measure=lambda recording, run: {"x": 1.0}) for measure in measures]
+    return [replace(drive_case(CHEAP, measure), name=case.name) for case, measure in zip(cases, measures, strict=True)]
+
+
 def test_what_a_study_has_measured_is_kept(tmp_path: Path):
-    names = [case.name for case in cases_of(SWEEP)]
-    drive([SWEEP], Kept(tmp_path), lambda cases, measures: [CaseResult(case.name, {"x": 1.0}) for case in cases])
-    again = drive([SWEEP], Kept(tmp_path), lambda cases, measures: pytest.fail("nothing is left to drive"))[SWEEP]
-    assert list(again.results) == names
+    drive([SHORT_STUDY], Kept(tmp_path), measuring)
+    again = drive([SHORT_STUDY], Kept(tmp_path), lambda *jobs: pytest.fail("nothing is left to drive"))[SHORT_STUDY]
+    assert list(again.results) == [case.name for case in cases_of(SHORT_STUDY)]
     assert all(result.measured == {"x": 1.0} for result in again.results.values())
+
+
+def test_what_was_measured_before_a_stop_is_not_driven_again(tmp_path: Path):
+    def stopped(cases, measures):
+        measuring(cases[:2], measures[:2])
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        drive([SHORT_STUDY], Kept(tmp_path), stopped)
+    left: list[str] = []
+    drive(
+        [SHORT_STUDY],
+        Kept(tmp_path),
+        lambda cases, measures: left.extend(c.name for c in cases) or measuring(cases, measures),
+    )
+    assert left == [case.name for case in cases_of(SHORT_STUDY)][2:]
+
+
+def test_a_refused_case_of_a_study_stays_refused(tmp_path: Path):
+    drive([SHORT_STUDY], Kept(tmp_path), lambda cases, measures: [CaseResult(c.name, {}, refused="no") for c in cases])
+    again = drive([SHORT_STUDY], Kept(tmp_path), drive_here)[SHORT_STUDY]
+    assert {result.refused for result in again.results.values()} == {"no"}
 
 
 def test_what_other_sources_have_left_is_removed(tmp_path: Path):
