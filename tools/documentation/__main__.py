@@ -7,8 +7,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from documentation.hashes import HASHES, all_hashes, changes, hash_table, published_hashes
 from documentation.markdown import with_blocks
 from documentation.pages import RESULTS, SHCHUR, stale_pages
+from documentation.verdict_tables import NAMES, write_verdicts
 from ev_msgs_py.parameters.values import unknown_name
 
 
@@ -41,15 +43,19 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
 
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
-    known = [SHCHUR, *scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
+    known = [HASHES, SHCHUR, *NAMES, *scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
     for name in chosen:
         if name not in known:
             raise unknown_name("page with results", name, known)
     wanted = chosen or known
+    if HASHES in wanted:
+        _write_hashes(root / HASHES)
     if SHCHUR in wanted:
         driven = results.drive_all()
         _write(root / SHCHUR, {RESULTS: results.result_table(driven)})
         results.save_images(driven, images)
+    if any(name in wanted for name in NAMES):
+        write_verdicts(root, wanted)
     for name, page in scenario_results.SCENARIO_PAGES.items():
         if name in wanted:
             run = results.drive(page.scenario)
@@ -59,6 +65,13 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
     for name, studies in scenario_results.STUDY_PAGES.items():
         if name in wanted:
             _write(root / name, _studied(studies, images))
+
+
+def _write_hashes(page: Path) -> None:
+    before, now = published_hashes(page.read_text(encoding="utf-8")), all_hashes()
+    moved = changes(before, now)
+    print("\n".join(moved) or "no hash has changed")
+    _write(page, {RESULTS: hash_table(now)})
 
 
 def _studied(studies: Sequence[str], images: Path) -> dict[str, str]:
@@ -75,7 +88,7 @@ def _studied(studies: Sequence[str], images: Path) -> dict[str, str]:
 
 def _write(page: Path, texts: dict[str, str]) -> None:
     page.write_text(with_blocks(page.read_text(encoding="utf-8"), texts), encoding="utf-8")
-    print(f"written: results in {page.name}, images")
+    print(f"written: results in {page.name}")
 
 
 if __name__ == "__main__":

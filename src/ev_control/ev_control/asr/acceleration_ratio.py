@@ -5,20 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free_wheels_for
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
+from ev_control.shared.traction_control import LimitedWheel
+from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import each_wheel, part
-from ev_msgs_py.contract.signals import (
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
-from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.contract.record import part
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 
@@ -64,33 +57,24 @@ class AccelerationRatioWheel(LimitedWheel):
     body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
 
 
-@dataclass(slots=True)
-class AccelerationRatioState:
-    """What lasts between steps."""
+@compilable
+def forget(p: AccelerationRatioParameters, w: AccelerationRatioWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    forget_filtered(w.wheel_acceleration)
+    forget_filtered(w.body_acceleration)
 
-    control: TractionControlState = part(TractionControlState)
-    wheels: list[AccelerationRatioWheel] = each_wheel(AccelerationRatioWheel)
 
-
-@method(
-    "asr",
-    "acceleration_ratio",
-    AccelerationRatioParameters,
-    state=AccelerationRatioState,
-    needs=(free_wheels_for("reference"),),
-    mirrored=True,
-)
+@traction_control("acceleration_ratio", AccelerationRatioParameters, AccelerationRatioWheel, forget)
 @compilable
 def acceleration_ratio(
     p: AccelerationRatioParameters,
     car: Car,
-    s: AccelerationRatioState,
+    w: AccelerationRatioWheel,
     period: float,
-    request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> WheelTorqueCommand:
+    motion: WheelMotion,
+    wanted: float,
+) -> float:
     """Lower a wheel's torque limit while the wheel accelerates out of proportion to the car, a_x/w' < threshold.
 
     A rolling wheel has a_x/w' = r, a slipping one less (dissertation, eq 1.4). The source wants to intervene where
@@ -99,19 +83,6 @@ def acceleration_ratio(
     wheel accelerates more than noise does. It sees slip that grows, not slip: a wheel that spins at a steady speed is
     left to spin, and the slip that built up before the limit fell stays.
     """
-    return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
-
-
-@compilable
-def limit(
-    p: AccelerationRatioParameters,
-    car: Car,
-    w: AccelerationRatioWheel,
-    period: float,
-    motion: WheelMotion,
-    wanted: float,
-) -> float:
-    """The last limit [N m], lower while the wheel slips, higher while it grips."""
     share = filter_share(period, p.filter_time)
     turning = follow(w.wheel_acceleration, motion.acceleration, share)
     moving = follow(w.body_acceleration, motion.body_acceleration, share)
@@ -119,11 +90,3 @@ def limit(
         return min(w.limit, wanted) - p.fall * period
     raised = w.limit + p.rise * period
     return raised if raised < wanted else inf
-
-
-@compilable
-def forget(p: AccelerationRatioParameters, w: AccelerationRatioWheel) -> None:
-    """Put a wheel back to the start."""
-    w.limit = inf
-    forget_filtered(w.wheel_acceleration)
-    forget_filtered(w.body_acceleration)

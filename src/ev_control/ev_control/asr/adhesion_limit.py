@@ -6,21 +6,14 @@ from dataclasses import dataclass
 from math import inf
 
 from ev_control.estimation.friction_learning import FrictionLearningParameters, learnt_friction
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free_wheels_for
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.wheel_loads import wheel_load
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
+from ev_control.shared.traction_control import LimitedWheel
+from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, slip_of
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import each_wheel, entry, part
-from ev_msgs_py.contract.signals import (
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
-from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 
@@ -48,14 +41,6 @@ class AdhesionLimitWheel(LimitedWheel):
     friction: float = entry(unit="1", about="estimated friction of the road; at the start the largest one")
 
 
-@dataclass(slots=True)
-class AdhesionLimitState:
-    """What lasts between steps."""
-
-    control: TractionControlState = part(TractionControlState)
-    wheels: list[AdhesionLimitWheel] = each_wheel(AdhesionLimitWheel)
-
-
 @compilable
 def forget(p: AdhesionLimitParameters, w: AdhesionLimitWheel) -> None:
     """Put a wheel back to the start."""
@@ -64,48 +49,17 @@ def forget(p: AdhesionLimitParameters, w: AdhesionLimitWheel) -> None:
     w.friction = p.largest_friction
 
 
-def at_rest(p: AdhesionLimitParameters) -> AdhesionLimitState:
-    """The state at the start."""
-    s = AdhesionLimitState()
-    for wheel in s.wheels:
-        forget(p, wheel)
-    return s
-
-
-@method(
-    "asr",
-    "adhesion_limit",
-    AdhesionLimitParameters,
-    state=AdhesionLimitState,
-    start=at_rest,
-    needs=(free_wheels_for("reference"),),
-    mirrored=True,
-)
+@traction_control("adhesion_limit", AdhesionLimitParameters, AdhesionLimitWheel, forget)
 @compilable
 def adhesion_limit(
-    p: AdhesionLimitParameters,
-    car: Car,
-    s: AdhesionLimitState,
-    period: float,
-    request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> WheelTorqueCommand:
+    p: AdhesionLimitParameters, car: Car, w: AdhesionLimitWheel, period: float, motion: WheelMotion, wanted: float
+) -> float:
     """Limit each wheel to mu F_z r, with the load by the accelerations and the friction at which it last slipped.
 
     Dissertation, eq 1.2, at the wheel instead of the shaft; loads by `wheel_load`. The friction in use is
     (M - J w')/(F_z r); where the slip exceeds `learning_slip` it is that of the road, else the estimate slowly rises to
     `largest_friction` (assumption, see `learnt_friction`).
     """
-    return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
-
-
-@compilable
-def limit(
-    p: AdhesionLimitParameters, car: Car, w: AdhesionLimitWheel, period: float, motion: WheelMotion, wanted: float
-) -> float:
-    """The torque that the estimated friction carries [N m]."""
     load = wheel_load(car, motion.place, motion.forward_acceleration, motion.lateral_acceleration)
     lever = load * car.wheel_radius
     used = road_torque(car, motion) / lever if lever > 0.0 else 0.0  # without any load there is nothing to use

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.estimation.slip_observers import observed_slip
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.shared.slip_regulator import (
@@ -15,18 +14,10 @@ from ev_control.shared.slip_regulator import (
     stays_out,
     until_served,
 )
-from ev_control.shared.traction_control import TractionControlState, controlled
+from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion, road_torque
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import each_wheel, part
-from ev_msgs_py.contract.signals import (
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
-from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.contract.record import part
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 
@@ -52,33 +43,30 @@ class FeedbackLinearisationWheel(RegulatedWheel):
     body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
 
 
-@dataclass(slots=True)
-class FeedbackLinearisationState:
-    """What lasts between steps."""
+@compilable
+def forget(p: FeedbackLinearisationParameters, w: FeedbackLinearisationWheel) -> None:
+    """Put a wheel back to the start."""
+    forget_regulation(w)
+    forget_filtered(w.road)
+    forget_filtered(w.body_acceleration)
 
-    control: TractionControlState = part(TractionControlState)
-    wheels: list[FeedbackLinearisationWheel] = each_wheel(FeedbackLinearisationWheel)
 
-
-@method(
-    "asr",
+@traction_control(
     "feedback_linearisation",
     FeedbackLinearisationParameters,
-    state=FeedbackLinearisationState,
-    needs=(free_wheels_for("regulator.reference"),),
-    mirrored=True,
+    FeedbackLinearisationWheel,
+    forget,
+    reference="regulator.reference",
 )
 @compilable
 def feedback_linearisation(
     p: FeedbackLinearisationParameters,
     car: Car,
-    s: FeedbackLinearisationState,
+    w: FeedbackLinearisationWheel,
     period: float,
-    request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> WheelTorqueCommand:
+    motion: WheelMotion,
+    wanted: float,
+) -> float:
     """Choose the torque that makes the slip error decay exponentially, whatever the tyre's curve is.
 
     With S = 1 - V/(r w), S' = ((1 - S) w' - V'/r)/w and J w' = M - M_road,
@@ -89,19 +77,6 @@ def feedback_linearisation(
     M_road = M - J w' is measured and filtered, V' is the acceleration of the car. Near full slip 1/(1 - S) is taken
     at S = 0.9.
     """
-    return controlled(limit, forget, p.regulator.reference, p, car, s, period, request, column, wheels, imu)
-
-
-@compilable
-def limit(
-    p: FeedbackLinearisationParameters,
-    car: Car,
-    w: FeedbackLinearisationWheel,
-    period: float,
-    motion: WheelMotion,
-    wanted: float,
-) -> float:
-    """M [N m] while it is limited; road torque and acceleration have to be known before."""
     slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
     share = filter_share(period, p.road_filter)
     road = follow(w.road, road_torque(car, motion), share)
@@ -112,11 +87,3 @@ def limit(
     needed = acceleration / car.wheel_radius - p.rate * speed * (slip - p.regulator.target)
     torque = road + car.driven_wheel_inertia / (1.0 - min(slip, 0.9)) * needed
     return until_served(p.regulator, w, period, torque / car.motor.gear_efficiency, wanted)
-
-
-@compilable
-def forget(p: FeedbackLinearisationParameters, w: FeedbackLinearisationWheel) -> None:
-    """Put a wheel back to the start."""
-    forget_regulation(w)
-    forget_filtered(w.road)
-    forget_filtered(w.body_acceleration)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.estimation.slip_observers import observed_slip
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.shared.slip_regulator import (
@@ -15,18 +14,10 @@ from ev_control.shared.slip_regulator import (
     stays_out,
     until_served,
 )
-from ev_control.shared.traction_control import TractionControlState, controlled
+from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import each_wheel, part
-from ev_msgs_py.contract.signals import (
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
-from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.contract.record import part
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 
@@ -72,28 +63,16 @@ class FuzzyWheel(RegulatedWheel):
     slip: Filtered = part(Filtered)  # [1]; its lag is the rate
 
 
-@dataclass(slots=True)
-class FuzzyState:
-    """What lasts between steps."""
-
-    control: TractionControlState = part(TractionControlState)
-    wheels: list[FuzzyWheel] = each_wheel(FuzzyWheel)
-
-
-@method(
-    "asr", "fuzzy", FuzzyParameters, state=FuzzyState, needs=(free_wheels_for("regulator.reference"),), mirrored=True
-)
 @compilable
-def fuzzy(
-    p: FuzzyParameters,
-    car: Car,
-    s: FuzzyState,
-    period: float,
-    request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> WheelTorqueCommand:
+def forget(p: FuzzyParameters, w: FuzzyWheel) -> None:
+    """Put a wheel back to the start."""
+    forget_regulation(w)
+    forget_filtered(w.slip)
+
+
+@traction_control("fuzzy", FuzzyParameters, FuzzyWheel, forget, reference="regulator.reference")
+@compilable
+def fuzzy(p: FuzzyParameters, car: Car, w: FuzzyWheel, period: float, motion: WheelMotion, wanted: float) -> float:
     """Move the limit by nine rules about the slip error and the rate of the slip.
 
     Error and rate, over their widths, each belong to three triangular sets (below, at, above; falls, stays, rises)
@@ -102,12 +81,6 @@ def fuzzy(
     take torque away faster than they give it back. The dissertation (section 1.3) reports fuzzy slip control without a
     rule, so these are an assumption.
     """
-    return controlled(limit, forget, p.regulator.reference, p, car, s, period, request, column, wheels, imu)
-
-
-@compilable
-def limit(p: FuzzyParameters, car: Car, w: FuzzyWheel, period: float, motion: WheelMotion, wanted: float) -> float:
-    """The limit [N m], moved by the rules."""
     slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
     if stays_out(p.regulator, w, slip):
         return inf
@@ -138,10 +111,3 @@ def degrees(value: float) -> tuple[float, float, float]:
     """How far a number belongs to the sets about -1, 0 and 1 [1]; the degrees add up to one."""
     value = min(max(value, -1.0), 1.0)
     return max(-value, 0.0), 1.0 - abs(value), max(value, 0.0)
-
-
-@compilable
-def forget(p: FuzzyParameters, w: FuzzyWheel) -> None:
-    """Put a wheel back to the start."""
-    forget_regulation(w)
-    forget_filtered(w.slip)

@@ -5,24 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.estimation.slip_peak import SlipPeakState, forget_peak, peak_is_passed, watch_slip
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.shared.least_squares_parameters import LeastSquaresParameters
 from ev_control.shared.slip_regulator import until_served
-from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
+from ev_control.shared.traction_control import LimitedWheel
+from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, slip_of
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import each_wheel, entry, part
-from ev_msgs_py.contract.signals import (
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
+from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.elementary import sqrt
-from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.vehicle.car import Car
 
 LARGEST_TARGET = 0.9  # [1]; the speed that belongs to a slip grows with 1/(1 - x)
@@ -39,33 +31,20 @@ class LeastSquaresWheel(LimitedWheel):
     served: float = entry(unit="s", about="since when the limit is above the request")
 
 
-@dataclass(slots=True)
-class LeastSquaresState:
-    """What lasts between steps."""
+@compilable
+def forget(p: LeastSquaresParameters, w: LeastSquaresWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    forget_peak(w.curve)
+    forget_filtered(w.road)
+    w.target = w.held = w.served = 0.0
 
-    control: TractionControlState = part(TractionControlState)
-    wheels: list[LeastSquaresWheel] = each_wheel(LeastSquaresWheel)
 
-
-@method(
-    "asr",
-    "least_squares",
-    LeastSquaresParameters,
-    state=LeastSquaresState,
-    needs=(free_wheels_for("reference"),),
-    mirrored=True,
-)
+@traction_control("least_squares", LeastSquaresParameters, LeastSquaresWheel, forget)
 @compilable
 def least_squares(
-    p: LeastSquaresParameters,
-    car: Car,
-    s: LeastSquaresState,
-    period: float,
-    request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> WheelTorqueCommand:
+    p: LeastSquaresParameters, car: Car, w: LeastSquaresWheel, period: float, motion: WheelMotion, wanted: float
+) -> float:
     """Find the peak of the slip curve by least squares, and keep a wheel that has passed it at the slip of the peak.
 
     y = A x + B sqrt(x + e) is fitted to the last samples of the slip x = 1 - w_free/w and of the road torque
@@ -79,14 +58,6 @@ def least_squares(
     - The target stays for `hold` and then rises until the next hit, just fast enough for the noise. At the backstop
       it begins anew. The limit ends once it has been above the request for `release`.
     """
-    return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
-
-
-@compilable
-def limit(
-    p: LeastSquaresParameters, car: Car, w: LeastSquaresWheel, period: float, motion: WheelMotion, wanted: float
-) -> float:
-    """Watch the fit; after a hit, the torque that keeps the slip at its target [N m]."""
     slip, road = slip_of(motion, p.slowest), road_torque(car, motion)
     watch_slip(p, w.curve, period, slip, road / (car.motor.nominal_torque * car.gear_ratio))
     road = follow(w.road, road, filter_share(period, p.road_filter))
@@ -122,12 +93,3 @@ def aim(p: LeastSquaresParameters, w: LeastSquaresWheel, period: float, motion: 
         w.target = min(w.target + rise * noise, p.backstop)
     else:
         w.target, w.held = p.first_slip, 0.0
-
-
-@compilable
-def forget(p: LeastSquaresParameters, w: LeastSquaresWheel) -> None:
-    """Put a wheel back to the start."""
-    w.limit = inf
-    forget_peak(w.curve)
-    forget_filtered(w.road)
-    w.target = w.held = w.served = 0.0

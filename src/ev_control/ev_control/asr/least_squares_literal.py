@@ -5,21 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free_wheels_for
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_curve_fit import SlipCurveFit, add_sample, fitted_curve, forget_samples, is_full
-from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
+from ev_control.shared.traction_control import LimitedWheel
+from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import each_wheel, entry, part
-from ev_msgs_py.contract.signals import (
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
+from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.elementary import sqrt
-from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 
@@ -42,33 +35,24 @@ class LeastSquaresLiteralWheel(LimitedWheel):
     previous: float = entry(unit="N m", about="torque of the previous step")
 
 
-@dataclass(slots=True)
-class LeastSquaresLiteralState:
-    """What lasts between steps."""
+@compilable
+def forget(p: LeastSquaresLiteralParameters, w: LeastSquaresLiteralWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    forget_samples(w.fit)
+    w.previous = 0.0
 
-    control: TractionControlState = part(TractionControlState)
-    wheels: list[LeastSquaresLiteralWheel] = each_wheel(LeastSquaresLiteralWheel)
 
-
-@method(
-    "asr",
-    "least_squares_literal",
-    LeastSquaresLiteralParameters,
-    state=LeastSquaresLiteralState,
-    needs=(free_wheels_for("reference"),),
-    mirrored=True,
-)
+@traction_control("least_squares_literal", LeastSquaresLiteralParameters, LeastSquaresLiteralWheel, forget)
 @compilable
 def least_squares_literal(
     p: LeastSquaresLiteralParameters,
     car: Car,
-    s: LeastSquaresLiteralState,
+    w: LeastSquaresLiteralWheel,
     period: float,
-    request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> WheelTorqueCommand:
+    motion: WheelMotion,
+    wanted: float,
+) -> float:
     """Hold the torque of the previous step while the fitted curve falls; this keeps a spinning wheel spinning.
 
     X = 1 - w_free/w, Y = M/M_nom, y = A x + B sqrt(x) over the window, dy/dx < 0 at the present X: the previous torque
@@ -78,19 +62,6 @@ def least_squares_literal(
     the road. What the source does not define is left out: a sample at rest (0/0), with X < 0 (its root), or a
     window whose equations have no single solution.
     """
-    return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
-
-
-@compilable
-def limit(
-    p: LeastSquaresLiteralParameters,
-    car: Car,
-    w: LeastSquaresLiteralWheel,
-    period: float,
-    motion: WheelMotion,
-    wanted: float,
-) -> float:
-    """The previous torque [N m] while the curve falls, else none."""
     slip = 1.0 - motion.rolling / motion.speed if motion.speed != 0.0 else -1.0
     held = inf
     if 0.0 < slip <= 1.0:
@@ -100,11 +71,3 @@ def limit(
             held = w.previous
     w.previous = min(wanted, held)
     return held
-
-
-@compilable
-def forget(p: LeastSquaresLiteralParameters, w: LeastSquaresLiteralWheel) -> None:
-    """Put a wheel back to the start."""
-    w.limit = inf
-    forget_samples(w.fit)
-    w.previous = 0.0

@@ -5,20 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free_wheels_for
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
+from ev_control.shared.traction_control import LimitedWheel
+from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion, mass_share, road_torque
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import each_wheel, part
-from ev_msgs_py.contract.signals import (
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
-from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.contract.record import part
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 
@@ -66,33 +59,27 @@ class MaximumTransmissibleTorqueWheel(LimitedWheel):
     body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
 
 
-@dataclass(slots=True)
-class MaximumTransmissibleTorqueState:
-    """What lasts between steps."""
+@compilable
+def forget(p: MaximumTransmissibleTorqueParameters, w: MaximumTransmissibleTorqueWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    forget_filtered(w.road)
+    forget_filtered(w.tread_acceleration)
+    forget_filtered(w.body_acceleration)
 
-    control: TractionControlState = part(TractionControlState)
-    wheels: list[MaximumTransmissibleTorqueWheel] = each_wheel(MaximumTransmissibleTorqueWheel)
 
-
-@method(
-    "asr",
-    "maximum_transmissible_torque",
-    MaximumTransmissibleTorqueParameters,
-    state=MaximumTransmissibleTorqueState,
-    needs=(free_wheels_for("reference"),),
-    mirrored=True,
+@traction_control(
+    "maximum_transmissible_torque", MaximumTransmissibleTorqueParameters, MaximumTransmissibleTorqueWheel, forget
 )
 @compilable
 def maximum_transmissible_torque(
     p: MaximumTransmissibleTorqueParameters,
     car: Car,
-    s: MaximumTransmissibleTorqueState,
+    w: MaximumTransmissibleTorqueWheel,
     period: float,
-    request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> WheelTorqueCommand:
+    motion: WheelMotion,
+    wanted: float,
+) -> float:
     """Limit a wheel that gains on the car to the torque that lets both accelerate in a fixed proportion.
 
     T = (J/(alpha M r^2) + 1) r F_d, with the force F_d = (M_w - J w')/r: with it the tread accelerates 1/alpha times as
@@ -101,19 +88,6 @@ def maximum_transmissible_torque(
     whole car. No speed of the car is needed but for the direction, and like every law that only knows accelerations
     this one keeps slip from growing but does not undo it.
     """
-    return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
-
-
-@compilable
-def limit(
-    p: MaximumTransmissibleTorqueParameters,
-    car: Car,
-    w: MaximumTransmissibleTorqueWheel,
-    period: float,
-    motion: WheelMotion,
-    wanted: float,
-) -> float:
-    """T of eq 1.7 [N m] while the wheel gains on the car, else a limit that rises."""
     share, radius = filter_share(period, p.filter_time), car.wheel_radius
     road = follow(w.road, road_torque(car, motion), share)
     tread = follow(w.tread_acceleration, radius * motion.acceleration, share)
@@ -123,12 +97,3 @@ def limit(
         return (ratio + 1.0) / car.motor.gear_efficiency * max(road, 0.0)
     raised = w.limit + p.rise * period
     return raised if raised < wanted else inf
-
-
-@compilable
-def forget(p: MaximumTransmissibleTorqueParameters, w: MaximumTransmissibleTorqueWheel) -> None:
-    """Put a wheel back to the start."""
-    w.limit = inf
-    forget_filtered(w.road)
-    forget_filtered(w.tread_acceleration)
-    forget_filtered(w.body_acceleration)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.estimation.slip_observers import observed_slip
 from ev_control.shared.slip_regulator import (
     RegulatedWheel,
@@ -14,18 +13,10 @@ from ev_control.shared.slip_regulator import (
     stays_out,
     until_served,
 )
-from ev_control.shared.traction_control import TractionControlState, controlled
+from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import each_wheel, entry, part
-from ev_msgs_py.contract.signals import (
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
-from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.contract.record import entry
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 
@@ -50,33 +41,16 @@ class PiSlipWheel(RegulatedWheel):
     integral: float = entry(unit="N m", about="integral part of the limit")
 
 
-@dataclass(slots=True)
-class PiSlipState:
-    """What lasts between steps."""
-
-    control: TractionControlState = part(TractionControlState)
-    wheels: list[PiSlipWheel] = each_wheel(PiSlipWheel)
-
-
-@method(
-    "asr",
-    "pi_slip",
-    PiSlipParameters,
-    state=PiSlipState,
-    needs=(free_wheels_for("regulator.reference"),),
-    mirrored=True,
-)
 @compilable
-def pi_slip(
-    p: PiSlipParameters,
-    car: Car,
-    s: PiSlipState,
-    period: float,
-    request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> WheelTorqueCommand:
+def forget(p: PiSlipParameters, w: PiSlipWheel) -> None:
+    """Put a wheel back to the start."""
+    forget_regulation(w)
+    w.integral = 0.0
+
+
+@traction_control("pi_slip", PiSlipParameters, PiSlipWheel, forget, reference="regulator.reference")
+@compilable
+def pi_slip(p: PiSlipParameters, car: Car, w: PiSlipWheel, period: float, motion: WheelMotion, wanted: float) -> float:
     """Bring the slip of each wheel to its target by proportional and integral action.
 
     Limit = J w (2 D w_0 e + w_0^2 integral(e)), e = S* - S, from the torque at which the slip exceeded S*. About a
@@ -86,12 +60,6 @@ def pi_slip(
     Dissertation, section 1.3: a PI controller for small changes about a point of work. The integral stops at the
     request.
     """
-    return controlled(limit, forget, p.regulator.reference, p, car, s, period, request, column, wheels, imu)
-
-
-@compilable
-def limit(p: PiSlipParameters, car: Car, w: PiSlipWheel, period: float, motion: WheelMotion, wanted: float) -> float:
-    """The torque [N m] that brings the slip to its target, while it is limited."""
     slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
     if stays_out(p.regulator, w, slip):
         return inf
@@ -103,10 +71,3 @@ def limit(p: PiSlipParameters, car: Car, w: PiSlipWheel, period: float, motion: 
     w.integral = min(max(w.integral + integral_gain * error, 0.0), wanted)
     torque = w.integral + gain * (2.0 * p.damping_ratio * p.natural_frequency) * error
     return until_served(p.regulator, w, period, torque, wanted)
-
-
-@compilable
-def forget(p: PiSlipParameters, w: PiSlipWheel) -> None:
-    """Put a wheel back to the start."""
-    forget_regulation(w)
-    w.integral = 0.0

@@ -5,20 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters, free_wheels_for
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.shared.traction_control import LimitedWheel, TractionControlState, controlled
-from ev_control.shared.wheel_dynamics import WheelMotion, slip_of
+from ev_control.shared.traction_control import LimitedWheel
+from ev_control.shared.traction_method import traction_control
+from ev_control.shared.wheel_dynamics import WheelMotion, slip_of, slowest_wheel
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import each_wheel, part
-from ev_msgs_py.contract.signals import (
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
-from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.contract.record import part
 from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
 from ev_msgs_py.vehicle.car import Car
 
@@ -47,14 +40,7 @@ class SlipWindowParameters:
         about="time over which the slip shows whether it is already on its way back to the window",
         source="assumption",
     )
-    slowest: float = parameter(
-        3.0,
-        unit="rad/s",
-        low=0.1,
-        high=100.0,
-        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
-        source="assumption",
-    )
+    slowest: float = slowest_wheel()
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
 
     def __post_init__(self) -> None:
@@ -69,33 +55,18 @@ class SlipWindowWheel(LimitedWheel):
     slip: Filtered = part(Filtered)  # [1]; its lag shows the trend
 
 
-@dataclass(slots=True)
-class SlipWindowState:
-    """What lasts between steps."""
+@compilable
+def forget(p: SlipWindowParameters, w: SlipWindowWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    forget_filtered(w.slip)
 
-    control: TractionControlState = part(TractionControlState)
-    wheels: list[SlipWindowWheel] = each_wheel(SlipWindowWheel)
 
-
-@method(
-    "asr",
-    "slip_window",
-    SlipWindowParameters,
-    state=SlipWindowState,
-    needs=(free_wheels_for("reference"),),
-    mirrored=True,
-)
+@traction_control("slip_window", SlipWindowParameters, SlipWindowWheel, forget)
 @compilable
 def slip_window(
-    p: SlipWindowParameters,
-    car: Car,
-    s: SlipWindowState,
-    period: float,
-    request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> WheelTorqueCommand:
+    p: SlipWindowParameters, car: Car, w: SlipWindowWheel, period: float, motion: WheelMotion, wanted: float
+) -> float:
     """Lower a wheel's torque limit while its slip is above 0.15..0.19, hold it inside, raise it below.
 
     Slip S = 1 - w_free/w (dissertation, eqs 1.5, 1.6 and 2.34). The source prints the window as "0.15 > S > 0.19",
@@ -104,14 +75,6 @@ def slip_window(
     the wheel takes (assumption). The window lies beyond the peak on snow (0.09) and wet asphalt (0.13), where a wheel
     does not stay by itself: the slip swings through the window.
     """
-    return controlled(limit, forget, p.reference, p, car, s, period, request, column, wheels, imu)
-
-
-@compilable
-def limit(
-    p: SlipWindowParameters, car: Car, w: SlipWindowWheel, period: float, motion: WheelMotion, wanted: float
-) -> float:
-    """The last limit [N m], moved towards the window."""
     slip = slip_of(motion, p.slowest)
     rises = slip > follow(w.slip, slip, filter_share(period, p.trend))
     if slip > p.high and w.limit == inf:
@@ -122,10 +85,3 @@ def limit(
         raised = w.limit + p.rise * period
         return raised if raised < wanted else inf
     return w.limit
-
-
-@compilable
-def forget(p: SlipWindowParameters, w: SlipWindowWheel) -> None:
-    """Put a wheel back to the start."""
-    w.limit = inf
-    forget_filtered(w.slip)

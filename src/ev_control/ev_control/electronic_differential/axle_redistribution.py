@@ -11,6 +11,7 @@ from ev_control.estimation.slip_angle_observer import (
     axle_slip_angles,
     observed_slip_angles,
 )
+from ev_control.shared.sources import SOURCES, TRUTH
 from ev_control.shared.torque_split import BrakeSplitParameters, split_brake
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
@@ -29,8 +30,6 @@ from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.layout import ALL_WHEELS_DRIVEN
 
-SOURCES = ("truth", "estimated")
-TRUTH, ESTIMATED = range(len(SOURCES))
 AXLES = ("front", "rear")
 FRONT, REAR = range(len(AXLES))
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from ev_control.estimation.free_wheel_speed import free_wheel_speed
 from ev_control.shared.slip_ratio import slip_ratio
+from ev_control.shared.sources import SOURCES, TRUTH
+from ev_control.shared.switching_control import SwitchingControlParameters, corrected
 from ev_control.shared.torque_split import BrakeSplitParameters, split
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.motion import speed_along_path
@@ -19,29 +21,16 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.elementary import copysign
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.layout import REAR_WHEELS_DRIVEN, only_driven
 
-READINGS = ("rate", "offset", "increment")
-RATE, OFFSET, INCREMENT = range(len(READINGS))
-SOURCES = ("truth", "estimated")
-TRUTH, ESTIMATED = range(len(SOURCES))
-
 
 @dataclass(frozen=True, slots=True)
-class SlipTargetParameters:
-    """Targets and switching gains, and how the source's scan, which is damaged here, is read."""
+class SlipTargetParameters(SwitchingControlParameters):
+    """Target slip ratios, and the control that drives the wheels there."""
 
-    reading: str = parameter(
-        "rate",
-        choices=READINGS,
-        about="what the switching control changes: the torque per second (rate), the torque itself (offset), or the "
-        "torque per control period (increment)",
-        source="Ge & Ni 2005; the scan leaves it open",
-    )
     source: str = parameter(
         "truth",
         choices=SOURCES,
@@ -58,35 +47,6 @@ class SlipTargetParameters:
         high=10.0,
         about="difference of the target slip ratios per error of the yaw rate, K1",
         source="Ge & Ni 2005, print damaged",
-    )
-    k_inner: float = parameter(
-        50.0,
-        unit="N m",
-        low=0.0,
-        high=10000.0,
-        about="switching gain of the inner wheel, k_L of a left turn, and of both straight ahead; for the reading rate "
-        "per second",
-        source="Ge & Ni 2005",
-    )
-    k_outer: float = parameter(
-        100.0,
-        unit="N m",
-        low=0.0,
-        high=10000.0,
-        about="switching gain of the outer wheel, k_R of a left turn; for the reading rate per second",
-        source="Ge & Ni 2005",
-    )
-    boundary_layer: bool = parameter(True, about="whether the control is linear within the boundary layer")
-    layer_width: float = parameter(
-        0.001, unit="1", low=1e-6, high=1.0, about="half width of the boundary layer, phi", source="Ge & Ni 2005"
-    )
-    largest_correction: float = parameter(
-        0.5,
-        unit="1",
-        low=0.0,
-        high=1.0,
-        about="limit of each wheel's change of torque over its equal share, so that no torque comes without the pedal",
-        source="assumption",
     )
     slowest: float = parameter(
         0.5, unit="m/s", low=0.01, high=10.0, about="least divisor of a slip ratio", source="assumption"
@@ -124,12 +84,11 @@ def slip_target(
 ) -> WheelTorqueRequest:
     """Drive each rear wheel towards a target slip ratio, with a slip difference that follows the yaw rate error.
 
-    In a left turn l_R* = l_L* - K1 (r - delta V/L), D_i = l_i* - l_i, and T = T* + c with the switching control
-    s = k sat(D/phi), or k sgn(D) without boundary layer: dc/dt = s (reading rate), c = s (offset), or c grows by s in
-    each control period (increment). Ge & Ni (2005), whose printed k = D/phi drops the gain. T* is half of the driver's
-    torque [N m]; slip ratios [1], yaw rate r [rad/s], road-wheel angle delta [rad], left positive. A right turn is the
-    mirror image (the source drives left only), and straight ahead both wheels count as inner ones. Each |c| stays below
-    largest_correction T*, and the correction is dropped while the driver asks for no drive torque or brakes.
+    In a left turn l_R* = l_L* - K1 (r - delta V/L), D_i = l_i* - l_i, and T = T* + c with the switching control c of D
+    (`corrected`; Ge & Ni 2005). T* is half of the driver's torque [N m]; slip ratios [1], yaw rate r [rad/s], road-
+    wheel angle delta [rad], left positive. A right turn is the mirror image (the source drives left only), and straight
+    ahead both wheels count as inner ones. Each |c| stays below largest_correction T*, and the correction is dropped
+    while the driver asks for no drive torque or brakes.
     """
     equal, delta = split(p.brake, car, driver, 0.0), column.road_wheel_angle
     if driver.drive_torque <= 0.0 or driver.brake_torque > 0.0:
@@ -153,17 +112,3 @@ def slip_target(
     s.left = corrected(p, period, s.left, outer_left, target_left - slip_left, limit)
     s.right = corrected(p, period, s.right, outer_right, target_right - slip_right, limit)
     return WheelTorqueRequest(Wheels(0.0, 0.0, share + s.left, share + s.right), equal.brake)
-
-
-@compilable
-def corrected(
-    p: SlipTargetParameters, period: float, correction: float, outer: bool, error: float, limit: float
-) -> float:
-    """The next correction of a wheel [N m] by its slip error [1], within the limit [N m]."""
-    gain = p.k_outer if outer else p.k_inner
-    if p.boundary_layer == 1.0:
-        switched = min(max(error / p.layer_width, -1.0), 1.0)
-    else:
-        switched = copysign(1.0, error) if error != 0.0 else 0.0
-    change = gain * (period if p.reading == RATE else 1.0) * switched
-    return min(max(change if p.reading == OFFSET else correction + change, -limit), limit)

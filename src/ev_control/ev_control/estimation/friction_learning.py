@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.shared.wheel_dynamics import slowest_wheel
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.parameters.declaration import parameter
 
@@ -34,14 +35,7 @@ class FrictionLearningParameters:
         about="rise of the estimate without slip, which finds out when the road gets better",
         source="assumption",
     )
-    slowest: float = parameter(
-        3.0,
-        unit="rad/s",
-        low=0.1,
-        high=100.0,
-        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
-        source="assumption",
-    )
+    slowest: float = slowest_wheel()
 
 
 @compilable

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.shared.wheel_dynamics import WheelMotion, mass_share, slip_of
+from ev_control.shared.wheel_dynamics import WheelMotion, mass_share, slip_of, slowest_wheel
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.parameters.declaration import parameter
@@ -25,14 +25,7 @@ class SlipObserverParameters:
         about="reference_speed: none, eq 2.34; derivative: eq 1.8; corrected_derivative: eq 1.9; disturbance: eq 1.10",
         source="dissertation, eqs 1.8 to 1.10",
     )
-    slowest: float = parameter(
-        3.0,
-        unit="rad/s",
-        low=0.1,
-        high=100.0,
-        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
-        source="assumption",
-    )
+    slowest: float = slowest_wheel()
     correction: float = parameter(
         1.0,
         unit="1",

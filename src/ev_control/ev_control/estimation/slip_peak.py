@@ -13,6 +13,7 @@ from ev_control.estimation.slip_curve_fit import (
     mean_slip,
     slip_variance,
 )
+from ev_control.shared.wheel_dynamics import slowest_wheel
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.parameters.declaration import parameter
@@ -32,14 +33,7 @@ class SlipPeakParameters:
         about="length of the window; shorter than 0.05 s misses peaks, longer than 0.25 s is late",
         source="assumption",
     )
-    slowest: float = parameter(
-        3.0,
-        unit="rad/s",
-        low=0.1,
-        high=100.0,
-        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
-        source="assumption",
-    )
+    slowest: float = slowest_wheel()
     offset: float = parameter(
         1e-4,
         unit="1",

@@ -16,11 +16,11 @@ def wheel_load(car: Car, wheel: int, longitudinal_acceleration: float, lateral_a
     eqs 2.28 to 2.31, for a centre of mass in the car's middle; k is the axle's share of the roll moment. Never below a
     tenth of the load at rest, where the car would be on three wheels.
     """
-    half_mass, height = car.mass / 2.0, car.centre_of_mass_height
-    along = half_mass * height / car.wheelbase * longitudinal_acceleration
+    half_mass = car.mass / 2.0
+    along = half_mass * car.pitch_height / car.wheelbase * longitudinal_acceleration
     front = wheel in (FRONT_LEFT, FRONT_RIGHT)
     roll, track = (car.front_roll_share, car.front_track) if front else (1.0 - car.front_roll_share, car.rear_track)
-    across = 2.0 * half_mass * height * roll / track * lateral_acceleration
+    across = 2.0 * half_mass * car.roll_height * roll / track * lateral_acceleration
     at_rest = load_at_rest(car, wheel)
     load = at_rest - along if front else at_rest + along
     load = load - across if wheel in (FRONT_LEFT, REAR_LEFT) else load + across

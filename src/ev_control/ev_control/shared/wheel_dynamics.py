@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.parameters.declaration import parameter
 from ev_msgs_py.vehicle.car import Car
 
 
@@ -19,6 +20,18 @@ class WheelMotion(NamedTuple):
     forward_acceleration: float  # of the car to its front, in reverse as well [m/s^2]
     lateral_acceleration: float  # of the car to its left [m/s^2]
     place: int  # of the wheel, in the order of Wheels
+
+
+def slowest_wheel() -> Any:
+    """The parameter `slowest` of those that take a slip by `slip_of`."""
+    return parameter(
+        3.0,
+        unit="rad/s",
+        low=0.1,
+        high=100.0,
+        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
+        source="assumption",
+    )
 
 
 @compilable

@@ -12,8 +12,8 @@ class Field:
 
     `place` is a path in the message, such as twist.linear.x; in a JointState it is JOINT.ARRAY, such as drive.effort,
     where {wheel} stands for the name of each wheel. `sensor` names the sensor, which fields with one name share, and
-    `largest` is the largest error that its parameters accept, in the unit. `lateral` quantities change their sign where
-    left and right are exchanged: what points to the left, or turns to the left.
+    `largest` is the largest error that its parameters accept, in the unit. `lateral` is what points or turns
+    to the left.
     """
 
     unit: str
@@ -23,6 +23,11 @@ class Field:
     sensor: str = ""
     largest: float = 0.0
     lateral: bool = False
+
+
+def leftward(unit: str, about: str, place: str, **more: Any) -> Field:
+    """A Field of what changes its sign where left and right are exchanged."""
+    return Field(unit, about, place, lateral=True, **more)
 
 
 def field_of(hint: Any) -> Field:

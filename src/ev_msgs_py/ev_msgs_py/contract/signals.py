@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from ev_msgs_py.contract.field import Field
+from ev_msgs_py.contract.field import Field, leftward
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.elementary import atan2, cos, remainder, sin
 
@@ -26,9 +26,7 @@ class DriverCommand(NamedTuple):
 
     drive_torque: Annotated[float, Field("N m", "of all drives together, negative to slow down", "drive.effort")]
     brake_torque: Annotated[float, Field("N m", "of all brakes together, never negative", "brake.effort")]
-    hand_torque: Annotated[
-        float, Field("N m", "on the steering wheel, left positive", "steering_wheel.effort", lateral=True)
-    ]
+    hand_torque: Annotated[float, leftward("N m", "on the steering wheel, left positive", "steering_wheel.effort")]
 
 
 class SteeringColumnState(NamedTuple):
@@ -36,58 +34,23 @@ class SteeringColumnState(NamedTuple):
 
     angle: Annotated[
         float,
-        Field(
-            "rad",
-            "of the steering wheel",
-            "steering_wheel.position",
-            sensor="steering_angle",
-            largest=10.0,
-            lateral=True,
-        ),
+        leftward("rad", "of the steering wheel", "steering_wheel.position", sensor="steering_angle", largest=10.0),
     ]
     rate: Annotated[
         float,
-        Field(
-            "rad/s",
-            "of the steering wheel",
-            "steering_wheel.velocity",
-            sensor="steering_rate",
-            largest=100.0,
-            lateral=True,
-        ),
+        leftward("rad/s", "of the steering wheel", "steering_wheel.velocity", sensor="steering_rate", largest=100.0),
     ]
     hand_torque: Annotated[
         float,
-        Field(
-            "N m",
-            "of the driver, left positive",
-            "steering_wheel.effort",
-            sensor="hand_torque",
-            largest=100.0,
-            lateral=True,
-        ),
+        leftward("N m", "of the driver, left positive", "steering_wheel.effort", sensor="hand_torque", largest=100.0),
     ]
     road_wheel_angle: Annotated[
         float,
-        Field(
-            "rad",
-            "mean of the front wheels",
-            "road_wheels.position",
-            sensor="road_wheel_angle",
-            largest=1.0,
-            lateral=True,
-        ),
+        leftward("rad", "mean of the front wheels", "road_wheels.position", sensor="road_wheel_angle", largest=1.0),
     ]
     road_wheel_rate: Annotated[
         float,
-        Field(
-            "rad/s",
-            "mean of the front wheels",
-            "road_wheels.velocity",
-            sensor="road_wheel_rate",
-            largest=10.0,
-            lateral=True,
-        ),
+        leftward("rad/s", "mean of the front wheels", "road_wheels.velocity", sensor="road_wheel_rate", largest=10.0),
     ]
 
 
@@ -137,14 +100,13 @@ class InertialMeasurement(NamedTuple):
     """Yaw rate and accelerations of the centre of mass in the body frame, without gravity."""
 
     yaw_rate: Annotated[
-        float, Field("rad/s", "left positive", "angular_velocity.z", sensor="imu_yaw_rate", largest=10.0, lateral=True)
+        float, leftward("rad/s", "left positive", "angular_velocity.z", sensor="imu_yaw_rate", largest=10.0)
     ]
     longitudinal_acceleration: Annotated[
         float, Field("m/s^2", "forwards", "linear_acceleration.x", sensor="imu_acceleration", largest=100.0)
     ]
     lateral_acceleration: Annotated[
-        float,
-        Field("m/s^2", "to the left", "linear_acceleration.y", sensor="imu_acceleration", largest=100.0, lateral=True),
+        float, leftward("m/s^2", "to the left", "linear_acceleration.y", sensor="imu_acceleration", largest=100.0)
     ]
 
 
@@ -152,11 +114,9 @@ class BodyVelocity(NamedTuple):
     """Velocity of the centre of mass in the body frame."""
 
     longitudinal: Annotated[float, Field("m/s", "forwards", "twist.linear.x", sensor="body_velocity", largest=100.0)]
-    lateral: Annotated[
-        float, Field("m/s", "to the left", "twist.linear.y", sensor="body_velocity", largest=100.0, lateral=True)
-    ]
+    lateral: Annotated[float, leftward("m/s", "to the left", "twist.linear.y", sensor="body_velocity", largest=100.0)]
     yaw_rate: Annotated[
-        float, Field("rad/s", "left positive", "twist.angular.z", sensor="body_yaw_rate", largest=10.0, lateral=True)
+        float, leftward("rad/s", "left positive", "twist.angular.z", sensor="body_yaw_rate", largest=10.0)
     ]
 
 
@@ -164,16 +124,12 @@ class BodyPose(NamedTuple):
     """Position of the centre of mass and heading in the odom frame; the heading as z and w of the quaternion."""
 
     x: Annotated[float, Field("m", "of the centre of mass", "pose.position.x", sensor="body_position", largest=1e3)]
-    y: Annotated[
-        float, Field("m", "of the centre of mass", "pose.position.y", sensor="body_position", largest=1e3, lateral=True)
-    ]
+    y: Annotated[float, leftward("m", "of the centre of mass", "pose.position.y", sensor="body_position", largest=1e3)]
     orientation_z: Annotated[
-        float,
-        Field("1", "sine of half the heading", "pose.orientation.z", sensor="body_heading", largest=10.0, lateral=True),
+        float, leftward("1", "sine of half the heading", "pose.orientation.z", sensor="body_heading", largest=10.0)
     ]
     orientation_w: Annotated[
-        float,
-        Field("1", "cosine of half the heading", "pose.orientation.w", sensor="body_heading", largest=10.0),
+        float, Field("1", "cosine of half the heading", "pose.orientation.w", sensor="body_heading", largest=10.0)
     ]
 
     @classmethod
@@ -192,16 +148,13 @@ class BatteryCondition(NamedTuple):
     """Terminal values of the traction battery, in the single precision that BatteryState carries."""
 
     voltage: Annotated[
-        float,
-        Field("V", "at the terminals", "voltage", single_precision=True, sensor="battery_voltage", largest=1e3),
+        float, Field("V", "at the terminals", "voltage", single_precision=True, sensor="battery_voltage", largest=1e3)
     ]
     current: Annotated[
-        float,
-        Field("A", "into the battery", "current", single_precision=True, sensor="battery_current", largest=1e3),
+        float, Field("A", "into the battery", "current", single_precision=True, sensor="battery_current", largest=1e3)
     ]
     charge: Annotated[
-        float,
-        Field("A h", "left", "charge", single_precision=True, sensor="battery_state_of_charge", largest=1.0),
+        float, Field("A h", "left", "charge", single_precision=True, sensor="battery_state_of_charge", largest=1.0)
     ]
     capacity: Annotated[float, Field("A h", "between empty and full", "capacity", single_precision=True)]
     state_of_charge: Annotated[
@@ -220,20 +173,17 @@ class TireForces(NamedTuple):
         Wheels, Field("N", "along the wheel", "{wheel}_longitudinal.effort", sensor="tire_force", largest=1e5)
     ]
     lateral_force: Annotated[
-        Wheels, Field("N", "across the wheel", "{wheel}_lateral.effort", sensor="tire_force", largest=1e5, lateral=True)
+        Wheels, leftward("N", "across the wheel", "{wheel}_lateral.effort", sensor="tire_force", largest=1e5)
     ]
     load: Annotated[Wheels, Field("N", "on the road", "{wheel}_vertical.effort", sensor="tire_load", largest=1e5)]
     slip_ratio: Annotated[
-        Wheels,
-        Field("1", "sign of its force", "{wheel}_longitudinal.position", sensor="tire_slip_ratio", largest=1.0),
+        Wheels, Field("1", "sign of its force", "{wheel}_longitudinal.position", sensor="tire_slip_ratio", largest=1.0)
     ]
     slip_angle: Annotated[
-        Wheels,
-        Field("rad", "left positive", "{wheel}_lateral.position", sensor="tire_slip_angle", largest=1.0, lateral=True),
+        Wheels, leftward("rad", "left positive", "{wheel}_lateral.position", sensor="tire_slip_angle", largest=1.0)
     ]
     friction_coefficient: Annotated[
-        Wheels,
-        Field("1", "available", "{wheel}_vertical.position", sensor="tire_friction", largest=1.0),
+        Wheels, Field("1", "available", "{wheel}_vertical.position", sensor="tire_friction", largest=1.0)
     ]
 
 

@@ -7,13 +7,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from types import MappingProxyType, SimpleNamespace
-from typing import Any
+from typing import Any, TypeVar
 
 from ev_msgs_py.compiling.compilable import FUNCTIONS
 from ev_msgs_py.contract.record import fill, names, numbers
 from ev_msgs_py.parameters.declaration import number_tree
 from ev_msgs_py.vehicle.car import car_numbers
 from ev_msgs_py.vehicle.description import Vehicle
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 # What the functions of a law may ask for by the names of their first arguments; the signals follow.
 GIVEN = ("p", "car", "c", "s", "period")
@@ -66,6 +68,13 @@ class Law:
     def __call__(self, parameters: Any, vehicle: Vehicle, period: float) -> LawObject:
         """A new object of the law, at rest."""
         return LawObject(self, parameters, vehicle, period)
+
+
+def named_after(function: F, law: Callable[..., Any]) -> F:
+    """A function made around a law, under the law's name, module and docstring, by which users know the method."""
+    for attribute in ("__module__", "__name__", "__qualname__", "__doc__"):
+        setattr(function, attribute, getattr(law, attribute))
+    return function
 
 
 def given_names(function: Callable[..., Any]) -> tuple[str, ...]:

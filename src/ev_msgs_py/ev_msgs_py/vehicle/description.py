@@ -10,6 +10,8 @@ from ev_msgs_py.vehicle.driveline import Driveline
 from ev_msgs_py.vehicle.motor import Motor
 from ev_msgs_py.vehicle.tyre import Tyre
 
+LOAD_TRANSFERS = ("both", "lateral", "none")
+
 
 @dataclass(frozen=True, slots=True)
 class Vehicle:
@@ -27,6 +29,15 @@ class Vehicle:
         1.08225, unit="m", low=0.0, high=12.0, about="centre of mass in front of the rear axle, l_cm L"
     )
     wheel_radius: float = parameter(0.294, unit="m", low=0.05, high=1.5, about="rolling radius of the wheels, r_k")
+    wheel_radius_ratio: tuple[float, ...] = parameter(
+        (1.0, 1.0, 1.0, 1.0),
+        unit="1",
+        low=0.5,
+        high=2.0,
+        about="true radius of each wheel over `wheel_radius`, in the planar plant; laws know `wheel_radius` alone",
+        source="dissertation, chapter 2: r_k,i of the i-th wheel",
+        per_wheel=True,
+    )
     steering_ratio: float = parameter(
         16.0, unit="1", low=1.0, high=40.0, about="steering-wheel angle over road-wheel angle, i"
     )
@@ -41,9 +52,28 @@ class Vehicle:
     )
     drag_coefficient: float = parameter(0.3, unit="1", low=0.0, high=3.0, about="aerodynamic drag coefficient, c_d")
     frontal_area: float = parameter(2.1, unit="m^2", low=0.0, high=20.0, about="frontal area, A")
+    side_drag_coefficient: float = parameter(
+        0.0,
+        unit="1",
+        low=0.0,
+        high=5.0,
+        about="drag across the car, of the planar plant, C_wy",
+        source="dissertation, eq 2.22, without a value",
+    )
+    side_area: float = parameter(0.0, unit="m^2", low=0.0, high=100.0, about="area seen from the side, F_side")
     air_density: float = parameter(1.24, unit="kg/m^3", low=0.0, high=2.0, about="density of the air, rho")
     rolling_resistance_speed: float = parameter(
-        0.0, unit="s^2/m^2", low=0.0, high=1e-3, about="growth of the rolling resistance with V^2, k_f"
+        0.0,
+        unit="s^2/m^2 or h^2/km^2",
+        low=0.0,
+        high=1e-3,
+        about="growth of the rolling resistance with V^2, k_f; the unit by `rolling_resistance_reading`",
+    )
+    rolling_resistance_reading: str = parameter(
+        "added",
+        choices=("added", "relative"),
+        about="added: f = f_0 + k_f V^2 with V in m/s; relative: f = f_0 (1 + k_f V^2) with V in km/h",
+        source="dissertation, eq 2.8, which leaves the unit of V open: added is its literal form",
     )
     yaw_inertia: float = parameter(1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z")
     centre_of_mass_height: float = parameter(0.55, unit="m", low=0.0, high=4.0, about="above the road, h")
@@ -53,9 +83,28 @@ class Vehicle:
     front_roll_share: float = parameter(
         0.5, unit="1", low=0.0, high=1.0, about="share of the lateral load transfer that the front axle takes"
     )
+    load_transfer: str = parameter(
+        "both",
+        choices=LOAD_TRANSFERS,
+        about="accelerations that move the wheel loads; a source may leave out the longitudinal one, or both",
+        source="lateral: Ge & Ni 2005; none: Tatar & Chudzik",
+    )
     wheel_inertia: float = parameter(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w")
+    printed_wheel_inertia: bool = parameter(
+        False,
+        about="add m r_k^2/4 to the inertia of each wheel: the car's mass counts twice",
+        source="Tatar & Chudzik, eq 1 as printed",
+    )
     steering_geometry: str = parameter(
         "ackermann", choices=("ackermann", "parallel"), about="road-wheel angles of the two front wheels"
+    )
+    rear_steering_ratio: float = parameter(
+        0.0,
+        unit="1",
+        low=-1.0,
+        high=1.0,
+        about="angle of both rear wheels over the mean road-wheel angle of the front ones, in the planar plant",
+        source="Ge & Ni 2005, eq 3: delta_r",
     )
     maximum_road_wheel_angle: float = parameter(
         0.7, unit="rad", low=0.01, high=1.4, about="largest mean road-wheel angle, either way"
@@ -79,8 +128,23 @@ class Vehicle:
             raise ParameterError("centre_of_mass_to_rear_axle is above wheelbase")
         if abs(self.centre_of_mass_offset) >= min(self.front_track, self.rear_track) / 2:
             raise ParameterError("centre_of_mass_offset lies outside the wheels")
+        if len(self.wheel_radius_ratio) != 4:
+            raise ParameterError("wheel_radius_ratio needs four elements, one for each wheel")
+
+    @property
+    def free_wheel_inertia(self) -> float:
+        """Inertia of a wheel without motor [kg m^2]: J_w, or as Tatar & Chudzik print it in eq 1."""
+        body = self.mass / 4.0 * self.wheel_radius * self.wheel_radius if self.printed_wheel_inertia else 0.0
+        return self.wheel_inertia + body
+
+    @property
+    def rolling_resistance_growth(self) -> float:
+        """What the speed adds to the rolling resistance coefficient, over V^2 [s^2/m^2]."""
+        if self.rolling_resistance_reading == "added":
+            return self.rolling_resistance_speed
+        return self.rolling_resistance * self.rolling_resistance_speed * (3.6 * 3.6)
 
     @property
     def driven_wheel_inertia(self) -> float:
         """Inertia of a driven wheel with its rotor behind the gear, J = J_w + i^2 J_r [kg m^2]."""
-        return self.wheel_inertia + self.gear_ratio * self.gear_ratio * self.motor.rotor_inertia
+        return self.free_wheel_inertia + self.gear_ratio * self.gear_ratio * self.motor.rotor_inertia

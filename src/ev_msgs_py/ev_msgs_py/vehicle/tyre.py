@@ -34,16 +34,20 @@ class Tyre:
         about="slip_vector: one curve over the resulting slip; uncoupled: each direction on its own",
     )
     lateral_curve: str = parameter(
-        "same", choices=("same", "linear"), about="lateral curve; linear needs `uncoupled` and has no friction limit"
+        "same",
+        choices=("same", "linear", "constant_stiffness"),
+        about="lateral curve. same: that of the friction; linear: F_y = -C alpha N/N_static, which follows the load; "
+        "constant_stiffness: F_y = -C alpha, whatever the load. Both lines need `uncoupled` and know no friction limit",
+        source="constant_stiffness: Ge & Ni 2005",
     )
     lateral_ratio: float = parameter(
         1.0, unit="1", low=0.1, high=10.0, about="lateral over longitudinal slip stiffness of the curve"
     )
     front_cornering_stiffness: float = parameter(
-        60000.0, unit="N/rad", low=0.0, high=1e6, about="of each front tyre at its static load, if the curve is linear"
+        60000.0, unit="N/rad", low=0.0, high=1e6, about="of each front tyre at its static load, of a lateral line"
     )
     rear_cornering_stiffness: float = parameter(
-        60000.0, unit="N/rad", low=0.0, high=1e6, about="of each rear tyre at its static load, if the curve is linear"
+        60000.0, unit="N/rad", low=0.0, high=1e6, about="of each rear tyre at its static load, of a lateral line"
     )
     longitudinal_stiffness: float = parameter(
         350e3, unit="N/m", low=1e4, high=1e7, about="carcass stiffness between rim and contact patch, along the wheel"
@@ -61,5 +65,7 @@ class Tyre:
     def __post_init__(self) -> None:
         if len(self.coefficients) != 4:
             raise ParameterError("coefficients needs four elements (those that the curve does not have are zero)")
-        if self.lateral_curve == "linear" and self.combined != "uncoupled":
-            raise ParameterError("lateral_curve linear needs combined uncoupled: a line has no share of a slip vector")
+        if self.lateral_curve != "same" and self.combined != "uncoupled":
+            raise ParameterError(
+                f"lateral_curve {self.lateral_curve} needs combined uncoupled: a line has no share of a slip vector"
+            )

@@ -4,21 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.motion import speed_along_path
 from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
+from ev_msgs_py.lockstep.law import named_after
+from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.layout import Need
 from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
 from ev_sim.driver.path import Path, path_of
 from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
 from ev_sim.profiles.cycle_modes import TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.profile import Profile, value_at
+from ev_sim.profiles.profile_file import with_speed_profile_from_file
 from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
+
+D = TypeVar("D", bound=Callable[..., float])
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,13 +58,9 @@ def cycle_of(parameters: CycleDriverParameters, vehicle: Vehicle, period: float)
     return Cycle(wanted_speed(parameters.speed_profile), cycle_modes(parameters.modes), path_of(parameters.path))
 
 
-# Gives the drive torque, all wheels together [N m], in a window of traction at wanted and present speed [m/s].
-DriveTorque = Callable[[CycleDriverParameters, Car, CycleDriverState, float, float, float, WheelStates], float]
-
-
 @compilable
 def drive_cycle(
-    drive_torque: DriveTorque,
+    drive_torque: Callable[..., float],
     p: CycleDriverParameters,
     car: Car,
     c: Cycle,
@@ -84,3 +86,40 @@ def drive_cycle(
     s.pressed = 0.0
     drive, brake, s.speed_integral = follow_speed(p.speed_control, period, wanted, speed, s.speed_integral)
     return DriverCommand(drive, brake, hand_torque)
+
+
+def cycle_driver(name: str, parameters: type, needs: tuple[Need, ...] = ()) -> Callable[[D], D]:
+    """Register what a driver does in windows of traction as a driver of the whole cycle, under its docstring.
+
+    It is `(p, car, s, period, wanted, speed, wheels)`, with the wanted and the present speed [m/s], and gives the drive
+    torque of all wheels together [N m]; p is a CycleDriverParameters with more.
+    """
+
+    def register(drive_torque: D) -> D:
+        def driver(
+            p: Any,
+            car: Car,
+            c: Cycle,
+            s: CycleDriverState,
+            period: float,
+            now: Instant,
+            body: BodyVelocity,
+            pose: BodyPose,
+            column: SteeringColumnState,
+            wheels: WheelStates,
+        ) -> DriverCommand:
+            return drive_cycle(drive_torque, p, car, c, s, period, now, body, pose, column, wheels)
+
+        method(
+            "driver",
+            name,
+            parameters,
+            state=CycleDriverState,
+            prepare=cycle_of,
+            load_files=with_speed_profile_from_file,
+            needs=needs,
+            mirrored=True,
+        )(compilable(named_after(driver, drive_torque)))
+        return drive_torque
+
+    return register

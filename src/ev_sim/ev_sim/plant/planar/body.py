@@ -57,8 +57,7 @@ def rates(
     vx, vy, yaw_rate = y[VX], y[VY], y[YAW_RATE]
     load = loads(y, car, step.gravity_z)
     step.load[0], step.load[1], step.load[2], step.load[3] = load
-    rolling = car.rolling_resistance + car.rolling_resistance_speed * vx * vx
-    radius = car.wheel_radius
+    rolling = car.rolling_resistance + car.rolling_resistance_growth * vx * vx
     stiffness_x, stiffness_y = car.tyre.longitudinal_stiffness, car.tyre.lateral_stiffness
     # Forces and powers of the wheels, summed as (front left + front right) + (rear left + rear right).
     sum_x = sum_y = moment = tyre_power = friction_power = 0.0
@@ -71,12 +70,12 @@ def rates(
                 wheel_speed = 0.0  # the brake stops the wheel within this step, it cannot turn it back
             at = contact(y, car, body, step, i, wheel_speed)
             secant_x, secant_y, transport_x, transport_y = secants(car, body, step, i, at)
-            normal = step.load[i]
+            normal, radius = step.load[i], body.wheel_radius[i]
             along_force, dy[DEFLECTION_X + i] = force_and_rate(
-                y[DEFLECTION_X + i], at.slip_x, transport_x, normal * secant_x, stiffness_x, body.damping_x
+                y[DEFLECTION_X + i], at.slip_x, transport_x, secant_x, stiffness_x, body.damping_x
             )
             across_force, dy[DEFLECTION_Y + i] = force_and_rate(
-                y[DEFLECTION_Y + i], at.slip_y, transport_y, normal * secant_y, stiffness_y, body.damping_y
+                y[DEFLECTION_Y + i], at.slip_y, transport_y, secant_y, stiffness_y, body.damping_y
             )
             step.force_x[i], step.force_y[i] = along_force, across_force
 
@@ -107,6 +106,7 @@ def rates(
 
     specific_x, specific_y = sum_x / car.mass, sum_y / car.mass
     drag = body.drag * abs(vx) * vx
+    dy[DRAG_WORK] = drag * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
     holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
     if p.speed != FREE:
@@ -114,6 +114,10 @@ def rates(
         holding = wanted - step.acceleration_x
         step.acceleration_x = wanted
     step.acceleration_y = specific_y + step.gravity_y
+    if body.side_drag > 0.0:
+        side_drag = body.side_drag * abs(vy) * vy
+        step.acceleration_y -= side_drag / car.mass
+        dy[DRAG_WORK] += side_drag * vy
     dy[VX] = step.acceleration_x + yaw_rate * vy
     dy[VY] = step.acceleration_y - yaw_rate * vx
     dy[YAW_RATE] = moment / car.yaw_inertia
@@ -123,7 +127,6 @@ def rates(
     dy[BODY_DISTANCE] = vx
     dy[TYRE_WORK] = tyre_power
     dy[FRICTION_WORK] = friction_power
-    dy[DRAG_WORK] = drag * vx
     dy[GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
     dy[HOLDING_WORK] = -car.mass * holding * vx
 

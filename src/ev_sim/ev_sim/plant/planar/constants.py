@@ -16,11 +16,15 @@ class BodyConstants:
 
     wheel_x: list[float] = per_wheel(unit="m", about="of the wheel centre from the centre of mass")
     wheel_y: list[float] = per_wheel(unit="m", about="of the wheel centre from the centre of mass")
+    wheel_radius: list[float] = per_wheel(unit="m", about="true rolling radius")
     wheel_inertia: list[float] = per_wheel(unit="kg m^2", about="with the part of the rotor behind its gear")
-    cornering_stiffness: list[float] = per_wheel(unit="1/rad", about="over static load, of a linear lateral curve")
+    cornering_stiffness: list[float] = per_wheel(
+        unit="1/rad", about="over static load, of a linear lateral curve; itself [N/rad] of a constant stiffness"
+    )
     damping_x: float = entry(unit="N s/m", about="of the carcass, along the wheel")
     damping_y: float = entry(unit="N s/m", about="of the carcass, across the wheel")
     drag: float = entry(unit="N s^2/m^2", about="rho c_d A / 2")
+    side_drag: float = entry(unit="N s^2/m^2", about="rho C_wy F_side / 2")
 
 
 def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -37,16 +41,20 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
     v, tyre = vehicle, vehicle.tyre
     front_load = v.mass * GRAVITY * v.centre_of_mass_to_rear_axle / v.wheelbase
     rear_load = v.mass * GRAVITY - front_load
-    front_stiffness = 2 * tyre.front_cornering_stiffness / max(front_load, 1.0)
-    rear_stiffness = 2 * tyre.rear_cornering_stiffness / max(rear_load, 1.0)
+    front_stiffness, rear_stiffness = tyre.front_cornering_stiffness, tyre.rear_cornering_stiffness
+    if tyre.lateral_curve == "linear":
+        front_stiffness = 2 * front_stiffness / max(front_load, 1.0)
+        rear_stiffness = 2 * rear_stiffness / max(rear_load, 1.0)
     x, y = wheel_places(v)
     rotor = v.motor.rotor_inertia * (v.gear_ratio * v.gear_ratio)
     return BodyConstants(
         wheel_x=list(x),
         wheel_y=list(y),
-        wheel_inertia=[v.wheel_inertia + (rotor if name in v.driven_wheels else 0.0) for name in WHEEL_NAMES],
+        wheel_radius=[v.wheel_radius * ratio for ratio in v.wheel_radius_ratio],
+        wheel_inertia=[v.free_wheel_inertia + (rotor if name in v.driven_wheels else 0.0) for name in WHEEL_NAMES],
         cornering_stiffness=[front_stiffness, front_stiffness, rear_stiffness, rear_stiffness],
         damping_x=tyre.longitudinal_stiffness * tyre.longitudinal_damping_time,
         damping_y=tyre.lateral_stiffness * tyre.lateral_damping_time,
         drag=0.5 * v.air_density * v.drag_coefficient * v.frontal_area,
+        side_drag=0.5 * v.air_density * v.side_drag_coefficient * v.side_area,
     )

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import inlined
-from ev_msgs_py.elementary import sqrt
+from ev_msgs_py.elementary import asin, sqrt
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.state import DEFLECTION_X, DEFLECTION_Y, VX, VY, WHEEL_SPEED, YAW_RATE
 from ev_sim.tyres.combined import SLIP_VECTOR, STILL, slip_vector, uncoupled
 
-LATERAL_CURVES = ("same", "linear")
-SAME, LINEAR = range(len(LATERAL_CURVES))
+LATERAL_CURVES = ("same", "linear", "constant_stiffness")
+SAME, LINEAR, CONSTANT_STIFFNESS = range(len(LATERAL_CURVES))
 
 
 class Contact(NamedTuple):
@@ -35,28 +35,33 @@ def contact(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: in
     ground_y = y[VY] + body.wheel_x[i] * y[YAW_RATE]
     along = ground_x * cosine + ground_y * sine
     across = ground_y * cosine - ground_x * sine
-    rim = car.wheel_radius * wheel_speed
+    rim = body.wheel_radius[i] * wheel_speed
     return Contact(along, sqrt(along * along + across * across), rim, rim - along, -across)
 
 
 @inlined
 def secants(car: Car, body: BodyConstants, step: Step, i: int, at: Contact) -> tuple[float, float, float, float]:
-    """Friction per slip [1] and transport velocity [m/s], for both directions of wheel i.
+    """Force per slip [N] and transport velocity [m/s], for both directions of wheel i.
 
     The transport velocity is the larger of rim and ground speed, which gives 1 - V/(r w) in traction and (r w - V)/V in
     braking.
     """
-    tyre, on_road = car.tyre, step.tyre[i]
+    tyre, on_road, load = car.tyre, step.tyre[i], step.load[i]
     if tyre.combined == SLIP_VECTOR:
         transport = max(abs(at.rim), at.speed, STILL)
         along_secant, across_secant = slip_vector(tyre, on_road, at.slip_x, at.slip_y, transport)
-        return along_secant, across_secant, transport, transport
+        return load * along_secant, load * across_secant, transport, transport
     transport_x = max(abs(at.rim), abs(at.along), STILL)
     transport_y = max(at.speed, STILL)
     along_secant, across_secant = uncoupled(tyre, on_road, at.slip_x, at.slip_y, transport_x, transport_y)
+    across = load * across_secant
     if tyre.lateral_curve == LINEAR:
-        across_secant = body.cornering_stiffness[i]
-    return along_secant, across_secant, transport_x, transport_y
+        across = load * body.cornering_stiffness[i]
+    elif tyre.lateral_curve == CONSTANT_STIFFNESS:
+        # Over the slip angle itself, while slips are sines of it.
+        sine = min(abs(at.slip_y) / transport_y, 1.0)
+        across = body.cornering_stiffness[i] * (asin(sine) / sine if sine > 0.0 else 1.0)
+    return load * along_secant, across, transport_x, transport_y
 
 
 @inlined
@@ -71,6 +76,6 @@ def slips(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int)
     spring_x = car.tyre.longitudinal_stiffness * y[DEFLECTION_X + i] + body.damping_x * at.slip_x
     spring_y = car.tyre.lateral_stiffness * y[DEFLECTION_Y + i] + body.damping_y * at.slip_y
     return (
-        spring_x / (step.load[i] * secant_x + transport_x * body.damping_x),
-        spring_y / (step.load[i] * secant_y + transport_y * body.damping_y),
+        spring_x / (secant_x + transport_x * body.damping_x),
+        spring_y / (secant_y + transport_y * body.damping_y),
     )

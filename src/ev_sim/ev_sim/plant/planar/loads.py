@@ -13,8 +13,8 @@ from ev_sim.plant.planar.state import TRANSFER_X, TRANSFER_Y
 @inlined
 def loads(y: Sequence[float], car: Car, gravity_z: float) -> Wheels:
     """Loads of the four wheels [N] in a state, under gravity that presses the car on the road [m/s^2]."""
-    moment_arm = car.centre_of_mass_height * car.mass
-    return wheel_loads(car, car.mass * gravity_z, moment_arm * y[TRANSFER_X], moment_arm * y[TRANSFER_Y])
+    pitch_arm, roll_arm = car.pitch_height * car.mass, car.roll_height * car.mass
+    return wheel_loads(car, car.mass * gravity_z, pitch_arm * y[TRANSFER_X], roll_arm * y[TRANSFER_Y])
 
 
 @inlined

@@ -42,6 +42,16 @@ class PlanarParameters(DriveParameters):
         0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start", lateral=True
     )
     initial_heading: float = parameter(0.0, unit="rad", low=-10.0, high=10.0, about="at the start", lateral=True)
+    initial_drive_torque: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0, 0.0),
+        unit="N m",
+        low=-1e5,
+        high=1e5,
+        about="asked of each wheel: with any, the run begins in the equilibrium of straight running at constant speed "
+        "with these torques, wheels at the slip that holds them; without, the wheels begin without slip",
+        source="Ge & Ni 2005: straight running with T* comes before the turn",
+        per_wheel=True,
+    )
     speed: str = parameter(
         "free",
         choices=SPEEDS,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.elementary import expm1
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.description import Vehicle
@@ -30,6 +31,7 @@ class PlanarConstants(NamedTuple):
     lags: Lags
     power: PowerConstants
     road: RoadTables
+    initial_drive_torque: tuple[float, ...]  # of each wheel [N m]
     imposed: Profile  # speed [m/s]
 
 
@@ -51,8 +53,26 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
             map=EfficiencyMap((), (), ()) if brushless else efficiency_map(vehicle),
         ),
         road=road_tables(p.road, vehicle),
+        initial_drive_torque=checked_initial_torque(p, vehicle),
         imposed=wanted_speed(p.imposed_speed, "imposed_speed"),
     )
+
+
+def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tuple[float, ...]:
+    """The drive torques of the four wheels at the start [N m]; ParameterError for a car that cannot have them."""
+    torques = parameters.initial_drive_torque
+    if len(torques) != 4:
+        raise ParameterError("initial_drive_torque needs four elements, one for each wheel")
+    undriven = [n for n, torque in zip(WHEEL_NAMES, torques, strict=True) if torque and n not in vehicle.driven_wheels]
+    for lacks, needed in (
+        (parameters.initial_speed == 0.0, "an initial_speed other than 0"),
+        (parameters.drive in DRIVES, "drive torque_controlled"),
+        (vehicle.driveline.coupling != "individual", "vehicle.driveline.coupling individual"),
+        (undriven, f"a motor at {', '.join(undriven)}"),
+    ):
+        if any(torques) and lacks:
+            raise ParameterError(f"initial_drive_torque needs {needed}")
+    return torques
 
 
 def number_of_steps(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> int:

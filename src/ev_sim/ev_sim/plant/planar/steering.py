@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from ev_msgs_py.compiling.compilable import inlined
-from ev_msgs_py.elementary import sqrt, tan
+from ev_msgs_py.elementary import cos, sin, sqrt, tan
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.memory import Step
 
 
 @inlined
 def steer(car: Car, step: Step, angle: float) -> None:
-    """Set the direction of the front wheels from the mean road-wheel angle [rad]; the rear wheels are straight."""
+    """Set the direction of the wheels from the mean road-wheel angle of the front ones [rad].
+
+    Both rear wheels follow it by the vehicle's `rear_steering_ratio`, 0 for straight ones. Source: Ge & Ni 2005, eq 3.
+    """
     cos_left, sin_left, cos_right, sin_right = front_wheels(car, angle)
     step.cos_steer[0], step.sin_steer[0] = cos_left, sin_left
     step.cos_steer[1], step.sin_steer[1] = cos_right, sin_right
     step.cos_steer[2] = step.cos_steer[3] = 1.0
+    if car.rear_steering_ratio != 0.0:
+        rear = car.rear_steering_ratio * angle
+        step.cos_steer[2] = step.cos_steer[3] = cos(rear)
+        step.sin_steer[2] = step.sin_steer[3] = sin(rear)
 
 
 @inlined

@@ -27,7 +27,8 @@ def longest_step(vehicle: Vehicle) -> float:
     widest = max(vehicle.front_track, vehicle.rear_track)
     squared_lever = vehicle.wheelbase * vehicle.wheelbase + widest * widest
     body = min(vehicle.mass / 4.0, vehicle.yaw_inertia / (4.0 * squared_lever))
-    wheel = min(vehicle.wheel_inertia / (vehicle.wheel_radius * vehicle.wheel_radius), body)
+    radius = vehicle.wheel_radius * max(vehicle.wheel_radius_ratio)
+    wheel = min(vehicle.wheel_inertia / (radius * radius), body)
     fastest = max(
         _fastest(tyre.longitudinal_stiffness, tyre.longitudinal_damping_time, wheel),
         _fastest(tyre.lateral_stiffness, tyre.lateral_damping_time, body),

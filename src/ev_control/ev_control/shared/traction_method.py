@@ -1,0 +1,87 @@
+"""A traction control as a method: what it does with one wheel is the law, the rest is the same for all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from ev_control.estimation.reference_speed import free_wheels_for
+from ev_control.shared.traction_control import TractionControlState, controlled
+from ev_msgs_py.compiling.compilable import FUNCTIONS, compilable
+from ev_msgs_py.contract.record import each_wheel, part
+from ev_msgs_py.contract.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
+from ev_msgs_py.lockstep.law import named_after
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.vehicle.car import Car
+
+L = TypeVar("L", bound=Callable[..., float])
+
+
+@compilable
+def own_reference(p: Any) -> Any:
+    """The reference speed's parameters of a law that has them itself."""
+    return p.reference
+
+
+@compilable
+def reference_of_regulator(p: Any) -> Any:
+    """Those of a law that regulates a slip."""
+    return p.regulator.reference
+
+
+REFERENCES = {"reference": own_reference, "regulator.reference": reference_of_regulator}
+
+
+def traction_control(
+    name: str, parameters: type, wheel: type, forget: Callable[..., None], reference: str = "reference"
+) -> Callable[[L], L]:
+    """Register the law of one wheel as a method of the asr, under its docstring.
+
+    The law is `(p, car, wheel, period, motion, wanted)` and gives the largest torque of the wheel [N m], as
+    `traction_control.controlled` says. `wheel` is the record of what it knows of a wheel, a LimitedWheel with more;
+    `forget(p, wheel)` puts it to the start; `reference` names the parameters of the reference speed among its own. The
+    method runs compiled if both functions are compilable.
+    """
+    reference_of = REFERENCES[reference]
+
+    def register(limit_of: L) -> L:
+        @dataclass(slots=True)
+        class State:
+            """What lasts between steps."""
+
+            control: TractionControlState = part(TractionControlState)
+            wheels: list[Any] = each_wheel(wheel)
+
+        def start(p: Any) -> State:
+            state = State()
+            for each in state.wheels:
+                forget(p, each)
+            return state
+
+        def law(
+            p: Any,
+            car: Car,
+            s: Any,
+            period: float,
+            request: WheelTorqueRequest,
+            column: SteeringColumnState,
+            wheels: WheelStates,
+            imu: InertialMeasurement,
+        ) -> WheelTorqueCommand:
+            return controlled(limit_of, forget, reference_of(p), p, car, s, period, request, column, wheels, imu)
+
+        named_after(law, limit_of)
+        if limit_of in FUNCTIONS and forget in FUNCTIONS:
+            compilable(law)
+        needs = (free_wheels_for(reference),)
+        method("asr", name, parameters, state=State, start=start, needs=needs, mirrored=True)(law)
+        return limit_of
+
+    return register

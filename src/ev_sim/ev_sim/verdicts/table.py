@@ -1,0 +1,49 @@
+"""Verdicts as a table for the terminal, as Markdown and as JSON."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from ev_sim.report.text_table import text_table
+from ev_sim.run.recording.atomic import atomic_file
+from ev_sim.verdicts.verdict import SORTS, Verdict, sort_of
+
+COLUMNS = ("id", "kind", "what", "printed", "ours", "tolerance", "verdict", "driven")
+_SHORT = ("id", "ours", "verdict")
+
+
+def plain_table(verdicts: Sequence[Verdict]) -> str:
+    """Id, number and verdict, for the terminal."""
+    return text_table(_SHORT, [(each.published.id, each.ours, each.text) for each in verdicts], left=_SHORT)
+
+
+def counts(verdicts: Sequence[Verdict]) -> str:
+    """How many verdicts there are of each sort, in one line."""
+    found = Counter(sort_of(each.text) for each in verdicts)
+    return ", ".join([f"{len(verdicts)} ids", *(f"{found[sort]} {sort}" for sort in SORTS if found[sort])])
+
+
+def markdown_table(verdicts: Sequence[Verdict]) -> str:
+    """Everything about each id, one line each."""
+    return "\n".join([_line(COLUMNS), _line(["---"] * len(COLUMNS)), *map(markdown_row, verdicts)]) + "\n"
+
+
+def markdown_row(of: Verdict) -> str:
+    """The line of one id."""
+    what = of.published
+    return _line((f"`{what.id}`", what.kind, what.quantity, what.printed, of.ours, of.tolerance, of.text, of.run))
+
+
+def write(verdicts: Sequence[Verdict], folder: Path) -> None:
+    """Write verdicts.json and verdicts.md."""
+    content = json.dumps([each.as_json() for each in verdicts], indent=2, allow_nan=False, ensure_ascii=False)
+    for name, text in (("verdicts.json", content + "\n"), ("verdicts.md", markdown_table(verdicts))):
+        with atomic_file(folder / name) as file:
+            file.write(text.encode())
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
