@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from judging import driven
 
 from ev_sim.verdicts.all_verdicts import SOURCES
 from ev_sim.verdicts.need import Need
+from ev_sim.verdicts.panels.dissertation.runs import CYCLES
 from ev_sim.verdicts.panels_page import draw_panels, file_name, panels, write_page
 from ev_sim.verdicts.published import published
 
 # Panels that each source has, those that cannot be drawn included.
-PANELS = {"shchur2019": 12}
+PANELS = {"shchur2019": 12, "dissertation": 103}
 
 
 @pytest.mark.parametrize("source", SOURCES)
@@ -36,3 +39,13 @@ def test_page_shows_what_was_drawn_and_why_something_was_not(tmp_path):
     assert len(drawn) == 10
     assert all(path.stat().st_size > 5_000 and path.name in page for path in drawn)
     assert "not drawn: a scheme of the turn" in page
+
+
+@pytest.mark.slow
+def test_figures_of_one_method_of_the_dissertation(tmp_path):
+    """A minute of its cycle: 7 figures on the bench, 5 in simulation, the fitted slip curve and the road."""
+    short = driven(replace(CYCLES[1], duration=60.0))
+    shown = [panel for panel in panels("dissertation") if panel.needs == (CYCLES[1],)]
+    drawn = draw_panels("dissertation", shown, {CYCLES[1]: short}, tmp_path)
+    assert len(drawn) == 7 + 5 + 2
+    assert all(path.stat().st_size > 5_000 for path in drawn)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from tqdm import tqdm
-
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.run.progress_bar import bar_of_runs
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.workers import drive_cases
 from ev_sim.verdicts.all_verdicts import SOURCES, needs_of, verdicts, wanted
@@ -50,7 +48,7 @@ def judge(only: Sequence[str] = (), quick: bool = False) -> list[Verdict]:
 
 def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> list[CaseResult]:
     """Drive cases on all cores of this machine behind a progress bar."""
-    with tqdm(desc="driving", total=len(cases), unit="run", ascii=not sys.stderr.isatty(), mininterval=0.5) as bar:
+    with bar_of_runs("driving", len(cases)) as bar:
         return drive_cases(cases, measures, lambda result: bar.update())
 
 

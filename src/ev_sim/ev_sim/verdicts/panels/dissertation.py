@@ -1,7 +1,0 @@
-"""The figures of the source of config/published/dissertation.csv."""
-
-from __future__ import annotations
-
-from ev_sim.verdicts.panel import PublishedPanel
-
-PANELS: tuple[PublishedPanel, ...] = ()
