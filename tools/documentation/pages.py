@@ -34,6 +34,8 @@ PARTS: dict[str, Callable[[], str]] = {
     "can frames": can_reference.frame_table,
     "can signals": can_reference.signal_table,
     "can faults": can_reference.fault_table,
+    "can gateway": parameter_reference.gateway_parameters,
+    "can inverter": parameter_reference.inverter_parameters,
 }
 
 PAGES = {
