@@ -46,9 +46,7 @@ class SteppedNode(Node, Polled):
         writes = sorted(configuration.method.writes, key=arrival_place)
         self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in writes}
         reads = self.also_reads(self.stepper.reads)
-        self.readers = {
-            signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal])) for signal in reads
-        }
+        self.readers = {signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal])) for signal in reads}
         if configuration.unused:
             names = ", ".join(configuration.unused)
             self.get_logger().info(f"method {configuration.method.name} does not use: {names}")
