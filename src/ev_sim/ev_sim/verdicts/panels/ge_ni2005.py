@@ -23,13 +23,18 @@ _ROWS = {
 _FIGURES = {"3": READINGS, "4": (BASELINE,)}
 _IDS = {"4b": ("ge.fig4b.axis",), "4c": ("ge.fig4c.axis",), "3f": ("ge.fig3f_4f",), "4f": ("ge.fig3f_4f",)}
 
+_ENDS = {"4b": (0.0, 70.0), "4c": (0.0, 0.6)}  # of the ordinates that the scan has kept
+
 
 def _panel(figure: str, letter: str) -> PublishedPanel:
     def draw(driven: ScenarioRuns) -> Figure:
         from ev_sim.report.figures.drawing import sheet
 
         shown = report.panels(driven.runs, driven.vehicle, _FIGURES[figure])[letter]
-        return sheet(shown, "time [s]", columns=1)
+        drawn = sheet(shown, "time [s]", columns=1)
+        if figure + letter in _ENDS:
+            drawn.axes[0].set_ylim(*_ENDS[figure + letter])
+        return drawn
 
     ids = _IDS.get(figure + letter, (f"ge.fig{figure}{letter}",))
     return PublishedPanel(figure, letter, _ROWS[letter], ids, (COMPARED,), draw)
