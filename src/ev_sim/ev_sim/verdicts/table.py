@@ -12,12 +12,16 @@ from ev_sim.run.recording.atomic import atomic_file
 from ev_sim.verdicts.verdict import SORTS, Verdict, sort_of
 
 COLUMNS = ("id", "kind", "what", "printed", "ours", "tolerance", "verdict", "driven")
-_SHORT = ("id", "ours", "verdict")
+_SHORT = ("id", "verdict", "ours")
 
 
-def plain_table(verdicts: Sequence[Verdict]) -> str:
-    """Id, number and verdict, for the terminal."""
-    return text_table(_SHORT, [(each.published.id, each.ours, each.text) for each in verdicts], left=_SHORT)
+def plain_table(verdicts: Sequence[Verdict], width: int) -> str:
+    """Id, sort of verdict and numbers, cut to `width` characters; the files have the rest."""
+    rows = [(each.published.id, sort_of(each.text), each.ours) for each in verdicts]
+    return "\n".join(
+        line if len(line) <= width else f"{line[: width - 1].rstrip()}…"
+        for line in (line.rstrip() for line in text_table(_SHORT, rows, left=_SHORT).splitlines())
+    )
 
 
 def counts(verdicts: Sequence[Verdict]) -> str:
