@@ -17,6 +17,7 @@ from ev_sim.verdicts.all_verdicts import SOURCES, needs_of, verdicts, wanted
 from ev_sim.verdicts.driving import drive
 from ev_sim.verdicts.kept import Kept
 from ev_sim.verdicts.need import Driven, Need
+from ev_sim.verdicts.panels_page import images_by_id
 from ev_sim.verdicts.table import counts, plain_table, write
 from ev_sim.verdicts.verdict import Verdict
 
@@ -33,7 +34,7 @@ def run_verdicts(argv: Sequence[str]) -> None:
     found, _ = judge_driven(given.only, given.quick)
     folder = (given.out or Path("results") / "verdicts").absolute()
     folder.mkdir(parents=True, exist_ok=True)
-    write(found, folder)
+    write(found, folder, {id: names for source in SOURCES for id, names in images_by_id(source).items()})
     print(plain_table(found, shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns))
     for source in SOURCES:
         of_source = [each for (name, _), each in zip(chosen, found, strict=True) if name == source]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ev_sim.report.text_table import text_table
@@ -41,9 +41,10 @@ def markdown_row(of: Verdict) -> str:
     return _line((f"`{what.id}`", what.kind, what.quantity, what.printed, of.ours, of.tolerance, of.text, of.run))
 
 
-def write(verdicts: Sequence[Verdict], folder: Path) -> None:
-    """Write verdicts.json and verdicts.md."""
-    content = json.dumps([each.as_json() for each in verdicts], indent=2, allow_nan=False, ensure_ascii=False)
+def write(verdicts: Sequence[Verdict], folder: Path, images: Mapping[str, Sequence[str]]) -> None:
+    """Write verdicts.json and verdicts.md; `images` are those of scripts/run.sh figures that show an id."""
+    entries = [{**each.as_json(), "figures": list(images.get(each.published.id, ()))} for each in verdicts]
+    content = json.dumps(entries, indent=2, allow_nan=False, ensure_ascii=False)
     for name, text in (("verdicts.json", content + "\n"), ("verdicts.md", markdown_table(verdicts))):
         with atomic_file(folder / name) as file:
             file.write(text.encode())
