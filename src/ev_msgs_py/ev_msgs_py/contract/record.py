@@ -84,7 +84,8 @@ def _with_attributes(kind: np.dtype) -> np.dtype:
 
 
 def _items(values: Any) -> Iterable[tuple[str, Any]]:
-    declared = _declared(type(values))
+    kind: type = type(values)
+    declared = _declared(kind)
     if declared is not None:
         return [(name, getattr(values, name)) for name in declared]
     return values.items() if isinstance(values, (dict, Mapping)) else vars(values).items()

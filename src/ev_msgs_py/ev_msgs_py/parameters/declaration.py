@@ -131,7 +131,8 @@ def number_tree(instance: Any) -> dict[str, Any]:
     A choice is its place among the choices, a switch 0 or 1. Free text and arrays, which are no numbers, are left out.
     """
     tree: dict[str, Any] = {}
-    for name, choices in _names_and_choices(type(instance)):
+    kind: type = type(instance)
+    for name, choices in _names_and_choices(kind):
         value = getattr(instance, name)
         if type(value) is float:  # nearly all are
             tree[name] = value
