@@ -13,6 +13,10 @@ from ev_sim.driver.path import Path, PathParameters
 from ev_sim.driver.pure_pursuit import PurePursuitParameters, pure_pursuit
 from ev_sim.driver.steering import AngleControlParameters, AngleControlState, turn_to_angle
 
+# Below it [m/s] a car does not drive anywhere, it rocks on its tyres or is pressed against its brakes: the eyes stay
+# where they were, instead of following the sign of a velocity that is next to nothing.
+STANDING = 0.05
+
 
 @dataclass(frozen=True, slots=True)
 class HandParameters:
@@ -43,6 +47,7 @@ class LaneKeepingState:
 
     hands: AngleControlState = part(AngleControlState)
     leg: float = entry(unit="1", about="place of the leg of the path that is reached")
+    direction: float = entry(1.0, unit="1", about="to which the eyes look: 1 ahead, -1 back")
 
 
 @compilable
@@ -57,6 +62,8 @@ def keep_lane(
     column: SteeringColumnState,
 ) -> float:
     """Hand torque [N m] that leads the car along its path by pure pursuit, at a speed along the path [m/s]."""
-    angle, leg = pure_pursuit(p.pursuit, car, path, pose, speed, int(s.leg))
+    if abs(speed) > STANDING:
+        s.direction = 1.0 if speed > 0.0 else -1.0
+    angle, leg = pure_pursuit(p.pursuit, car, path, pose, s.direction * abs(speed), int(s.leg))
     s.leg = float(leg)
     return turn_to_angle(p.hands.angle_control, s.hands, period, car.steering_ratio * angle, column)
