@@ -13,7 +13,7 @@ from ev_sim.run.scenarios.scenario import Overrides, Scenario, load_scenario
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.run_study import arguments, study_cases
 from ev_sim.study.study import study_named
-from ev_sim.verdicts.kept import Keep, Kept, case_key, recording_at
+from ev_sim.verdicts.kept import Keep, KeepMeasured, Kept, case_key, keep, measured_at, recording_at
 from ev_sim.verdicts.need import Driven, Need, ScenarioNeed, ScenarioRuns, StudyCases, StudyNeed
 
 Drive = Callable[[Sequence[Case], Sequence[Measure]], Sequence[CaseResult]]
@@ -30,10 +30,10 @@ def drive(needs: Iterable[Need], kept: Kept, drive_cases: Drive) -> dict[Need, D
     jobs = list({(study, case_key(case)): (study, case, measure) for study, case, measure in found}.values())
     results = drive_cases([case for _, case, _ in jobs], [measure for *_, measure in jobs]) if jobs else []
     for (study, case, _), result in zip(jobs, results, strict=True):
-        if study:
-            kept.keep(study, case, result)
-        elif result.refused:
+        if result.refused and not study:
             raise RunFailed(f"{case.name}: {result.refused}")
+        if result.refused:
+            keep(result, kept.measured(study, case))
     return {need: _driven(need, kept) for need in wanted}
 
 
@@ -48,8 +48,8 @@ def cases_of(need: Need) -> list[Case]:
 def _missing(need: Need, kept: Kept) -> Iterator[tuple[str, Case, Measure]]:
     for case in cases_of(need):
         if isinstance(need, StudyNeed):
-            if kept.measured(need.study, case) is None:
-                yield need.study, case, study_named(need.study).measure
+            if not (path := kept.measured(need.study, case)).exists():
+                yield need.study, case, KeepMeasured(path, study_named(need.study).measure)
         elif not kept.recording(case).exists():
             yield "", case, Keep(kept.recording(case))
 
@@ -61,9 +61,9 @@ def _scenario(need: ScenarioNeed) -> Scenario:
 def _driven(need: Need, kept: Kept) -> Driven:
     cases = cases_of(need)
     if isinstance(need, StudyNeed):
-        results = {case.name: kept.measured(need.study, case) for case in cases}
-        return StudyCases({name: each for name, each in results.items() if each}, arguments(need.study, need.options))
-    first = _scenario(need).runs[0].configurations
+        results = {case.name: measured_at(kept.measured(need.study, case), case.name) for case in cases}
+        return StudyCases(results, arguments(need.study, need.options))
+    first = next(run.configurations for run in _scenario(need).runs if not need.runs or run.name in need.runs)
     parameters = {role: configuration.values() for role, configuration in first.items()}
     recordings = _Recordings({case.run: kept.recording(case) for case in cases})
     return ScenarioRuns(recordings, first[MASTER].common.vehicle, parameters)
