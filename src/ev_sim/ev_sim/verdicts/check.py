@@ -113,6 +113,11 @@ class Shown:
     measure: Measure
     name: str
 
+    @property
+    def judged_unit(self) -> str:
+        """Unit of the number."""
+        return self.unit
+
     def metric(self, of: Basis, driven: tuple[Any, ...]) -> Metric:
         """The number without a reference."""
         return metric(lambda: self.measure(*driven), self.unit)

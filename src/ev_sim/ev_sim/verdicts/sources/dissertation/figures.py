@@ -26,8 +26,8 @@ def _declared(id: str) -> Declaration:
         return not_judgeable(id, _REASONS[id])
     if id.startswith(_SCHEMES):
         return no_verdict(id, "a scheme, a photograph or a screen, of which the text has the equations and data")
-    ends = ", and it ends at its eq 2.37 or 2.38 of the road with seed 1" if "efficiency" in published("dissertation")[id].quantity else ""
-    return not_judgeable(id, _DRAWN + ends)
+    is_efficiency = "efficiency" in published("dissertation")[id].quantity
+    return not_judgeable(id, _DRAWN + ("; it ends at eq 2.37 or 2.38 of the road with seed 1" if is_efficiency else ""))
 
 
 DECLARATIONS: tuple[Declaration, ...] = tuple(
