@@ -8,7 +8,6 @@ from typing import Any
 
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
-from rclpy.subscription import Subscription
 
 from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES
 from ev_msgs_py.contract.topics import Topic
@@ -67,11 +66,6 @@ class MasterNode(SteppedNode):
         missing = super().wanted()
         return missing if missing or self.schedule.recorder_keeps_up else (RECORDER_WRITES,)
 
-    def awaits(self) -> Subscription:
-        """The input that arrives last, also while the next step is only waiting for its time."""
-        wanted = self.wanted() or self.stepper.reads
-        return self.readers[wanted[-1]].subscription
-
     def wake_up_within(self) -> float:
         """Seconds until the next instant is due if nothing else holds it back, at most the period of retries."""
         late = self.schedule.lateness
@@ -106,6 +100,4 @@ class MasterNode(SteppedNode):
         if self._advance.ended and not self.done:
             self.done = True
             self.reports.pass_on(self.stepper.part)
-            self.get_logger().info(self.schedule.summary)
-            if self._advance.overruns:
-                self.get_logger().warning(f"{self._advance.overruns} steps came more than a period late")
+            self.get_logger().info(self._advance.summary)
