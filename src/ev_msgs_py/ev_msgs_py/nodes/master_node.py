@@ -67,9 +67,8 @@ class MasterNode(SteppedNode):
         return missing if missing or self.schedule.recorder_keeps_up else (RECORDER_WRITES,)
 
     def wake_up_within(self) -> float:
-        """Seconds until the next instant is due if nothing else holds it back, at most the period of retries."""
-        late = self.schedule.lateness
-        return min(-late, _RETRY_PERIOD) if late < 0.0 and self.schedule.has_inputs else _RETRY_PERIOD
+        """Seconds until the next instant is due, at most the period of retries."""
+        return min(self.schedule.due_within, _RETRY_PERIOD)
 
     def idle(self) -> None:
         """Advance if time is due, publish the state again if answers are late, and name the nodes that are silent."""
@@ -86,6 +85,9 @@ class MasterNode(SteppedNode):
         self.schedule.follow(self.configuration.extra)
 
     def _begin(self) -> None:
+        recorder = self.readers.get(RECORDER_WRITES)
+        while recorder is not None and recorder.take() is not None:
+            pass  # what it has said of a run before would be taken for this one's
         self._stepped(self.stepper.begin_run())
         self.schedule.begin()
 

@@ -62,14 +62,16 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
                 _answer(service)
             executor.spin_once(timeout_sec=0.0)
             next_look = time.monotonic() + _SERVICE_PERIOD
-        if alone or not came:
+        rested = alone or not came
+        if rested:
             rest.until_message()
         came = False
         for node in nodes:
             came |= node.poll()
         if not came:
             for node in nodes:
-                node.sweep()
+                if rested:
+                    node.sweep()
                 node.idle()
     executor.shutdown(timeout_sec=0.0)
 
