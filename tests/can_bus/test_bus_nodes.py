@@ -10,6 +10,7 @@ from typing import Any
 
 import can
 import pytest
+from can_bus.benches import TORQUE, Bench
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -18,7 +19,8 @@ from sensor_msgs.msg import BatteryState, JointState
 from std_srvs.srv import SetBool, Trigger
 
 from ev_control.nodes.inverter_gateway import InverterGatewayNode
-from ev_msgs_py.can.drive_states import FAULT, OPERATION_ENABLED
+from ev_msgs_py.can.channel import Channel
+from ev_msgs_py.can.drive_states import ENABLE_COMMAND, FAULT, FAULT_REACTION_ACTIVE, OPERATION_ENABLED
 from ev_msgs_py.nodes.spinning import spin
 from ev_sim.nodes.inverter import InverterNode
 
@@ -259,3 +261,33 @@ def test_a_log_is_written(tmp_path: Path):
         r.run(lambda: r.states() == {1.0})
     identifiers = {message.arbitration_id for message in can.LogReader(file)}
     assert {0x20B, 0x20C, 0x18B, 0x18C} <= identifiers
+
+
+def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_in_time():
+    """Held up for 50 ms under torque, with a time-out of 10 ms: the torque ends, though frames came all the time."""
+    name = "held_up"
+    bus = {"bus.interface": "virtual", "bus.channel_11": f"{name}_11", "bus.channel_12": f"{name}_12"}
+    with ros_domain() as context:
+        node = made(InverterNode, context, {**bus, **QUICK_CHARGE})
+        drive, ecu = node.circuits["11"].s.drive, Bench()
+        channel = Channel("virtual", f"{name}_11")
+        drive.state, drive.dc_link.contactor = float(OPERATION_ENABLED), 1.0
+
+        def send() -> None:
+            values = TORQUE | {"Torque": 50.0, "Controlword": float(ENABLE_COMMAND)}
+            channel.send(ecu.frame("Drive11", values))
+
+        for _ in range(20):  # faster than cycles, so that no time-out can have passed
+            send()
+            node.take("11", node.channels["11"].receive())
+        drive.state = float(OPERATION_ENABLED)
+        node.cycle(5)
+        assert drive.torque > 40.0
+        for _ in range(50):
+            send()
+        time.sleep(0.05)
+        node.poll()
+        assert drive.torque == 0.0
+        assert drive.state in (FAULT, FAULT_REACTION_ACTIVE)
+        channel.close()
+        node.close()

@@ -6,7 +6,7 @@ import time
 
 from ev_msgs_py.can.schedule import TICK
 
-_LONGEST = 20  # ticks that are made good at once after the process was held up; what is beyond is lost
+_LONGEST = 100  # ticks that are made good at once after the process was held up; what is beyond is lost
 
 
 class Ticks:

@@ -133,6 +133,7 @@ class CircuitStation:
     def step(self, ticks: int = 1) -> list[Frame]:
         """Advance by some cycles of 1 ms, after the frames of this cycle; what is to be sent then."""
         before = int(self.s.tick)
-        advance_circuit(self.p, self.s, ticks * TICK)
+        for _ in range(ticks):
+            advance_circuit(self.p, self.s, TICK)
         self.s.tick += ticks
         return [f for inverter in self.inverters for f in inverter.due(before, before + ticks, self.s.speed)]
