@@ -66,7 +66,7 @@ class Rig:
     def __init__(self, context: Any, name: str, gateway: dict[str, Any], inverter: dict[str, Any]) -> None:
         bus = {"bus.interface": "virtual", "bus.channel_11": f"{name}_11", "bus.channel_12": f"{name}_12"}
         self.world = World(context)
-        patient = {"feedback_timeout": 1.0, "command_timeout": 1.0}
+        patient = {"feedback_timeout": 1.0, "command_timeout": 10.0, "reset_timeout": 10.0}
         self.gateway = made(InverterGatewayNode, context, {**bus, **patient, **gateway})
         self.inverter = made(InverterNode, context, {**bus, **QUICK_CHARGE, **PATIENT, **inverter})
         self.torque: tuple[float, float] | None = (0.0, 0.0)
@@ -174,12 +174,16 @@ def test_a_silent_controller_ends_the_torque_of_both_drives():
 
 
 def test_load_machines_follow_load_command():
+    """To 0.5 rad/s, in speed mode."""
     with rig("load") as r:
         command = JointState(name=["right_load"], velocity=[50.0])
-        r.run(lambda: r.gateway.station.devices["Load11"].command_age < 1.0 or r.world.loads.publish(command))
-        r.run(lambda: r.states("Load11") == {1.0})
-        assert r.gateway.station.enable(("Load11",)) == ""
-        r.run(lambda: abs(r.world.states.get("right_load", (0, 0))[0] - 50.0) < 0.5 or r.world.loads.publish(command))
+
+        def run(holds: Callable[[], bool]) -> None:
+            r.run(lambda: r.world.loads.publish(command) or holds())
+
+        run(lambda: not r.gateway.station.enable(("Load11",)))
+        run(lambda: r.states("Load11") == {float(OPERATION_ENABLED)})
+        run(lambda: abs(r.world.states.get("right_load", (0, 0))[0] - 50.0) < 0.5)
 
 
 def test_commands_that_cannot_be_meant_are_ignored_and_reported():
