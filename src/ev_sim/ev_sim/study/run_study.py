@@ -16,7 +16,7 @@ from ev_sim.report.summary import versions, write_summary
 from ev_sim.run.output_folder import OutputFolder
 from ev_sim.run.progress_bar import bar_of_runs
 from ev_sim.study.case import Case
-from ev_sim.study.study import Results, study_named
+from ev_sim.study.study import Results, Study, study_named
 from ev_sim.study.workers import drive_cases
 
 
@@ -32,11 +32,10 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def run_study(name: str, argv: Sequence[str]) -> None:
-    """Drive all cases of a study and report; raises what `ev_sim.commands.run_scenario.main` catches."""
-    study, given = study_named(name), arguments(name, argv)
+def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
+    """The cases of a study with what the command line changes in all of them."""
     common = overrides(given)
-    cases = [
+    return [
         Case(
             case.name,
             case.scenario,
@@ -47,6 +46,12 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         )
         for case in study.cases(given)
     ]
+
+
+def run_study(name: str, argv: Sequence[str]) -> None:
+    """Drive all cases of a study and report; raises what `ev_sim.commands.run_scenario.main` catches."""
+    study, given = study_named(name), arguments(name, argv)
+    cases = study_cases(study, given)
     folder = OutputFolder(given.out or Path("results") / name, ())
     start = time.monotonic()
     with bar_of_runs(name, len(cases)) as bar:
