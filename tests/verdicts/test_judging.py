@@ -79,3 +79,9 @@ def test_what_is_not_judged_shows_its_numbers_all_the_same():
     shown = verdict(OF, not_judgeable("x.y", "lost", (), number(3.0)), ())
     assert (shown.text, shown.ours) == ("not judgeable: lost", "3 m")
     assert verdict(OF, no_verdict("x.y", "a scheme"), ()).text == "no verdict: a scheme"
+
+
+def test_open_bands_are_valid_json():
+    entry = of(larger("m", lambda: 2.0, lambda: 1.0, 0.5, "w")).as_json()["values"][""]
+    assert entry["band"] == [2.0, None]
+    assert entry["source"] == "follows: eq 1; measured 2 against 1 m"
