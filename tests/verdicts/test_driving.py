@@ -113,20 +113,24 @@ def test_a_run_that_cannot_be_driven_is_one_line(tmp_path: Path):
 
 def test_command_writes_one_object_for_each_id(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
     monkeypatch.chdir(tmp_path)
-    main(["verdicts", "--only", "shchur.hold30", "shchur.fig2"])
+    main(["verdicts", "--only", "shchur.hold30", "shchur.fig2", "shchur.fig4.transients", "shchur.fig1b.end"])
     said = capsys.readouterr().out
     written = json.loads((tmp_path / "results" / "verdicts" / "verdicts.json").read_text())
     assert [each["id"] for each in written] == [
+        "shchur.fig1b.end",
         "shchur.hold30.manual",
         "shchur.hold30.assisted",
         "shchur.hold30.dm",
+        "shchur.fig4.transients",
         "shchur.fig2",
     ]
+    end, manual, assisted, *_ = written
+    assert (end["figures"], manual["figures"]) == (["shchur2019_fig_1_b.png"], [])
     assert all({"id", "printed", "ours", "verdict", "assumption", "run"} <= each.keys() for each in written)
-    assert written[0]["verdict"] == "reproduced"
-    assert written[1]["verdict"] == f"reproduced with assumption {written[1]['assumption']}"
-    assert written[0]["run"] == "shchur2019_steps"
-    assert "all: 4 ids, 2 reproduced with assumption, 1 reproduced, 1 no verdict" in said
+    assert manual["verdict"] == "reproduced"
+    assert assisted["verdict"] == f"reproduced with assumption {assisted['assumption']}"
+    assert manual["run"] == "shchur2019_steps"
+    assert "all: 6 ids, 3 reproduced with assumption, 1 reproduced, 1 not judgeable, 1 no verdict" in said
     assert "shchur.hold30.manual" in (tmp_path / "results" / "verdicts" / "verdicts.md").read_text()
 
 

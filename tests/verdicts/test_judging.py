@@ -10,6 +10,7 @@ from ev_sim.report.metric import NotMeasured
 from ev_sim.verdicts.check import Number, holds, larger, smaller
 from ev_sim.verdicts.declaration import judged, no_verdict, not_judgeable
 from ev_sim.verdicts.published import Published
+from ev_sim.verdicts.table import plain_table
 from ev_sim.verdicts.tolerance import absolute, between, relative
 from ev_sim.verdicts.verdict import Verdict, verdict
 
@@ -85,3 +86,12 @@ def test_open_bands_are_valid_json():
     entry = of(larger("m", lambda: 2.0, lambda: 1.0, 0.5, "w")).as_json()["values"][""]
     assert entry["band"] == [2.0, None]
     assert entry["source"] == "follows: eq 1; measured 2 against 1 m"
+
+
+def test_lines_for_the_terminal_are_cut():
+    found = [of(number(2.0), number(2.01, "a name that is too long for the line"), assumption="A")]
+    table = plain_table(found, 60).splitlines()
+    assert table[0].split() == ["id", "verdict", "ours"]
+    assert all(len(line) <= 60 for line in table)
+    assert table[-1].startswith("x.y  reproduced with assumption  2 m; a name")
+    assert table[-1].endswith("…")
