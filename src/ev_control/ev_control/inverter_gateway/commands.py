@@ -38,7 +38,7 @@ class Commands:
         """Take all that has come; False if there was nothing."""
         progressed = False
         while (taken := self._torques.take()) is not None:
-            self._take_torques(taken[0])
+            self._torques.receive(taken[0])
             progressed = True
         while (taken := self._loads.handle.take_message(JointState, False)) is not None:
             self._take_loads(taken[0])
@@ -48,14 +48,13 @@ class Commands:
     def _take_torques(self, message: bytes) -> None:
         """Torque at the shaft is torque at the wheel over the gear ratio."""
         try:
-            _, numbers = format_of(WheelTorqueCommand).read(message)
+            _, torques = format_of(WheelTorqueCommand).read(message)
         except MessageError as error:
             self._warn(f"torque_command ignored: {error}")
             return
         p = self._parameters()
         for name, wheel in (("Drive11", p.wheel_11), ("Drive12", p.wheel_12)):
-            drive_torque = numbers[WHEEL_NAMES.index(wheel)]  # the brake torques come behind
-            self._station.command(name, TORQUE_MODE, drive_torque / p.gear_ratio)
+            self._station.command(name, TORQUE_MODE, torques[WHEEL_NAMES.index(wheel)] / p.gear_ratio)
 
     def _take_loads(self, message: JointState) -> None:
         """One array is filled: effort [N m] for torque mode, or velocity [rad/s] for speed mode, at the shaft."""
