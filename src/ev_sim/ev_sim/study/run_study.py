@@ -70,6 +70,8 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     for result in driven:
         if result.refused:
             print(f"not driven: {result.name}: {result.refused}")
+        for note in result.notes:
+            print(f"note: {result.name}: {note}")
     print(f"signal hash {content['signal_hash']}")
     print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s")
     print(f"figures and summary: {folder.directory}")
@@ -103,6 +105,7 @@ def _summary(
                 "values": [list(value) for value in case.values],
                 "signal_hash": results[case.name].signal_hash,
                 "refused": results[case.name].refused,
+                "notes": list(results[case.name].notes),
                 "measured": {
                     key: value
                     for key, value in results[case.name].measured.items()
