@@ -78,9 +78,9 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 
 def values_of(given: argparse.Namespace, results: Results, method: str, driver: str) -> list[Mapping[str, Any]]:
-    """What was measured with the seeds in their order, without the cases that gave nothing."""
+    """What was measured with the seeds in their order, without the cases that gave nothing or were not driven."""
     names = (case_name(method, driver, seed) for seed in roads(given))
-    return [results[name].measured for name in names if results[name].measured]
+    return [results[name].measured for name in names if name in results and results[name].measured]
 
 
 def judged_quantity(driver: str) -> str:
