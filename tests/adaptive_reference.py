@@ -160,7 +160,7 @@ class _Equations:
 @compilable
 def dry_friction(car, step, i, vx):
     """The torque of drive and tyre on wheel i, and the largest one of dry friction [N m]."""
-    rolling = car.rolling_resistance + car.rolling_resistance_speed * vx * vx + step.tyre[i].rolling_resistance
+    rolling = car.rolling_resistance + car.rolling_resistance_growth * vx * vx + step.tyre[i].rolling_resistance
     torque = step.drive[i] - car.wheel_radius * step.force_x[i]
     return torque, step.brake[i] + car.wheel_radius * step.load[i] * rolling
 

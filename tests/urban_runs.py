@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.quantities import cycle_efficiency as cycle
+from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.run.offline import run_offline
 from ev_sim.run.recording.recording import Recording
 from ev_sim.run.scenarios.scenario import Overrides, Scenario, load_scenario

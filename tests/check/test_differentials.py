@@ -17,7 +17,11 @@ ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": list(REAR)}
 NEEDED = {"axle_redistribution": ALL_DRIVEN, "slip_target": REAR_DRIVEN}
 CHOICES: dict[str, tuple[dict, ...]] = {
-    "adaptive": ({"terrain": "road"}, {"filter_time": 0.0, "control_period": 0.005}, ALL_DRIVEN),
+    "adaptive": (
+        {"redistribute": True},
+        {"redistribute": True, "filter_time": 0.0, "control_period": 0.005},
+        {"redistribute": True, **ALL_DRIVEN},
+    ),
     "adhesion_share": (
         {"friction": "estimated"},
         {"friction": "estimated", "estimate.learning_slip": 0.05, "error_factor": 1.5, **REAR_DRIVEN},

@@ -1,4 +1,4 @@
-"""What one wheel is refused goes to the other one."""
+"""Equal torques; what one wheel is refused is dropped, or goes to the other one where that is asked for."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PEDAL = Motion(torque=1000.0)
 
 
 def made(**changed) -> Differential:
-    return Differential("adaptive", DISSERTATION, PERIOD, **changed)
+    return Differential("adaptive", DISSERTATION, PERIOD, **{"redistribute": True, **changed})
 
 
 def refusing(law: Differential, motion: Motion, left: float, right: float, steps: int) -> WheelTorqueRequest:
@@ -25,6 +25,13 @@ def refusing(law: Differential, motion: Motion, left: float, right: float, steps
     for _ in range(steps):
         request = law.step(dataclasses.replace(motion, efforts=Wheels.front(left, right)))
     return request
+
+
+def test_refused_torque_is_dropped_by_default():
+    """Nothing in sections 2.4, 2.7.5 and 3.1 offers it on: 500 N m each, whatever acts on the wheels."""
+    law = Differential("adaptive", DISSERTATION, PERIOD)
+    assert refusing(law, PEDAL, 300.0, 500.0, 1000).drive == Wheels.front(500.0, 500.0)
+    assert refusing(law, PEDAL, 0.0, 100.0, 1000).drive == Wheels.front(500.0, 500.0)
 
 
 def test_refused_torque_is_offered_to_the_other_wheel():
@@ -41,16 +48,15 @@ def test_both_are_offered_when_both_refuse():
 
 def test_axles_offer_on_their_own():
     """250 N m each; the left wheels take 150 N m in front and 50 N m behind."""
-    law = Differential("adaptive", on(DISSERTATION, WHEEL_NAMES), PERIOD)
+    law = Differential("adaptive", on(DISSERTATION, WHEEL_NAMES), PERIOD, redistribute=True)
     for _ in range(1000):
         request = law.step(Motion(torque=1000.0, efforts=Wheels(150.0, 350.0, 50.0, 450.0)))
     assert request.drive == pytest.approx((250.0, 350.0, 250.0, 450.0))
 
 
-def test_nothing_is_offered_while_braking_nor_on_the_road():
+def test_nothing_is_offered_while_braking():
     braking = refusing(made(), dataclasses.replace(PEDAL, brake=50.0), 300.0, 500.0, 1000)
     assert braking.drive == Wheels.front(500.0, 500.0)
-    assert refusing(made(terrain="road"), PEDAL, 300.0, 500.0, 1000).drive == Wheels.front(500.0, 500.0)
 
 
 def test_a_changed_direction_begins_anew():

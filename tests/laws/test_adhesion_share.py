@@ -15,6 +15,7 @@ from ev_control.estimation.friction_estimate import FrictionEstimateParameters
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.vehicle.motor import Motor
 
 LAW = "adhesion_share"
 PERIOD = 0.005
@@ -58,6 +59,17 @@ def test_snow_and_asphalt_by_hand():
     assert made().step(on_road(9000.0, 0.4, 0.8)).drive == pytest.approx(Wheels.front(0.4 * GRIP, 0.8 * GRIP))
     mistaken = made(error_factor=1.5).step(on_road(9000.0, 0.4, 0.8)).drive
     assert mistaken == pytest.approx(Wheels.front(0.6 * GRIP, 1.2 * GRIP))
+
+
+@pytest.mark.parametrize(("speed", "arrives"), [(20.0, 0.97), (0.0, 0.97), (-20.0, 1 / 0.97)])
+def test_the_wheel_gets_its_grip_through_the_gear(speed, arrives):
+    """Of a command the gear lets 97 % arrive where it drives; where the motor brakes, the gear helps."""
+    car = dataclasses.replace(DISSERTATION, motor=Motor(gear_efficiency=0.97))
+    motion = dataclasses.replace(on_road(9000.0, 0.4, 0.8), speeds=Wheels.all(speed))
+    drive = Differential(LAW, car, PERIOD).step(motion).drive
+    assert [arrives * torque for torque in drive] == pytest.approx(Wheels.front(0.4 * GRIP, 0.8 * GRIP), rel=1e-14)
+    part = Differential(LAW, car, PERIOD).step(dataclasses.replace(motion, torque=1000.0)).drive
+    assert part == pytest.approx(Wheels.front(1000 / 3, 2000 / 3))  # the driver's torque is a command as well
 
 
 def test_no_load_means_no_torque():

@@ -23,7 +23,7 @@ CARS: dict[str, Vehicle] = dict.fromkeys(methods_of(ROLE), SHCHUR) | {
     "steering_correction": ZHILEYKIN,
 }
 CHOICES: dict[str, tuple[dict, ...]] = {
-    "adaptive": ({"terrain": "road"},),
+    "adaptive": ({"redistribute": True},),
     "adhesion_share": ({"friction": "estimated"},),
     "axle_redistribution": (
         {"source": "estimated"},
@@ -33,8 +33,8 @@ CHOICES: dict[str, tuple[dict, ...]] = {
     "slip_target": ({"source": "estimated"}, {"reading": "offset", "boundary_layer": False}, {"reading": "increment"}),
     "steering_correction": ({"axle": "rear"},),
 }
-# The others give less than asked for where grip or motor end, or more where a wheel lags behind its request.
-LIMITING = ("adaptive", "adhesion_share", "open_differential", "slip_target")
+# These give less than asked for where grip or motor end.
+LIMITING = ("adhesion_share", "open_differential", "slip_target")
 FRONT_LAYOUTS = (FRONT, ("front_left", "front_right", "rear_left"), WHEEL_NAMES)
 ANY_LAYOUTS = (*FRONT_LAYOUTS, REAR, ("rear_left",))
 LAYOUTS = {

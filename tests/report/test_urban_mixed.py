@@ -12,10 +12,12 @@ import pytest
 from urban_runs import CAR, PARAMETERS, driven, parameters_of, scenario
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_sim.drives.losses import loss_power
 from ev_sim.profiles.cycle_modes import MODES, TRACTION
 from ev_sim.report.figures.cycle_bands import stretches
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities import cycle_efficiency as cycle
+from ev_sim.report.quantities import circuits
+from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.report.quantities.slip_curve import first_passed_peak
 from ev_sim.report.quantities.surfaces_under import share_of, surfaces_under
 from ev_sim.report.reports import report_for
@@ -53,6 +55,9 @@ def cycle_of(begin: tuple[float, ...], mode: tuple[str, ...]) -> dict[str, objec
 STEADY = cycle_of((0.0, 1.0, 3.0), MODES)
 TORQUE, FORCE, TURNING, ROLLING = 100.0, 250.0, 20.0, 18.0  # N m, N, rad/s, rad/s
 FORCE_SHARE = FORCE * 0.32 / TORQUE
+MOTOR = CAR.motor
+LOSS = MOTOR.copper_loss * 15**2 + MOTOR.inverter_torque_loss * 15 + MOTOR.iron_loss * 200  # of one motor [W]
+LOSS += MOTOR.eddy_loss * 200**2 + MOTOR.inverter_loss
 
 
 def steady_run(rate: float = 0.0) -> Recording:
@@ -76,27 +81,44 @@ def steady_run(rate: float = 0.0) -> Recording:
     return Recording(time, channels)
 
 
+def circuits_of(run: Recording) -> dict[str, circuits.CircuitSums]:
+    return circuits.circuits(run, CAR, cycle.traction(run, STEADY))
+
+
 def test_wheel_sums_of_constant_slip():
     """Two seconds of traction: M 200 N m s, M_f = M - F r, 40 and 36 rad; eq 2.37: 0.8 x 0.9."""
     assert CAR.wheel_radius == 0.32
-    for sums in cycle.wheel_sums(steady_run(), CAR, STEADY).values():
+    for sums in circuits_of(steady_run()).values():
         assert (sums.torque, sums.turned, sums.free_turned) == pytest.approx((200.0, 40.0, 36.0))
         assert sums.resistance == pytest.approx(2.0 * (TORQUE - FORCE * 0.32))
         assert sums.speed_efficiency == pytest.approx(0.9)
         assert sums.efficiency == pytest.approx(FORCE_SHARE * 0.9)
+        assert sums.power_efficiency == pytest.approx(FORCE_SHARE * 0.9)  # nothing changes over time
 
 
 def test_torque_that_turns_the_wheel_faster_is_no_resistance():
     """J w' is taken out of M_f: 5 rad/s^2 of 2.75 kg m^2 over 2 s are 27.5 N m s."""
-    still, faster = (cycle.wheel_sums(steady_run(rate), CAR, STEADY)["front_left"] for rate in (0.0, 5.0))
+    still, faster = (circuits_of(steady_run(rate))["front_left"] for rate in (0.0, 5.0))
     assert still.resistance - faster.resistance == pytest.approx(INERTIA * 5.0 * 2.0)
     assert pytest.approx(2.753, abs=5e-4) == INERTIA
 
 
 def test_energies_of_constant_power():
-    """2 x 15 N m x 200 rad/s for 2 s at the shafts, 400 V x 20 A at the battery, F r (w - w_free) at both tyres."""
-    assert cycle.energies(steady_run(), STEADY) == pytest.approx((12e3, 16e3))
-    assert cycle.slip_energy(steady_run(), CAR, STEADY) == pytest.approx(2 * FORCE * 0.32 * 2.0 * 2.0)
+    """15 N m x 200 rad/s for 2 s at each shaft, the losses of the motor beside it, F r (w - w_free) at both tyres."""
+    run = steady_run()
+    for sums in circuits_of(run).values():
+        assert sums.shaft_work == pytest.approx(6e3)
+        assert sums.electrical_work == pytest.approx(6e3 + 2.0 * LOSS)
+        assert sums.drive_efficiency == pytest.approx(3e3 / (3e3 + LOSS))
+        assert sums.total_efficiency == pytest.approx(sums.efficiency * sums.drive_efficiency)
+    assert circuits.slip_energy(run, CAR, cycle.traction(run, STEADY)) == pytest.approx(2 * FORCE * 0.32 * 2.0 * 2.0)
+
+
+def test_energy_as_printed_is_mean_power_times_the_time_of_the_cycle():
+    """Eq 2.40: 2 s of traction in a cycle of 580 s count 290 times what was taken."""
+    sums = circuits_of(steady_run())["front_left"]
+    assert sums.energy(580.0) == pytest.approx(290.0 * sums.electrical_work)
+    assert cycle.cycle_time(PARAMETERS["driver"]) == 580.0
 
 
 def test_released_pedal_and_other_windows_do_not_count():
@@ -107,32 +129,41 @@ def test_released_pedal_and_other_windows_do_not_count():
     run = Recording(run.time, {**run.channels, "driver.command.drive_torque": pressed})
     inside = cycle.traction(run, STEADY)
     assert run.time[inside].tolist() == pytest.approx(np.arange(101, 201) * 0.01)
-    assert cycle.wheel_sums(run, CAR, STEADY)["front_left"].torque == pytest.approx(100.0)
+    assert circuits_of(run)["front_left"].torque == pytest.approx(100.0)
+    whole = circuits.circuits(run, CAR, cycle.in_windows(run, STEADY))["front_left"]
+    assert (whole.torque, whole.time) == pytest.approx((200.0, 2.0))
 
 
 def test_running_efficiency_ends_at_that_of_the_cycle():
-    shares = cycle.wheel_shares(steady_run(2.0), CAR, STEADY)["front_left"]
-    running = shares.running_efficiency()
-    assert np.isnan(running[:100]).all()
-    assert running[-1] == pytest.approx(shares.sums().efficiency, rel=1e-12)
-    assert np.ptp(running[301:]) == 0.0
+    run = steady_run(2.0)
+    shares, counted = circuits.circuit_shares(run, CAR)["front_left"], cycle.traction(run, STEADY)
+    for running, whole in (
+        (shares.running_efficiency(counted), shares.sums(counted).efficiency),
+        (shares.running_drive_efficiency(counted), shares.sums(counted).drive_efficiency),
+    ):
+        assert np.isnan(running[:100]).all()
+        assert running[-1] == pytest.approx(whole, rel=1e-12)
+        assert np.ptp(running[301:]) == 0.0
 
 
 def test_four_driven_wheels_leave_none_to_measure_slip_with():
     with pytest.raises(NotMeasured, match="no free wheel beside front_left"):
-        cycle.wheel_sums(steady_run(), dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES), STEADY)
+        circuits.circuit_shares(steady_run(), dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES))
 
 
 def test_metrics_by_hand():
     found = report_for("urban_mixed").metrics({"urban_mixed": steady_run()}, CAR, {"driver": STEADY})
     value = {name: metric.value for name, metric in found.items()}
-    wheel, drive = FORCE_SHARE * 0.9, 12 / 16
-    for name in ("wheel_efficiency", "wheel_efficiency_left", "wheel_efficiency_right"):
-        assert value[name] == pytest.approx(wheel)
-    assert value["drive_efficiency"] == pytest.approx(drive)
-    assert value["total_efficiency"] == pytest.approx(wheel * drive)
-    assert (value["energy"], value["energy_in_kwh"]) == pytest.approx((16e3, 16 / 3600))
-    assert value["traction_time"] == pytest.approx(2.0)
+    wheel, drive, energy = FORCE_SHARE * 0.9, 3e3 / (3e3 + LOSS), 4.0 * (3e3 + LOSS)
+    for row in ("", "_right", "_left"):
+        assert value[f"wheel_efficiency{row}"] == value[f"wheel_efficiency_windows{row}"] == pytest.approx(wheel)
+        assert value[f"wheel_speed_efficiency{row}"] == pytest.approx(0.9)
+        assert value[f"drive_efficiency{row}"] == pytest.approx(drive)
+        assert value[f"total_efficiency{row}"] == pytest.approx(wheel * drive)
+    assert (value["energy"], value["energy_windows"]) == pytest.approx((energy, energy))
+    # Eq 2.40: mean power of 2 s times the time of a cycle whose profile ends at 0 s.
+    assert value["energy_as_printed"] == value["energy_as_printed_in_kwh"] == 0.0
+    assert (value["traction_time"], value["window_time"]) == pytest.approx((2.0, 2.0))
     assert value["mean_speed_error"] == 0.0
     assert found["share_of_snow_left"].verdict.startswith("not measured: pose.x was not recorded")
 
@@ -190,6 +221,36 @@ def test_every_metric_is_measured(driver):
     for name, metric in found.items():
         if "efficiency" in name or "share" in name:
             assert 0.0 < metric.value < 1.0, name
+
+
+@pytest.mark.parametrize("driver", ["pulse", "imposed_speed"])
+def test_circuits_take_what_the_battery_gives(driver):
+    """Losses at the samples against those of the plant's steps: within 0.5 %, for torques change within a period."""
+    run = driven(driver)
+    inside = cycle.traction(run, PARAMETERS["driver"])
+    taken = sum(of.electrical_work for of in circuits.circuits(run, CAR, inside).values())
+    given = float((circuits.battery_power(run) * np.diff(run.time, prepend=run.time[0]))[inside].sum())
+    assert taken == pytest.approx(given, rel=0.005)
+
+
+@pytest.mark.parametrize("driver", DRIVERS)
+def test_metrics_are_the_printed_formulas(driver):
+    """Eqs 2.37, 2.38 and 2.40 of the samples themselves, as printed: sums over n, not integrals; to 1e-12."""
+    run = driven(driver)
+    inside = cycle.traction(run, PARAMETERS["driver"])
+    for wheel, sums in circuits.circuits(run, CAR, inside).items():
+        free = f"rear_{wheel.partition('_')[2]}"
+        at = {name: values[inside] for name, values in run.channels.items()}
+        torque, speed = at[f"wheel_states.effort.{wheel}"], at[f"wheel_states.velocity.{wheel}"]
+        gained = np.diff(run.channels[f"wheel_states.velocity.{wheel}"], prepend=0.0)[inside] / PERIOD * INERTIA
+        rolling = torque - CAR.wheel_radius * at[f"tire_forces.longitudinal_force.{wheel}"] - gained
+        shares = (torque.sum() - rolling.sum()) / torque.sum(), at[f"wheel_states.velocity.{free}"].sum() / speed.sum()
+        # The period is that of the stamps, whose differences keep twelve digits at 580 s.
+        assert sums.efficiency == pytest.approx(shares[0] * shares[1], rel=1e-10)
+        motor, shaft = at[f"motor_states.effort.{wheel}"], at[f"motor_states.velocity.{wheel}"]
+        power = motor * shaft + loss_power(MOTOR, motor, shaft)
+        assert sums.drive_efficiency == pytest.approx((motor * shaft).sum() / power.sum(), rel=1e-10)
+        assert sums.energy(580.0) == pytest.approx(power.sum() * 580.0 / len(power), rel=1e-10)
 
 
 # Figures

@@ -8,8 +8,8 @@ import math
 import pytest
 
 from ev_sim.commands.run_scenario import main
-from ev_sim.study import dissertation_tables as printed
 from ev_sim.study import urban_cases
+from ev_sim.study.five_methods import judged_quantity
 from ev_sim.study.urban_cases import METHODS, case, case_name
 from ev_sim.study.workers import drive_cases
 from ev_sim.surfaces.table import SURFACES
@@ -22,10 +22,10 @@ HALF_STEP = (("plant", "step", 0.5e-3),)
 
 CASES = [
     *(case(method, "imposed_speed", seed) for method in METHODS for seed in SEEDS),
-    *(case(method, "pulse", seed) for method in (1, 2) for seed in SEEDS),
-    *(case(method, "tracking", 1) for method in (1, 2, 5)),
-    case(1, "imposed_speed", 1, WITHOUT_ASR, (("asr", "method", "off"),)),
-    *(case(method, "imposed_speed", 1, f"half step {method}", HALF_STEP) for method in (1, 2)),
+    *(case(method, "pulse", seed) for method in ("1", "2") for seed in SEEDS),
+    *(case(method, "tracking", 1) for method in ("1", "2", "5")),
+    case("1", "imposed_speed", 1, WITHOUT_ASR, (("asr", "method", "off"),)),
+    *(case(method, "imposed_speed", 1, f"half step {method}", HALF_STEP) for method in ("1", "2")),
 ]
 
 
@@ -35,45 +35,65 @@ def driven():
     return {result.name: result for result in drive_cases(CASES, urban_cases.measure, workers=2)}
 
 
-def wheel(driven, method: int, driver: str, seed: int) -> float:
-    key = "wheel_speed_efficiency" if driver == "imposed_speed" else "wheel_efficiency"
-    return driven[case_name(method, driver, seed)].measured[key]
+def wheel(driven, method: str, driver: str, seed: int) -> float:
+    return driven[case_name(method, driver, seed)].measured[judged_quantity(driver)]
 
 
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("seed", SEEDS)
-def test_imposed_speed_reproduces_table_3_6_for_methods_1_to_4(driven, seed):
-    """Bands of dissertation_tables.py about the printed numbers; order 1 > 3 >= 4 > 2, and 1 - 2 at least 0.14."""
+def test_methods_come_in_the_printed_order(driven, seed):
+    """1 > 3 >= 4 > 2, and 1 - 2 at least 0.14 (0.17 is printed); docs/verdicts.md judges ten seeds."""
     values = {method: wheel(driven, method, "imposed_speed", seed) for method in METHODS}
-    for method in (1, 2, 3, 4):
-        low, high = printed.wheel_efficiency(method, "imposed_speed").band
-        assert low <= values[method] <= high, method
-    assert values[1] > values[3] >= values[4] > values[2]
-    assert values[1] - values[2] >= 0.14
+    assert values["1"] > values["3"] >= values["4"] > values["2"]
+    assert values["1"] - values["2"] >= 0.14
+
+
+@pytest.mark.timeout(400)
+@pytest.mark.parametrize("method", METHODS)
+def test_eq_2_37_in_full_lies_below_the_ratio_of_speeds(driven, method):
+    """By what the rolling resistance of wet asphalt and snow takes, 8 to 14 % of the torque; so 0.96 is out of reach.
+
+    With table 2.2 in M_f no method can have more than 0.89 (f_0 = 0, lower ends, no slip).
+    """
+    measured = driven[case_name(method, "imposed_speed", 1)].measured
+    for row in ("", "_right", "_left"):
+        share = measured[f"wheel_efficiency{row}"] / measured[f"wheel_speed_efficiency{row}"]
+        assert 0.86 < share < 0.92
+        assert measured[f"wheel_efficiency{row}"] < 0.89
+
+
+@pytest.mark.timeout(400)
+@pytest.mark.parametrize("method", ["1", "2"])
+def test_released_pedal_costs_eq_2_37_a_lot(driven, method):
+    """With `pulse` rolling resistance goes on while the torque is zero: at least 0.1 less over whole windows."""
+    measured = driven[case_name(method, "pulse", 1)].measured
+    assert measured["wheel_efficiency_windows"] < measured["wheel_efficiency"] - 0.1
+    driven_time = measured["energy_windows"] / measured["energy_as_printed"] * 580.0
+    assert driven_time == pytest.approx(355.2, abs=0.01)  # eq 2.40: energy over 355.2 s, times 580 s
 
 
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_who_knows_the_friction_is_better_than_the_printed_method_5(driven, seed):
     """Above method 2, and by 0.02 at most above method 1: nobody can do better than not to slip."""
-    values = {method: wheel(driven, method, "imposed_speed", seed) for method in (1, 2, 5)}
-    assert values[2] < values[5] <= values[1] + 0.02
+    values = {method: wheel(driven, method, "imposed_speed", seed) for method in ("1", "2", "5")}
+    assert values["2"] < values["5"] <= values["1"] + 0.02
 
 
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_pulse_with_rolling_resistance(driven, seed):
     """Method 1 has 0.77 to 0.82 with the rolling resistance of snow, far from 0.96, and more than method 2."""
-    assert 0.77 <= wheel(driven, 1, "pulse", seed) <= 0.82
-    assert 0.68 <= wheel(driven, 2, "pulse", seed) < wheel(driven, 1, "pulse", seed)
+    assert 0.77 <= wheel(driven, "1", "pulse", seed) <= 0.82
+    assert 0.68 <= wheel(driven, "2", "pulse", seed) < wheel(driven, "1", "pulse", seed)
 
 
 @pytest.mark.timeout(400)
 def test_who_follows_the_cycle_never_slips(driven):
     """All methods are then the same car: less than 0.005 apart."""
-    values = [wheel(driven, method, "tracking", 1) for method in (1, 2, 5)]
+    values = [wheel(driven, method, "tracking", 1) for method in ("1", "2", "5")]
     assert max(values) - min(values) < 0.005
-    for method in (1, 2, 5):
+    for method in ("1", "2", "5"):
         # The cycle is 4402.6 m long; the driver is some decimetres off.
         distance = driven[case_name(method, "tracking", 1)].measured["distance"]
         assert distance == pytest.approx(4402.6, abs=2.0)
@@ -83,11 +103,11 @@ def test_who_follows_the_cycle_never_slips(driven):
 def test_traction_control_is_what_makes_method_1(driven):
     """At least 0.05 above the same distribution without ASR."""
     without = driven[WITHOUT_ASR].measured["wheel_speed_efficiency"]
-    assert wheel(driven, 1, "imposed_speed", 1) >= without + 0.05
+    assert wheel(driven, "1", "imposed_speed", 1) >= without + 0.05
 
 
 @pytest.mark.timeout(400)
-@pytest.mark.parametrize("method", [1, 2])
+@pytest.mark.parametrize("method", ["1", "2"])
 def test_half_the_step_gives_the_same_efficiency(driven, method):
     """Less than 0.005; the methods are 0.16 apart."""
     half = driven[f"half step {method}"].measured["wheel_speed_efficiency"]
@@ -118,15 +138,15 @@ def test_study_prints_both_tables_and_keeps_every_seed(tmp_path, capsys):
     options = ["--seeds", "2", "--drivers", "pulse", "--duration", "60", "--workers", "2", "--out", str(tmp_path)]
     main(["five_methods", *options])
     text = capsys.readouterr().out
-    assert "1 adaptive" in text and "0.960" in text and "99.7" in text
+    assert "1 adaptive" in text and "1b adaptive" in text and "0.96" in text and "99.7" in text
     summary = json.loads((tmp_path / "summary.json").read_text())
-    for quantity in ("wheel_efficiency", "drive_efficiency", "total_efficiency", "energy"):
+    for quantity in ("wheel_efficiency_right", "drive_efficiency", "total_efficiency", "energy_as_printed"):
         for method in METHODS:
             metric = summary["metrics"][f"{quantity}_{method}_pulse"]
             assert len(metric["per_seed"]) == 2
             assert metric["value"] == pytest.approx(sum(metric["per_seed"]) / 2)
             assert metric["std"] == pytest.approx(abs(metric["per_seed"][0] - metric["per_seed"][1]) / math.sqrt(2))
-    assert len(summary["cases"]) == 10 and all(len(c["signal_hash"]) == 64 for c in summary["cases"].values())
+    assert len(summary["cases"]) == 12 and all(len(c["signal_hash"]) == 64 for c in summary["cases"].values())
     assert (tmp_path / "wheel_efficiency.png").stat().st_size > 0
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from documentation import parameter_reference, topic_reference
+from documentation import can_reference, parameter_reference, topic_reference
 from documentation.graph_diagram import graph_diagram
 from documentation.hashes import HASHES
 from documentation.lists import method_table, scenario_table, study_list
@@ -13,6 +13,7 @@ from documentation.markdown import block_names, with_blocks
 from documentation.scenario_results import SCENARIO_PAGES, STUDY_PAGES
 
 SHCHUR = "docs/shchur2019.md"
+VERDICTS = "docs/verdicts.md"
 RESULTS = "results"  # made from runs, and so only on demand
 
 PARTS: dict[str, Callable[[], str]] = {
@@ -30,14 +31,19 @@ PARTS: dict[str, Callable[[], str]] = {
     "topics": topic_reference.topic_table,
     "wheel names": topic_reference.wheel_names,
     "fields": topic_reference.field_tables,
+    "can frames": can_reference.frame_table,
+    "can signals": can_reference.signal_table,
+    "can faults": can_reference.fault_table,
 }
 
 PAGES = {
     "README.md": ("graph", "scenarios", "studies", "methods"),
     "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
     "docs/topics.md": ("topics", "wheel names", "fields"),
+    "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
     HASHES: (RESULTS,),
     SHCHUR: (RESULTS,),
+    VERDICTS: ("verdicts",),  # made from runs, too
     **{name: (RESULTS, *page.studies) for name, page in SCENARIO_PAGES.items()},
     **STUDY_PAGES,
 }

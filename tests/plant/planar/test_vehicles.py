@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -53,6 +54,21 @@ def test_vehicle_drives(path):
         driven.advance(WheelTorqueCommand(Wheels.all(0.0), brake), steered(0.02))
     assert abs(driven.state[0]) < 1e-3
     assert driven.state[index("guard.non_finite")] == driven.state[index("guard.out_of_range")] == 0
+
+
+def test_readings_of_the_growth_of_rolling_resistance():
+    """Eq 2.8 of the dissertation, f = f_0 + k_f V^2, with 4.5e-5: added in (m/s)^2, or relative to f_0 with V in km/h.
+
+    Relative, at 47.3 km/h it adds 0.0011 to 0.0013 for k_f of 4e-5 to 5e-5, added 0.0069 to 0.0086.
+    """
+    car = vehicle(CONFIG / "vehicles" / "dissertation_class_b.yaml")
+    assert (car.rolling_resistance_speed, car.rolling_resistance_reading) == (4.5e-5, "relative")
+    assert car.rolling_resistance_growth == pytest.approx(7.0e-6, rel=1e-3)
+    fast = 47.3 / 3.6
+    assert 0.0010 < car.rolling_resistance_growth * fast**2 < 0.0013
+    literal = dataclasses.replace(car, rolling_resistance_reading="added")
+    assert literal.rolling_resistance_growth == 4.5e-5
+    assert 0.0069 < literal.rolling_resistance_growth * fast**2 < 0.0086
 
 
 @pytest.mark.parametrize("path", ROADS, ids=lambda path: path.stem)

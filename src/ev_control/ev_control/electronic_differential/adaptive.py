@@ -1,4 +1,4 @@
-"""Equal torques, and what one wheel is refused goes to the other one: method 1 of the dissertation's five."""
+"""Equal torques, of which each wheel takes what its traction control lets it: method 1 of the dissertation's five."""
 
 from __future__ import annotations
 
@@ -15,19 +15,15 @@ from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.layout import any_driven
 
-TERRAINS = ("road", "off_road")
-ROAD, OFF_ROAD = range(len(TERRAINS))
-
 
 @dataclass(frozen=True, slots=True)
 class AdaptiveParameters:
     """Whether refused torque is offered on, and how fast."""
 
-    terrain: str = parameter(
-        "off_road",
-        choices=TERRAINS,
-        about="road: equal torques whatever happens; off_road: refused torque is offered to the other wheel",
-        source="dissertation, section 2.4",
+    redistribute: bool = parameter(
+        False,
+        about="offer what one wheel is refused to the other wheel of its axle, instead of dropping it",
+        source="assumption where it is on: the dissertation (sections 2.4, 2.7.5, 3.1) says nothing of it",
     )
     filter_time: float = parameter(
         0.05,
@@ -55,16 +51,19 @@ class AdaptiveState:
 def adaptive(
     p: AdaptiveParameters, car: Car, s: AdaptiveState, period: float, driver: DriverCommand, wheels: WheelStates
 ) -> WheelTorqueRequest:
-    """Give equal torques, and offer what one wheel of an axle does not take to the other wheel.
+    """Give equal torques, of which the traction control of each wheel lets pass what that wheel can take.
 
-    Dissertation, sections 2.4 and 3.1: the base is equal torques; where the ASR holds a wheel at the limit of its
-    grip, the rest of its share R_i = M_share - M_i, with the torque M_i that acts on it, is added to the request of the
-    other wheel, whose own ASR decides what it takes. So the wheels get no more than the driver asked for as soon as
-    the refusal is noticed; while it fades, for `filter_time`, the sum of the requests is up to R_i higher. Without ASR
-    this is `equal_torque`. Nothing is offered on while the driver brakes, and a changed direction begins anew.
+    Dissertation, sections 2.4 and 3.1: the base is equal torques, and the ASR holds each wheel at the limit of its grip
+    on its own. What it refuses is dropped, as nothing in the source offers it to the other wheel; the request is then
+    that of `equal_torque`. How the "asymmetric regulation" of section 2.4 is formed is not said: here by the ASR.
+
+    With `redistribute` the rest of a refused share R_i = M_share - M_i, with the torque M_i that acts on the wheel, is
+    added to the request of the other wheel of the axle, whose own ASR decides what it takes. So the wheels get no more
+    than the driver asked for as soon as the refusal is noticed; while it fades, for `filter_time`, the sum of the
+    requests is up to R_i higher. Nothing is offered on while the driver brakes, and a changed direction begins anew.
     """
     equal = split(p.brake, car, driver, 0.0)
-    offers = p.terrain == OFF_ROAD and driver.drive_torque != 0.0 and driver.brake_torque == 0.0
+    offers = p.redistribute and driver.drive_torque != 0.0 and driver.brake_torque == 0.0
     front_left, front_right, rear_left, rear_right = equal.drive
     if offers:
         approach = filter_share(period, p.filter_time)

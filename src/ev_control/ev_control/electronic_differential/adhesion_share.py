@@ -85,9 +85,10 @@ def adhesion_share(
 ) -> WheelTorqueRequest:
     """Share the drive torque in proportion to the grip of the driven wheels, and give none of them more than that.
 
-    tau_i = phi_i F_i r [N m] (dissertation, eq 1.2, at the wheel), M_i = min(M tau_i/sum(tau), tau_i). With `truth`
-    friction and load are the plant's; else they come from `estimated_friction` and the accelerations. Braking by the
-    drives is shared in the same way.
+    tau_i = phi_i F_i r [N m] (dissertation, eq 1.2, at the wheel), M_i = min(M tau_i/sum(tau), tau_i/eta): a command
+    counts before the gear, whose efficiency eta takes its part of it on the way to the wheel. With `truth` friction and
+    load are the plant's; else they come from `estimated_friction` and the accelerations. Braking by the drives is
+    shared in the same way, but there the gear helps, and tau_i eta is the bound.
     """
     total = driver.drive_torque
     if p.friction == TRUTH:
@@ -95,13 +96,21 @@ def adhesion_share(
     else:
         load = wheel_loads(car, imu)
         friction = estimated_friction(p.estimate, car, s.estimate, period, total, load, column, wheels, imu)
-    lever = p.error_factor * car.wheel_radius
-    front_left = lever * friction[0] * load[0] if car.driven[0] == 1.0 else 0.0
-    front_right = lever * friction[1] * load[1] if car.driven[1] == 1.0 else 0.0
-    rear_left = lever * friction[2] * load[2] if car.driven[2] == 1.0 else 0.0
-    rear_right = lever * friction[3] * load[3] if car.driven[3] == 1.0 else 0.0
+    front_left = p.error_factor * grip(car, 0, total, friction[0], load[0], wheels.velocity[0])
+    front_right = p.error_factor * grip(car, 1, total, friction[1], load[1], wheels.velocity[1])
+    rear_left = p.error_factor * grip(car, 2, total, friction[2], load[2], wheels.velocity[2])
+    rear_right = p.error_factor * grip(car, 3, total, friction[3], load[3], wheels.velocity[3])
     # Left and right first, so that a mirrored car gets exactly mirrored torques.
-    grip = (front_left + front_right) + (rear_left + rear_right)
-    share = min(max(total / grip, -1.0), 1.0) if grip > 0.0 else 0.0
+    carried = (front_left + front_right) + (rear_left + rear_right)
+    share = min(max(total / carried, -1.0), 1.0) if carried > 0.0 else 0.0
     drive = Wheels(share * front_left, share * front_right, share * rear_left, share * rear_right)
     return WheelTorqueRequest(drive, split_brake(p.brake, driver))
+
+
+@compilable
+def grip(car: Car, wheel: int, total: float, friction: float, load: float, speed: float) -> float:
+    """The command [N m] at which a driven wheel gets the torque phi F r that its tyre can take; of others none."""
+    torque = friction * load * car.wheel_radius
+    if car.driven[wheel] == 0.0:
+        return 0.0
+    return torque / car.motor.gear_efficiency if total * speed >= 0.0 else torque * car.motor.gear_efficiency

@@ -63,7 +63,17 @@ class Vehicle:
     side_area: float = parameter(0.0, unit="m^2", low=0.0, high=100.0, about="area seen from the side, F_side")
     air_density: float = parameter(1.24, unit="kg/m^3", low=0.0, high=2.0, about="density of the air, rho")
     rolling_resistance_speed: float = parameter(
-        0.0, unit="s^2/m^2", low=0.0, high=1e-3, about="growth of the rolling resistance with V^2, k_f"
+        0.0,
+        unit="s^2/m^2 or h^2/km^2",
+        low=0.0,
+        high=1e-3,
+        about="growth of the rolling resistance with V^2, k_f; the unit by `rolling_resistance_reading`",
+    )
+    rolling_resistance_reading: str = parameter(
+        "added",
+        choices=("added", "relative"),
+        about="added: f = f_0 + k_f V^2 with V in m/s; relative: f = f_0 (1 + k_f V^2) with V in km/h",
+        source="dissertation, eq 2.8, which leaves the unit of V open: added is its literal form",
     )
     yaw_inertia: float = parameter(1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z")
     centre_of_mass_height: float = parameter(0.55, unit="m", low=0.0, high=4.0, about="above the road, h")
@@ -126,6 +136,13 @@ class Vehicle:
         """Inertia of a wheel without motor [kg m^2]: J_w, or as Tatar & Chudzik print it in eq 1."""
         body = self.mass / 4.0 * self.wheel_radius * self.wheel_radius if self.printed_wheel_inertia else 0.0
         return self.wheel_inertia + body
+
+    @property
+    def rolling_resistance_growth(self) -> float:
+        """What the speed adds to the rolling resistance coefficient, over V^2 [s^2/m^2]."""
+        if self.rolling_resistance_reading == "added":
+            return self.rolling_resistance_speed
+        return self.rolling_resistance * self.rolling_resistance_speed * (3.6 * 3.6)
 
     @property
     def driven_wheel_inertia(self) -> float:

@@ -26,6 +26,11 @@ def main(argv: list[str] | None = None) -> None:
 
             run_study(words[0], words[1:])
             return
+        if words and words[0] == "verdicts":
+            from ev_sim.commands.verdicts import run_verdicts
+
+            run_verdicts(words[1:])
+            return
         given = arguments(words)
         if given.list:
             print_list()
@@ -48,6 +53,7 @@ def print_list() -> None:
     print("studies, of many runs (scripts/run.sh STUDY --help)")
     for name in STUDIES:
         print(f"  {name:24} {study_named(name).ABOUT}")
+    print("verdicts on what the sources published (scripts/run.sh verdicts --help)")
     for role, methods in all_methods().items():
         print(f"methods of {role}")
         for name, method in methods.items():

@@ -8,6 +8,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 Band = tuple[float, float]  # an end that is not finite is open
+REPRODUCED = "reproduced"
+NOT_REPRODUCED = "not reproduced"
+NOT_MEASURED = "not measured"
+FROM_INPUTS = "follows from the inputs"
 
 
 class NotMeasured(Exception):
@@ -19,13 +23,15 @@ class Reference:
     """A published number, the band (both ends included) in which a run reproduces it, and where it comes from.
 
     `source` says whether the number itself is printed or follows from printed equations and parameters.
-    `assumption` names what had to be added to the source; empty if nothing.
+    `assumption` names what had to be added to the source; empty if nothing. `inputs` says why a run cannot miss the
+    number by physics, because it is among what the run is given; empty if it can.
     """
 
     value: float
     band: Band
     source: str
     assumption: str = ""
+    inputs: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,19 +54,23 @@ class Metric:
 
     @property
     def judgement(self) -> str:
-        """What the number is worth: measured, not measured, reproduced or not reproduced."""
+        """What the number is worth: measured, not measured, (not) reproduced, or no more than its inputs."""
         if self.value is None:
-            return "not measured"
+            return NOT_MEASURED
         if self.reference is None:
             return "measured"
         low, high = self.reference.band
-        return "reproduced" if low <= self.value <= high else "not reproduced"
+        if not low <= self.value <= high:
+            return NOT_REPRODUCED
+        return FROM_INPUTS if self.reference.inputs else REPRODUCED
 
     @property
     def note(self) -> str:
         """What belongs to the judgement: why nothing was measured, or what had to be assumed to reproduce it."""
-        if self.judgement == "reproduced":
-            return self.reference.assumption  # type: ignore[union-attr]
+        if self.reference and self.judgement == FROM_INPUTS:
+            return self.reference.inputs
+        if self.reference and self.judgement == REPRODUCED:
+            return self.reference.assumption
         return self.reason
 
     @property
@@ -68,7 +78,7 @@ class Metric:
         """Judgement and note in one line."""
         if not self.note:
             return self.judgement
-        link = " with assumption " if self.judgement == "reproduced" else ": "
+        link = " with assumption " if self.judgement == REPRODUCED else ": "
         return self.judgement + link + self.note
 
     def as_json(self) -> dict[str, object]:

@@ -13,13 +13,13 @@ from ev_sim.report.metric import Metric
 from ev_sim.report.text_table import text_table
 
 COLUMNS = ("metric", "value", "unit", "published", "band", "verdict")
-NARROW = ("metric", "value", "unit", "published", "verdict")
+NARROW = (("metric", "value", "unit", "published", "verdict"), ("metric", "value", "unit", "verdict"))
 WIDTH_OF_A_PIPE = 120
 _TEXT = ("metric", "unit", "band", "verdict")
 
 
 def print_metrics(metrics: Mapping[str, Metric], file: TextIO | None = None) -> None:
-    """Print the table of metrics, in a narrow terminal without the bands and without the angles in degrees."""
+    """Print the table of metrics, in a narrow terminal without bands, angles in degrees and published values."""
     width = shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns
     print(metric_table(metrics, width), file=file or sys.stdout)
 
@@ -32,9 +32,10 @@ def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) ->
     notes: list[str] = []
     rows = [_row(name, metric, notes) for name, metric in metrics.items()]
     lines = _lines(COLUMNS, rows)
-    if max(map(len, lines)) > width:
-        rows = [{**row, "value": row["value in rad"]} for row in rows]
-        lines = _lines(NARROW, rows)
+    without_degrees = [{**row, "value": row["value in rad"]} for row in rows]
+    for columns in NARROW:
+        if max(map(len, lines)) > width:
+            lines = _lines(columns, without_degrees)
     for number, note in enumerate(notes, start=1):
         indent = f"[{number}] "
         lines += textwrap.wrap(note, max(width, 40), initial_indent=indent, subsequent_indent=" " * len(indent))

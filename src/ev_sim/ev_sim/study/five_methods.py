@@ -1,4 +1,4 @@
-"""All five methods over all seeds and drivers, beside tables 3.6 and 5.6 of the dissertation."""
+"""All five methods over all seeds and drivers, beside tables 3.1 to 3.6 and 5.1 to 5.6 of the dissertation."""
 
 from __future__ import annotations
 
@@ -6,27 +6,36 @@ import argparse
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ev_sim.report.metric import Metric, Reference, mean_over_seeds
+from ev_sim.report.metric import Metric, mean_over_seeds
 from ev_sim.report.text_table import text_table
 from ev_sim.study import dissertation_tables as printed
 from ev_sim.study import urban_cases
 from ev_sim.study.case import Case
+from ev_sim.study.dissertation_gains import gains
 from ev_sim.study.study import Results
-from ev_sim.study.urban_cases import DRIVERS, METHODS, TITLES, case_name, roads
+from ev_sim.study.urban_cases import DRIVERS, FIVE, METHODS, SIDES, case_name, roads
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ABOUT = "Dissertation, tables 3.6 and 5.6 - five torque control methods, three drivers, many roads (--seeds N)"
+ABOUT = "Dissertation, tables 3.1 to 3.6 and 5.1 to 5.6 - five methods, three drivers, many roads (--seeds N)"
 COLUMNS = (
-    "driver",
-    "method",
-    *("wheel efficiency", "printed"),
-    *("drive efficiency", "printed"),
-    *("total efficiency", "printed"),
-    *("energy [kW min]", "printed, as kWh"),
+    *("driver", "method"),
+    *("2.37 right", "left", "mean", "printed", "speeds alone", "whole windows"),
+    *("2.38 right", "left", "mean", "printed"),
+    *("2.39", "printed"),
+    *("energy [kW min]", "2.40 as printed [kW min]", "printed, as kWh"),
 )
-SUMS = ("methods_apart_", "method_1_above_2_", "seeds_with_")
+SUMS = ("methods_apart_", "method_1_above_2_", "seeds_with_", "gain_")
+MEASURED = {  # quantities of `urban_cases.measure` by unit
+    "1": (
+        *("wheel_efficiency_right", "wheel_efficiency_left", "wheel_efficiency", "wheel_efficiency_windows"),
+        *("wheel_speed_efficiency_right", "wheel_speed_efficiency_left", "wheel_speed_efficiency"),
+        "wheel_power_efficiency",
+        *("drive_efficiency_right", "drive_efficiency_left", "drive_efficiency", "total_efficiency"),
+    ),
+    "J": ("energy", "energy_windows", "energy_as_printed"),
+}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -51,47 +60,44 @@ measure = urban_cases.measure
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """Table 3.6 and 5.6 for each driver, means over the seeds; then how often the methods come in their order.
+    """All that was measured for each method and driver, means over the seeds; then orders and gains.
 
-    The wheel efficiency of `imposed_speed` is without rolling resistance in M_f, that of the others with it.
+    Of `imposed_speed` orders and gains are those of the ratio of speeds alone, so eq 2.37 without rolling resistance in
+    M_f; of the other drivers those of eq 2.37 in full.
     """
     found: dict[str, Metric] = {}
     for driver in given.drivers:
         for method in METHODS:
-            values = _values(given, results, method, driver)
-            end = f"{method}_{driver}"
-            wheel = _wheel(values, driver)
-            drive = [value["drive_efficiency"] for value in values]
-            total = [a * b for a, b in zip(wheel, drive, strict=True)]
-            energy = [value["energy"] for value in values]
-            found[f"wheel_efficiency_{end}"] = _mean(wheel, "1", printed.wheel_efficiency(method, driver))
-            found[f"drive_efficiency_{end}"] = _mean(drive, "1", printed.drive_efficiency(method))
-            found[f"total_efficiency_{end}"] = _mean(total, "1", printed.total_efficiency(method))
-            found[f"energy_{end}"] = _mean(energy, "J", printed.energy(method))
+            values = values_of(given, results, method, driver)
+            for unit, names in MEASURED.items():
+                for name in names:
+                    found[f"{name}_{method}_{driver}"] = _mean([value[name] for value in values], unit)
         found.update(_orders(given, results, driver))
+        found.update(_gains(found, driver))
     return found
 
 
-def _values(given: argparse.Namespace, results: Results, method: int, driver: str) -> list[Mapping[str, Any]]:
+def values_of(given: argparse.Namespace, results: Results, method: str, driver: str) -> list[Mapping[str, Any]]:
     """What was measured with the seeds in their order, without the cases that gave nothing."""
     names = (case_name(method, driver, seed) for seed in roads(given))
     return [results[name].measured for name in names if results[name].measured]
 
 
-def _wheel(values: Sequence[Mapping[str, Any]], driver: str) -> list[float]:
-    key = "wheel_speed_efficiency" if driver == "imposed_speed" else "wheel_efficiency"
-    return [value[key] for value in values]
+def judged_quantity(driver: str) -> str:
+    """The wheel efficiency that is held against tables 3.1 to 3.6: with imposed speed the ratio of speeds alone."""
+    return "wheel_speed_efficiency" if driver == "imposed_speed" else "wheel_efficiency"
 
 
-def _mean(values: Sequence[float], unit: str, reference: Reference | None = None) -> Metric:
+def _mean(values: Sequence[float], unit: str) -> Metric:
     if not values:
-        return Metric(None, unit, reference, "no case came to a traction window")
-    return mean_over_seeds(values, unit, reference)
+        return Metric(None, unit, reason="no case came to a traction window")
+    return mean_over_seeds(values, unit)
 
 
 def _orders(given: argparse.Namespace, results: Results, driver: str) -> dict[str, Metric]:
     """Spread over the methods, in how many seeds 1 > 3 >= 4 > 2 and 1 > 2 hold, and how far 1 lies above 2."""
-    columns = [_wheel(_values(given, results, method, driver), driver) for method in METHODS]
+    key = judged_quantity(driver)
+    columns = [[value[key] for value in values_of(given, results, method, driver)] for method in FIVE]
     if len({len(column) for column in columns}) > 1 or not columns[0]:
         return {}
     rows = list(zip(*columns, strict=True))
@@ -104,29 +110,49 @@ def _orders(given: argparse.Namespace, results: Results, driver: str) -> dict[st
     }
 
 
+def _gains(found: Mapping[str, Metric], driver: str) -> dict[str, Metric]:
+    """Smallest and largest gain of method 1 by eqs 3.1, 5.1 and 5.2, over method 1 and over the other one."""
+    of = {"3_1": judged_quantity(driver), "5_1": "drive_efficiency", "5_2": "total_efficiency"}
+    shown = {}
+    for equation, quantity in of.items():
+        by_method = {int(method): found[f"{quantity}_{method}_{driver}"].value for method in FIVE}
+        if any(not value for value in by_method.values()):
+            continue
+        for denominator, values in gains(by_method)._asdict().items():
+            shown[f"gain_{equation}_{denominator}_smallest_{driver}"] = Metric(min(values.values()), "%")
+            shown[f"gain_{equation}_{denominator}_largest_{driver}"] = Metric(max(values.values()), "%")
+    return shown
+
+
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
-    """Tables 3.6 and 5.6, ours (mean and standard deviation over the seeds) beside what is printed."""
+    """The tables of the source, ours beside what is printed; of means the standard deviation over the seeds as well."""
     found = metrics(given, results)
-    efficiencies = (
-        ("wheel_efficiency", printed.WHEEL_EFFICIENCY),
-        ("drive_efficiency", printed.DRIVE_EFFICIENCY),
-        ("total_efficiency", printed.TOTAL_EFFICIENCY),
-    )
-    return [
-        (
+
+    def row(driver: str, method: str) -> tuple[str, ...]:
+        def shown(name: str, factor: float = 1.0, form: str = ".3f") -> str:
+            return _shown(found[f"{name}_{method}_{driver}"], factor, form)
+
+        def three(name: str) -> tuple[str, ...]:
+            return (*(shown(f"{name}_{side}").partition(" ")[0] for side in SIDES), shown(name))
+
+        number = METHODS[method].number
+        return (
             driver,
-            f"{method} {TITLES[method]}",
-            *(
-                cell
-                for quantity, of in efficiencies
-                for cell in (_shown(found[f"{quantity}_{method}_{driver}"]), f"{of[method]:.3f}")
-            ),
-            _shown(found[f"energy_{method}_{driver}"], 1 / printed.KILOWATT_MINUTE, ".1f"),
-            f"{printed.ENERGY[method]:.1f}",
+            f"{method} {METHODS[method].title}",
+            *three("wheel_efficiency"),
+            f"{printed.WHEEL_EFFICIENCY[number]:.2f}",
+            shown("wheel_speed_efficiency"),
+            shown("wheel_efficiency_windows"),
+            *three("drive_efficiency"),
+            f"{printed.DRIVE_EFFICIENCY[number]:.3f}",
+            shown("total_efficiency"),
+            f"{printed.TOTAL_EFFICIENCY[number]:.3f}",
+            shown("energy_windows", 1 / printed.KILOWATT_MINUTE, ".1f"),
+            shown("energy_as_printed", 1 / printed.KILOWATT_MINUTE, ".1f"),
+            f"{printed.ENERGY[number]:.1f}",
         )
-        for driver in given.drivers
-        for method in METHODS
-    ]
+
+    return [row(driver, method) for driver in given.drivers for method in METHODS]
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
@@ -147,7 +173,11 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     from ev_sim.study.efficiency_figure import efficiency_figure
 
     points = {
-        driver: {method: _wheel(_values(given, results, method, driver), driver) for method in METHODS}
+        driver: {
+            int(method): [value[judged_quantity(driver)] for value in values_of(given, results, method, driver)]
+            for method in FIVE
+        }
         for driver in given.drivers
     }
-    return {"wheel_efficiency": efficiency_figure(points, printed.WHEEL_EFFICIENCY, TITLES)}
+    titles = {METHODS[method].number: METHODS[method].title for method in FIVE}
+    return {"wheel_efficiency": efficiency_figure(points, printed.WHEEL_EFFICIENCY, titles)}

@@ -3,47 +3,70 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities.cycle_efficiency import energies, slip_energy, wheel_sums
+from ev_sim.report.quantities import circuits, traction_windows
+from ev_sim.report.quantities.circuits import CircuitSums
 from ev_sim.run.recording.recording import Recording
 from ev_sim.run.scenarios.scenario import Run
 from ev_sim.study.case import Case
 
 SCENARIO = "urban_mixed"
-# Number of the method in chapter 3: electronic differential and ASR.
-METHODS = {
-    1: ("adaptive", "least_squares"),
-    2: ("open_differential", "off"),
-    3: ("limited_slip", "off"),
-    4: ("limited_slip_variable", "off"),
-    5: ("adhesion_share", "off"),
-}
-TITLES = {
-    1: "adaptive",
-    2: "open differential",
-    3: "limited slip",
-    4: "limited slip, variable",
-    5: "by adhesion",
-}
-DRIVERS = ("tracking", "imposed_speed", "pulse")
-
 Values = tuple[tuple[str, str, Any], ...]
 
 
-def case(method: int, driver: str, seed: int, name: str = "", further: Values = ()) -> Case:
-    """One cycle: number of the method, driver, seed of the road, and what else differs from the scenario."""
-    differential, asr = METHODS[method]
+@dataclass(frozen=True, slots=True)
+class Method:
+    """One of the five methods of chapter 3: its number there, a title, and what differs from the scenario."""
+
+    number: int
+    title: str
+    differential: str
+    asr: str
+    further: Values = ()
+
+
+METHODS = {
+    "1": Method(1, "adaptive", "adaptive", "least_squares"),
+    "1b": Method(
+        1,
+        "adaptive, refused torque offered on",
+        "adaptive",
+        "least_squares",
+        (("electronic_differential", "redistribute", True),),
+    ),
+    "2": Method(2, "open differential", "open_differential", "off"),
+    "3": Method(3, "limited slip", "limited_slip", "off"),
+    "4": Method(4, "limited slip, variable", "limited_slip_variable", "off"),
+    "5": Method(5, "by adhesion", "adhesion_share", "off"),
+}
+FIVE = ("1", "2", "3", "4", "5")  # as printed
+DRIVERS = ("tracking", "imposed_speed", "pulse")
+SIDES = ("right", "left")
+QUANTITIES: dict[str, Callable[[CircuitSums], float]] = {
+    "wheel_efficiency": lambda circuit: circuit.efficiency,
+    "wheel_speed_efficiency": lambda circuit: circuit.speed_efficiency,
+    "wheel_power_efficiency": lambda circuit: circuit.power_efficiency,
+    "drive_efficiency": lambda circuit: circuit.drive_efficiency,
+    "total_efficiency": lambda circuit: circuit.total_efficiency,
+}
+
+
+def case(method: str, driver: str, seed: int, name: str = "", further: Values = ()) -> Case:
+    """One cycle: name of the method, driver, seed of the road, and what else differs from the scenario."""
+    of = METHODS[method]
     values: Values = (
-        ("electronic_differential", "method", differential),
-        ("asr", "method", asr),
+        ("electronic_differential", "method", of.differential),
+        ("asr", "method", of.asr),
         ("driver", "method", driver),
         ("plant", "speed", "imposed" if driver == "imposed_speed" else "free"),
         ("plant", "road.seed", seed),
+        *of.further,
     )
     return Case(name or case_name(method, driver, seed), SCENARIO, (*values, *further))
 
@@ -55,32 +78,43 @@ def roads(given: argparse.Namespace) -> range:
     return range(1, given.seeds + 1)
 
 
-def case_name(method: int, driver: str, seed: int) -> str:
+def case_name(method: str, driver: str, seed: int) -> str:
     """Name of a case without changes."""
     return f"method {method} {driver} seed {seed}"
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """Efficiencies [1] and energies [J] over the traction windows of a cycle, means of the driven wheels.
+    """Efficiencies [1] and energies [J] of a cycle, over the samples with the pedal pressed and (`_windows`) over all.
 
-    What cannot be measured, because a short run has no traction, is left out.
+    Right, left and their mean, as tables 3.1 to 3.6 and 5.1 to 5.6 have them. What cannot be measured, because a short
+    run has no traction, is left out.
     """
     vehicle = run.configurations[MASTER].common.vehicle
     driver = run.configurations["driver"].values()
     try:
-        sums = wheel_sums(recording, vehicle, driver).values()
-        shaft, battery = energies(recording, driver)
-        wheel = sum(wheel.efficiency for wheel in sums) / len(sums)
-        speed = sum(wheel.speed_efficiency for wheel in sums) / len(sums)
+        shares = circuits.circuit_shares(recording, vehicle)
+        pressed = traction_windows.traction(recording, driver)
+        windows = traction_windows.in_windows(recording, driver)
+        found = {
+            **_efficiencies({wheel: of.sums(pressed) for wheel, of in shares.items()}, ""),
+            **_efficiencies({wheel: of.sums(windows) for wheel, of in shares.items()}, "_windows"),
+        }
+        whole = [of.sums(windows) for of in shares.values()]
+        cycle_time = traction_windows.cycle_time(driver)
+        found["energy_as_printed"] = sum(circuit.energy(cycle_time) for circuit in whole)
+        found["energy_windows"] = sum(circuit.electrical_work for circuit in whole)
+        found["energy"] = sum(of.sums(pressed).electrical_work for of in shares.values())
+        found["slip_energy"] = circuits.slip_energy(recording, vehicle, pressed)
     except NotMeasured:
         return {}
-    if battery <= 0.0:
-        return {}
-    return {
-        "wheel_efficiency": wheel,
-        "wheel_speed_efficiency": speed,
-        "drive_efficiency": shaft / battery,
-        "energy": battery,
-        "slip_energy": slip_energy(recording, vehicle, driver),
-        "distance": float(recording.channels["pose.x"][-1]),
-    }
+    found["distance"] = float(recording.channels["pose.x"][-1])
+    return found
+
+
+def _efficiencies(of: Mapping[str, CircuitSums], ending: str) -> dict[str, float]:
+    found = {}
+    for name, quantity in QUANTITIES.items():
+        by_side = {wheel.rpartition("_")[2]: quantity(circuit) for wheel, circuit in of.items()}
+        found.update({f"{name}_{side}{ending}": value for side, value in by_side.items()})
+        found[name + ending] = sum(by_side.values()) / len(by_side)
+    return found

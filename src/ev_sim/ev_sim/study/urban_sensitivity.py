@@ -12,6 +12,7 @@ from ev_sim.report.metric import Metric, mean_over_seeds
 from ev_sim.report.text_table import text_table
 from ev_sim.study import urban_cases
 from ev_sim.study.case import Case
+from ev_sim.study.five_methods import judged_quantity
 from ev_sim.study.study import Results
 from ev_sim.study.urban_cases import DRIVERS, METHODS, Values, roads
 from ev_sim.surfaces.table import SURFACES
@@ -28,12 +29,19 @@ SUMS = ()  # the rows hold all metrics
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What is assumed otherwise, in a word, the parameters that say so, and the methods that it concerns."""
+    """What is assumed otherwise, in a word, the parameters that say so, and the methods that it concerns.
+
+    `driver` is another one than the study's, `quantity` another way to count what is measured; a change of that alone
+    reads the runs of the change `like`.
+    """
 
     name: str
     title: str
-    values: Values
-    methods: tuple[int, ...] = tuple(METHODS)
+    values: Values = ()
+    methods: tuple[str, ...] = tuple(METHODS)
+    driver: str = ""
+    quantity: str = ""
+    like: str = ""
 
 
 def _surfaces(variant: int) -> Values:
@@ -53,8 +61,24 @@ def _segments(shortest: float, longest: float) -> Values:
 
 _NOISE = (("plant", "sensors.wheel_speed.noise", 0.03), ("plant", "sensors.wheel_torque.noise", 0.5))  # rad/s, N m
 
+_ONE_BLOCK = (
+    ("*", "vehicle.battery.open_circuit_voltage", [329.6, 329.6]),
+    ("*", "vehicle.battery.resistance", 0.103),
+)
+
 CHANGES = (
-    Change("base", "as in five_methods", ()),
+    Change("base", "as in five_methods"),
+    Change("full", "eq 2.37 in full, with rolling resistance in M_f", quantity="wheel_efficiency", like="base"),
+    Change("powers", "eq 2.37 in full, with summed powers", quantity="wheel_power_efficiency", like="base"),
+    Change("pulse", "driver pulse, eq 2.37 in full", driver="pulse", quantity="wheel_efficiency"),
+    Change(
+        "pulse_windows",
+        "driver pulse, whole traction windows, pedal pressed or not",
+        driver="pulse",
+        quantity="wheel_efficiency_windows",
+        like="pulse",
+    ),
+    Change("pulse_speeds", "driver pulse, ratio of speeds alone", quantity="wheel_speed_efficiency", like="pulse"),
     Change("k_lower", "k = 1.06 instead of 1.11", (("driver", "level.factor", 1.06),)),
     Change("k_higher", "k = 1.16", (("driver", "level.factor", 1.16),)),
     Change(
@@ -74,10 +98,16 @@ CHANGES = (
     Change("half_step", "plant steps of 0.5 ms", (("plant", "step", 0.5e-3),)),
     Change("control_10_ms", "control period of 10 ms", (("*", "control_period", 0.01),)),
     Change("noise", "wheel speeds 0.03 rad/s, torques 0.5 N m of noise", _NOISE),
-    Change("peak_use", "ASR at the fitted peak itself", (("asr", "use", 1.0),), (1,)),
-    Change("friction_125", "friction 25 % too high", (("electronic_differential", "error_factor", 1.25),), (5,)),
-    Change("friction_150", "friction 50 % too high", (("electronic_differential", "error_factor", 1.5),), (5,)),
-    Change("estimated", "friction estimated", (("electronic_differential", "friction", "estimated"),), (5,)),
+    Change(
+        "speed_resistance",
+        "k_f added to f_0, V in m/s",
+        (("*", "vehicle.rolling_resistance_reading", "added"),),
+    ),
+    Change("one_block", "one block of the battery, 330 V", _ONE_BLOCK),
+    Change("peak_use", "ASR at the fitted peak itself", (("asr", "use", 1.0),), ("1", "1b")),
+    Change("friction_125", "friction 25 % too high", (("electronic_differential", "error_factor", 1.25),), ("5",)),
+    Change("friction_150", "friction 50 % too high", (("electronic_differential", "error_factor", 1.5),), ("5",)),
+    Change("estimated", "friction estimated", (("electronic_differential", "friction", "estimated"),), ("5",)),
 )
 
 
@@ -90,15 +120,16 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every method that a change concerns, on every road."""
     return [
-        urban_cases.case(method, given.driver, seed, _name(change, method, seed), change.values)
+        urban_cases.case(method, change.driver or given.driver, seed, _name(change, method, seed), change.values)
         for change in CHANGES
         for method in change.methods
         for seed in roads(given)
+        if not change.like
     ]
 
 
-def _name(change: Change, method: int, seed: int) -> str:
-    return f"{change.name} method {method} seed {seed}"
+def _name(change: Change, method: str, seed: int) -> str:
+    return f"{change.like or change.name} method {method} seed {seed}"
 
 
 measure = urban_cases.measure
@@ -106,12 +137,11 @@ measure = urban_cases.measure
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """Wheel efficiency of each change and method, means over the seeds; of imposed speed without rolling resistance."""
-    key = "wheel_speed_efficiency" if given.driver == "imposed_speed" else "wheel_efficiency"
     found = {}
     for change in CHANGES:
         for method in change.methods:
             measured = [results[_name(change, method, seed)].measured for seed in roads(given)]
-            values = [value[key] for value in measured if value]
+            values = [value[change.quantity or judged_quantity(given.driver)] for value in measured if value]
             name = f"wheel_efficiency_{method}_{change.name}"
             found[name] = (
                 mean_over_seeds(values, "1") if values else Metric(None, "1", reason="no case came to traction")
@@ -123,7 +153,7 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     """Each change with the wheel efficiency of every method, and in brackets how far that is from the base."""
     found = metrics(given, results)
 
-    def shown(change: Change, method: int) -> str:
+    def shown(change: Change, method: str) -> str:
         if method not in change.methods:
             return "-"
         value = found[f"wheel_efficiency_{method}_{change.name}"].value

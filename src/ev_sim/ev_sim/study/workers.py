@@ -20,13 +20,14 @@ Progress = Callable[[CaseResult], None]
 
 def drive_cases(
     cases: Sequence[Case],
-    measure: Measure,
+    measure: Measure | Sequence[Measure],
     progress: Progress = lambda result: None,
     scheduler: str | None = None,
     workers: int | None = None,
 ) -> list[CaseResult]:
     """The results of all cases, in their order, whatever the number of workers; `progress` hears of each one.
 
+    `measure` is one function for all cases, or one for each of them.
     `scheduler` is the address of a running scheduler (tcp://HOST:PORT); without it a cluster of `workers` processes
     (as many as there are cores) lives on this machine until the end. The cases of a worker that is lost are driven
     again by others. RunFailed if there is no such scheduler, if it has no workers, or if a worker computes with other
@@ -35,7 +36,8 @@ def drive_cases(
     with _client(scheduler, workers) as client:
         _refuse_other_versions(client)
         # The same case driven twice is no matter of a cache: whoever asks wants it driven.
-        futures = client.map(drive_case, cases, measure=measure, pure=False)
+        measures = [measure] * len(cases) if callable(measure) else measure
+        futures = client.map(drive_case, cases, measures, pure=False)
         for _, result in as_completed(futures, with_results=True):
             progress(result)
         return client.gather(futures)

@@ -57,7 +57,7 @@ def rates(
     vx, vy, yaw_rate = y[VX], y[VY], y[YAW_RATE]
     load = loads(y, car, step.gravity_z)
     step.load[0], step.load[1], step.load[2], step.load[3] = load
-    rolling = car.rolling_resistance + car.rolling_resistance_speed * vx * vx
+    rolling = car.rolling_resistance + car.rolling_resistance_growth * vx * vx
     stiffness_x, stiffness_y = car.tyre.longitudinal_stiffness, car.tyre.lateral_stiffness
     # Forces and powers of the wheels, summed as (front left + front right) + (rear left + rear right).
     sum_x = sum_y = moment = tyre_power = friction_power = 0.0

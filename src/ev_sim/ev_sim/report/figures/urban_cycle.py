@@ -18,8 +18,8 @@ from ev_sim.report.figures.cycle_bands import MODE_COLOURS, SURFACE_COLOURS, dra
 from ev_sim.report.figures.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE, thinned
 from ev_sim.report.figures.urban_sheets import TIME, WIDTH, left_and_right
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities import cycle_efficiency as cycle
 from ev_sim.report.quantities import derived
+from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.report.quantities.surfaces_under import surfaces_under
 from ev_sim.run.recording.recording import Recording
 

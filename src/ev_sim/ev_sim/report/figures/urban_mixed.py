@@ -5,7 +5,7 @@ Imports matplotlib: import this module only where something is drawn.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -25,8 +25,8 @@ from ev_sim.report.figures.urban_sheets import (
     thin_sheet,
 )
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities import cycle_efficiency as cycle
-from ev_sim.report.quantities import derived, motion
+from ev_sim.report.quantities import circuits, derived, motion
+from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.report.samples import channel
 from ev_sim.run.recording.recording import Recording
 
@@ -49,10 +49,10 @@ def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
     """Figures 3.2, 3.4, 3.6, 3.8 and 3.10: running wheel efficiency over the friction under the wheel, and torques."""
 
     def running(wheel: str) -> list[Curve]:
-        shares = cycle.wheel_shares(run, vehicle, driver)
+        shares = circuits.circuit_shares(run, vehicle)
         if wheel not in shares:
             raise NotMeasured(f"{wheel.replace('_', ' ')} is not driven")
-        found = shares[wheel].running_efficiency()
+        found = shares[wheel].running_efficiency(cycle.traction(run, driver))
         # The first fractions of a turn give any quotient.
         return [Curve(run.time, np.where((found >= 0.0) & (found <= 1.0), found, np.nan))]
 
@@ -125,36 +125,45 @@ def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figur
 
 
 def electrical(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
-    """Figures 5.1 to 5.25: the electrical side, and the running efficiency of the drives (eq 2.38)."""
+    """Figures 5.1 to 5.25: torques, speeds, currents and voltages of both circuits, and their efficiency (eq 2.38).
 
-    def in_kilowatts(place: int) -> list[Curve]:
-        return [Curve(run.time, cycle.powers(run)[place] / 1e3)]
+    One battery feeds both circuits, so both have its voltage.
+    """
 
-    def running() -> list[Curve]:
-        shaft, battery = cycle.energies_since_start(run, driver)
-        used = battery > 0.0
-        share = np.full(len(used), np.nan)
-        share[used] = shaft[used] / battery[used]
-        return [Curve(run.time, np.where(share >= 0.0, share, np.nan))]
+    def shares(wheel: str) -> circuits.CircuitShares:
+        found = circuits.circuit_shares(run, vehicle)
+        if wheel not in found:
+            raise NotMeasured(f"{wheel.replace('_', ' ')} is not driven")
+        return found[wheel]
 
-    def one(title: str, ylabel: str, name: str) -> Panel:
-        return panel(title, ylabel, lambda: [Curve(run.time, channel(run, name))])
+    def current(wheel: str) -> list[Curve]:
+        period = np.diff(run.time, prepend=run.time[0] - 1.0)  # the first sample has no period before it
+        return [Curve(run.time, shares(wheel).electrical_work / period / channel(run, "battery.voltage"))]
+
+    def running(wheel: str) -> list[Curve]:
+        found = shares(wheel).running_drive_efficiency(cycle.traction(run, driver))
+        return [Curve(run.time, np.where(found >= 0.0, found, np.nan))]
+
+    def sides(title: str, ylabel: str, curves: Callable[[str], list[Curve]]) -> list[Panel]:
+        return [
+            panel(f"{title}, {wheel.replace('_', ' ')}", ylabel, lambda wheel=wheel: curves(wheel))
+            for wheel in left_and_right(vehicle)
+        ]
 
     figure = sheet_over_cycle(
         [
             *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
             *each_side(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
-            one("Battery voltage", "voltage [V]", "battery.voltage"),
-            one("Battery current, negative while it gives", "current [A]", "battery.current"),
-            panel("Power at the terminals of the battery", "power [kW]", lambda: in_kilowatts(1)),
-            panel("Power at the shafts of the motors", "power [kW]", lambda: in_kilowatts(0)),
-            panel("Drive efficiency in the traction windows since the start", "efficiency [1]", running),
+            *sides("Current of the motor's circuit", "current [A]", current),
+            *sides("Voltage", "voltage [V]", lambda wheel: [Curve(run.time, channel(run, "battery.voltage"))]),
+            *sides("Drive efficiency in the traction windows since the start", "efficiency [1]", running),
         ],
         run,
         driver,
         columns=2,
     )
-    figure.axes[-1].set_ylim(0.5, 1.0)
+    for axes in figure.axes[-2:]:
+        axes.set_ylim(0.5, 1.0)
     return figure
 
 

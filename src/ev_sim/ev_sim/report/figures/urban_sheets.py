@@ -12,7 +12,7 @@ from ev_sim.report.figures.cycle_bands import shade_traction, stretches
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities import cycle_efficiency as cycle
+from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.report.samples import channel
 from ev_sim.run.recording.recording import Recording
 

@@ -12,7 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities.cycle_efficiency import free_wheel_beside
+from ev_sim.report.quantities.circuits import free_wheel_beside
 from ev_sim.report.samples import channel
 from ev_sim.run.recording.recording import Recording
 

@@ -49,6 +49,15 @@ def step_response(
     return StepResponse(steady_value, 100 * max(0.0, float(deviation.max())), settling_time)
 
 
+def first_peaks(time: np.ndarray, response: np.ndarray) -> list[tuple[float, float]]:
+    """Time [s] and value of the local maxima of a response (n,), in their order; NotMeasured if there are not two."""
+    inner = response[1:-1]
+    peaks = np.flatnonzero((inner > response[:-2]) & (inner >= response[2:])) + 1
+    if len(peaks) < 2:
+        raise NotMeasured("the response has less than two peaks")
+    return [(float(time[at]), float(response[at])) for at in peaks]
+
+
 def _settling_time(time: np.ndarray, deviation: np.ndarray, band: float) -> float:
     outside = np.flatnonzero(np.abs(deviation) > band)
     if not len(outside):

@@ -56,7 +56,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     """The fitted road load beside that of the vehicle description, and the time from 100 to 80 km/h."""
     area = vehicle.drag_coefficient * vehicle.frontal_area
     if vehicle.air_density > 0.0:  # the part of the rolling resistance that grows with V^2 looks like drag
-        area += 2 * vehicle.mass * GRAVITY * vehicle.rolling_resistance_speed / vehicle.air_density
+        area += 2 * vehicle.mass * GRAVITY * vehicle.rolling_resistance_growth / vehicle.air_density
     return motion.of_each_run(
         runs,
         lambda run: {

@@ -13,8 +13,9 @@ import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import Metric, NotMeasured, metric
-from ev_sim.report.quantities import cycle_efficiency as cycle
-from ev_sim.report.quantities import derived, motion
+from ev_sim.report.quantities import circuits, derived, motion
+from ev_sim.report.quantities import traction_windows as cycle
+from ev_sim.report.quantities.circuits import CircuitSums
 from ev_sim.report.quantities.surfaces_under import share_of
 from ev_sim.report.samples import Parameters, Runs, channel
 from ev_sim.run.recording.recording import Recording
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 ROLLING = 1.0  # [m/s], above it slip is more than the first turn of a wheel
 SNOW = "packed_snow"  # begins the names of the surfaces that count as snow
-_SIDES = ("left", "right")
+_SIDES = ("right", "left")
 _KILOWATT_HOUR = 3.6e6  # [J]
 
 
@@ -54,46 +55,62 @@ def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, F
 
 def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[str, Metric]:
     # Several metrics share them, and a cycle has a hundred thousand samples.
-    sums = cache(lambda: cycle.wheel_sums(run, vehicle, driver))
-    energies = cache(lambda: cycle.energies(run, driver))
+    shares = cache(lambda: circuits.circuit_shares(run, vehicle))
+    pressed = cache(lambda: cycle.traction(run, driver))
+    windows = cache(lambda: cycle.in_windows(run, driver))
 
-    def of_wheels(quantity: Callable[[cycle.WheelSums], float], side: str = "") -> float:
-        values = [quantity(wheel) for name, wheel in sums().items() if name.endswith(side)]
+    @cache
+    def sums(whole: bool) -> dict[str, CircuitSums]:
+        counted = windows() if whole else pressed()
+        return {wheel: of.sums(counted) for wheel, of in shares().items()}
+
+    def of_circuits(quantity: Callable[[CircuitSums], float], side: str = "", whole: bool = False) -> list[float]:
+        values = [quantity(circuit) for name, circuit in sums(whole).items() if name.endswith(side)]
         if not values:
             raise NotMeasured(f"no wheel is driven on the {side}" if side else "no wheel is driven")
-        return sum(values) / len(values)
+        return values
 
-    def wheels(side: str = "") -> float:
-        return of_wheels(lambda wheel: wheel.efficiency, side)
+    def rows(name: str, quantity: Callable[[CircuitSums], float], whole: bool = False) -> dict[str, Metric]:
+        """Right, left and mean, as the tables of the source have them."""
 
-    def drives() -> float:
-        shaft, battery = energies()
-        if battery <= 0.0:
-            raise NotMeasured("the battery gave nothing in the traction windows")
-        return shaft / battery
+        def mean(side: str) -> float:
+            values = of_circuits(quantity, side, whole)
+            return sum(values) / len(values)
 
-    def energy() -> float:
-        return energies()[1]
+        ending = {side: f"_{side}" for side in _SIDES} | {"": ""}
+        return {name + end: metric(lambda side=side: mean(side), "1") for side, end in ending.items()}
+
+    def energy(whole: bool = False) -> float:
+        return sum(of_circuits(lambda circuit: circuit.electrical_work, whole=whole))
+
+    def energy_as_printed() -> float:
+        time = cycle.cycle_time(driver)
+        return sum(of_circuits(lambda circuit: circuit.energy(time), whole=True))
 
     return {
-        **{f"wheel_efficiency_{side}": metric(lambda side=side: wheels(side), "1") for side in _SIDES},
-        "wheel_efficiency": metric(wheels, "1"),
-        "wheel_speed_efficiency": metric(lambda: of_wheels(lambda wheel: wheel.speed_efficiency), "1"),
-        "drive_efficiency": metric(drives, "1"),
-        "total_efficiency": metric(lambda: wheels() * drives(), "1"),
+        **rows("wheel_efficiency", lambda circuit: circuit.efficiency),
+        **rows("wheel_speed_efficiency", lambda circuit: circuit.speed_efficiency),
+        **rows("wheel_power_efficiency", lambda circuit: circuit.power_efficiency),
+        **rows("drive_efficiency", lambda circuit: circuit.drive_efficiency),
+        **rows("total_efficiency", lambda circuit: circuit.total_efficiency),
+        **rows("wheel_efficiency_windows", lambda circuit: circuit.efficiency, whole=True),
+        **rows("drive_efficiency_windows", lambda circuit: circuit.drive_efficiency, whole=True),
         "energy": metric(energy, "J"),
-        "energy_in_kwh": metric(lambda: energy() / _KILOWATT_HOUR, "kW h"),
-        "slip_energy": metric(lambda: cycle.slip_energy(run, vehicle, driver), "J"),
+        "energy_windows": metric(lambda: energy(whole=True), "J"),
+        "energy_as_printed": metric(energy_as_printed, "J"),
+        "energy_as_printed_in_kwh": metric(lambda: energy_as_printed() / _KILOWATT_HOUR, "kW h"),
+        "slip_energy": metric(lambda: circuits.slip_energy(run, vehicle, pressed()), "J"),
         "distance": metric(lambda: motion.distance_on_path(run)[-1], "m"),
-        "traction_time": metric(lambda: _traction_time(run, driver), "s"),
+        "traction_time": metric(lambda: _time_in(run, pressed()), "s"),
+        "window_time": metric(lambda: _time_in(run, windows()), "s"),
         "peak_slip": metric(lambda: _peak_slip(run, vehicle, driver), "1"),
         "mean_speed_error": metric(lambda: np.abs(_speed_error(run, driver)).mean(), "m/s"),
         **{f"share_of_snow_{side}": metric(lambda side=side: _snow(run, vehicle, side), "1") for side in _SIDES},
     }
 
 
-def _traction_time(run: Recording, driver: Mapping[str, Any]) -> float:
-    return (cycle.traction(run, driver) * np.diff(run.time, prepend=run.time[0])).sum()
+def _time_in(run: Recording, counted: np.ndarray) -> float:
+    return (counted * np.diff(run.time, prepend=run.time[0])).sum()
 
 
 def _peak_slip(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> float:

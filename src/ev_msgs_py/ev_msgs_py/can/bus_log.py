@@ -1,0 +1,33 @@
+"""A log of frames in a form that the tools of others read: candump, Vector's BLF, or MF4."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import can
+
+SUFFIXES = (".log", ".blf", ".mf4")
+
+
+class BusLog:
+    """Writes frames to a file, as they come; ValueError or OSError, in one line, if that cannot be."""
+
+    def __init__(self, file: str) -> None:
+        path = Path(file)
+        if path.suffix not in SUFFIXES:
+            raise ValueError(f"parameter log: {file!r} is refused, allowed are files ending with {', '.join(SUFFIXES)}")
+        try:
+            self._writer: Any = can.Logger(path)
+        except (NotImplementedError, ImportError):
+            raise ValueError(f"parameter log: {file!r} needs the Python package asammdf, which is missing") from None
+        except OSError as error:
+            raise ValueError(f"parameter log: {file!r}: {error.strerror or error}") from None
+
+    def write(self, message: can.Message) -> None:
+        """Keep one frame."""
+        self._writer.on_message_received(message)
+
+    def close(self) -> None:
+        """End the file."""
+        self._writer.stop()

@@ -1,0 +1,54 @@
+"""Which bus a node speaks on, as its parameters say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from ev_msgs_py.parameters.declaration import parameter
+
+INTERFACES = ("virtual", "udp_multicast", "socketcand", "socketcan")
+CIRCUITS = ("11", "12")  # right and left
+
+# Channels where none is named: right and left circuit.
+DEFAULT_CHANNELS = MappingProxyType(
+    {
+        "virtual": ("ev_bench_11", "ev_bench_12"),
+        "udp_multicast": ("239.192.11.11:43111", "239.192.11.12:43112"),
+        "socketcand": ("can11@127.0.0.1:29536", "can12@127.0.0.1:29536"),
+        "socketcan": ("can0", "can1"),
+    }
+)
+
+
+@dataclass(frozen=True, slots=True)
+class BusParameters:
+    """The CAN bus of a node: one channel for each circuit."""
+
+    interface: str = parameter(
+        "udp_multicast",
+        choices=INTERFACES,
+        about="virtual: within one process; udp_multicast: between processes of this machine, hop limit 0; socketcand: "
+        "the same over TCP through `ev_sim can_hub`; socketcan: hardware",
+        read_only=True,
+    )
+    channel_11: str = parameter(
+        "",
+        about="of the right circuit: a name, GROUP:PORT, NAME@HOST:PORT or a network interface, by the interface; "
+        "empty for its usual one",
+        read_only=True,
+    )
+    channel_12: str = parameter("", about="of the left circuit, likewise", read_only=True)
+    database: str = parameter("can/ev_bench.dbc", about="DBC file of the frames", read_only=True)
+    log: str = parameter(
+        "",
+        about="file for all frames that are sent and received: .log (candump), .blf (Vector) or, where asammdf is "
+        "installed, .mf4; empty for none",
+        read_only=True,
+    )
+
+    def channels(self) -> dict[str, str]:
+        """The channel of each circuit."""
+        usual = DEFAULT_CHANNELS[self.interface]
+        named = (self.channel_11, self.channel_12)
+        return {circuit: named[place] or usual[place] for place, circuit in enumerate(CIRCUITS)}

@@ -1,0 +1,80 @@
+"""One channel of a bus as a node uses it: classic data frames in and out, nothing that ends the node."""
+
+from __future__ import annotations
+
+import time
+from typing import NamedTuple
+
+import can
+
+from ev_msgs_py.can.bus_log import BusLog
+from ev_msgs_py.can.opening import open_channel
+
+_LONGEST = 8  # bytes of a classic frame
+
+
+class Frame(NamedTuple):
+    """A classic data frame with an 11-bit identifier."""
+
+    identifier: int
+    data: bytes
+
+
+class Channel:
+    """Sends and receives without waiting; what is no such frame, and what cannot be sent, is counted."""
+
+    def __init__(self, interface: str, name: str, log: BusLog | None = None) -> None:
+        self.name = name
+        self._bus = open_channel(interface, name)
+        self._hears_itself = interface == "udp_multicast"
+        self._log = log
+        self.sent = self.received = self.refused = self.unsent = 0
+        self.trouble = ""  # the newest reason why a frame could not be sent or read
+
+    def send(self, frame: Frame) -> None:
+        """Put a frame on the bus."""
+        message = can.Message(
+            timestamp=time.time(),
+            arbitration_id=frame.identifier,
+            data=frame.data,
+            is_extended_id=False,
+            is_rx=False,
+            channel=self.name,
+        )
+        try:
+            self._bus.send(message)
+        except (can.CanError, OSError) as error:
+            self.unsent += 1
+            self.trouble = f"{self.name}: not sent: {error}"
+            return
+        self.sent += 1
+        if self._log and not self._hears_itself:
+            self._log.write(message)
+
+    def receive(self) -> Frame | None:
+        """The next frame that has come; None if there is none."""
+        while True:
+            try:
+                message = self._bus.recv(timeout=0.0)
+            except Exception as error:  # whatever unpacking a stranger's datagram raises, python-can lets through
+                self.refused += 1
+                self.trouble = f"{self.name}: not read: {error}"
+                return None
+            if message is None:
+                return None
+            if _is_classic(message):
+                self.received += 1
+                if self._log:
+                    message.channel = self.name
+                    self._log.write(message)
+                return Frame(message.arbitration_id, bytes(message.data))
+            self.refused += 1
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._bus.shutdown()
+
+
+def _is_classic(message: can.Message) -> bool:
+    special = message.is_extended_id or message.is_remote_frame or message.is_error_frame or message.is_fd
+    return not special and message.arbitration_id < 1 << 11 and len(message.data) <= _LONGEST

@@ -1,0 +1,106 @@
+"""The frames of a bus from a DBC file. It is read once, when a node starts; nothing of the reader is used later."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ev_msgs_py.can.codec import BitField
+from ev_msgs_py.can.frame_layout import GUARDS, FrameLayout
+from ev_msgs_py.parameters.csv_file import find_file
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import unknown_name
+
+if TYPE_CHECKING:
+    from cantools.database.can import Message, Signal
+
+EV_BENCH = "can/ev_bench.dbc"
+_GUARD_PLACES = {"Crc": (0, 8), "Counter": (8, 4)}  # start and length in bits, profile 1 variant 1A
+_LONGEST_SIGNAL = 32  # bits; a float64 and compiled code hold such numbers exactly
+
+
+@dataclass(frozen=True, slots=True)
+class Database:
+    """The frames of a bus by name."""
+
+    frames: Mapping[str, FrameLayout]
+
+    def __getitem__(self, name: str) -> FrameLayout:
+        if name not in self.frames:
+            raise unknown_name("CAN frame", name, self.frames)
+        return self.frames[name]
+
+    def __iter__(self) -> Iterator[FrameLayout]:
+        return iter(self.frames.values())
+
+    def of_device(self, device: str) -> tuple[FrameLayout, ...]:
+        """The frames that a device sends or that are for it."""
+        return tuple(frame for frame in self if frame.sender == device or device in frame.receivers)
+
+
+def load_database(name: str = EV_BENCH) -> Database:
+    """The database in a DBC file; a relative name counts from the config folder.
+
+    ParameterError in one line that names file, frame and signal if the file cannot be read or if it has what is not
+    spoken here: anything but classic frames with 11-bit identifiers, Intel order, and the protection of profile 1.
+    """
+    from cantools.database import load_file  # takes 0.2 s that only nodes on a bus shall spend
+    from cantools.database.errors import Error
+
+    path: Path | str = name
+    try:
+        path = find_file(name)
+        content: Any = load_file(path, database_format="dbc", cache_dir=None)
+        layouts = [_layout(message) for message in content.messages]
+    except OSError as error:
+        raise ParameterError(f"CAN database {path}: {error.strerror or error}") from None
+    except (Error, UnicodeDecodeError) as error:
+        raise ParameterError(f"CAN database {path}: {' '.join(str(error).split())}") from None
+    except ParameterError as error:
+        raise ParameterError(f"CAN database {path}: {error}") from None
+    return Database({layout.name: layout for layout in layouts})
+
+
+def _layout(message: Message) -> FrameLayout:
+    if message.is_extended_frame or message.is_fd or message.is_multiplexed() or message.length > 8:
+        raise ParameterError(f"frame {message.name}: only classic frames with 11 bits and no multiplexing are spoken")
+    found = {signal.name: signal for signal in message.signals}
+    for guard in GUARDS:
+        place = (found[guard].start, found[guard].length) if guard in found else None
+        if place != _GUARD_PLACES[guard]:
+            raise ParameterError(f"frame {message.name}: {guard} must be at bit {_GUARD_PLACES[guard][0]}")
+    attributes = message.dbc.attributes if message.dbc else {}
+    if "E2EDataId" not in attributes:
+        raise ParameterError(f"frame {message.name}: the attribute E2EDataId is missing")
+    signals = {name: _field(message.name, signal) for name, signal in found.items() if name not in GUARDS}
+    return FrameLayout(
+        name=message.name,
+        identifier=message.frame_id,
+        length=message.length,
+        cycle=(message.cycle_time or 0) / 1000.0,
+        sender=message.senders[0] if message.senders else "",
+        receivers=frozenset(message.receivers),
+        data_id=int(attributes["E2EDataId"].value),
+        signals=signals,
+        units={name: found[name].unit or "1" for name in signals},
+    )
+
+
+def _field(frame: str, signal: Signal) -> BitField:
+    if signal.byte_order != "little_endian" or signal.length > _LONGEST_SIGNAL or signal.is_float:
+        raise ParameterError(
+            f"frame {frame}, signal {signal.name}: only whole numbers in Intel order up to {_LONGEST_SIGNAL} bits"
+        )
+    if signal.minimum is None or signal.maximum is None:
+        raise ParameterError(f"frame {frame}, signal {signal.name}: the range is missing")
+    return BitField(
+        start=float(signal.start),
+        length=float(signal.length),
+        signed=float(signal.is_signed),
+        scale=float(signal.scale),
+        offset=float(signal.offset),
+        low=float(signal.minimum),
+        high=float(signal.maximum),
+    )

@@ -1,0 +1,66 @@
+"""Opening a channel of python-can; what is wrong is one clear line."""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+import socket
+from typing import Any
+
+import can
+
+_PATIENCE = 1.0  # s for a hub to answer
+_BUFFER = 1 << 20  # bytes for frames that nobody has taken yet: a second of a full bus
+
+
+class BusError(RuntimeError):
+    """A channel that cannot be opened; the message names interface, channel and reason."""
+
+
+def open_channel(interface: str, channel: str) -> can.BusABC:
+    """A bus of python-can that does not hear itself, but for udp_multicast; BusError if it cannot be had."""
+    try:
+        return _open(interface, channel)
+    except (can.CanError, can.CanInterfaceNotImplementedError, OSError, ValueError) as error:
+        reason = (error.__cause__ or error) if isinstance(error, can.CanInitializationError) else error
+        text = getattr(reason, "strerror", None) or str(reason)
+        raise BusError(f"CAN interface {interface}, channel {channel}: {' '.join(text.split())}") from None
+
+
+def _open(interface: str, channel: str) -> can.BusABC:
+    if interface == "udp_multicast":
+        group, port = _split(channel, ":", "GROUP:PORT")
+        if not ipaddress.ip_address(group).is_multicast:
+            raise ValueError(f"{group} is no multicast address, such as 239.192.11.11")
+        bus = _bus(interface, group, port=_port(port), hop_limit=0, fd=False)
+        _more_room(bus)
+        return bus
+    if interface == "socketcand":
+        name, place = _split(channel, "@", "NAME@HOST:PORT")
+        host, port = _split(place, ":", "NAME@HOST:PORT")
+        # python-can would try for 10 s, at full speed
+        socket.create_connection((host, _port(port)), _PATIENCE).close()
+        return _bus(interface, name, host=host, port=_port(port), tcp_tune=True)
+    return _bus(interface, channel)
+
+
+def _bus(interface: str, channel: str, **more: Any) -> can.BusABC:
+    return can.Bus(channel=channel, interface=interface, ignore_config=True, **more)
+
+
+def _split(text: str, sign: str, form: str) -> tuple[str, str]:
+    before, found, after = text.partition(sign)
+    if not (before and found and after):
+        raise ValueError(f"is not of the form {form}")
+    return before, after
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or not 0 < int(text) < 65536:
+        raise ValueError(f"port {text!r} is refused, allowed is 1 to 65535")
+    return int(text)
+
+
+def _more_room(bus: can.BusABC) -> None:
+    with socket.socket(fileno=os.dup(bus.fileno())) as shared:
+        shared.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _BUFFER)

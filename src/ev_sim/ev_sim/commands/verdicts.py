@@ -1,0 +1,63 @@
+"""scripts/run.sh verdicts: drive what the verdicts on all published numbers need, and print and write them."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from tqdm import tqdm
+
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.study.case import Case, CaseResult, Measure
+from ev_sim.study.workers import drive_cases
+from ev_sim.verdicts.all_verdicts import SOURCES, needs_of, verdicts, wanted
+from ev_sim.verdicts.driving import drive
+from ev_sim.verdicts.kept import Kept
+from ev_sim.verdicts.table import counts, plain_table, write
+from ev_sim.verdicts.verdict import Verdict
+
+ABOUT = "verdicts on every published number of all sources, one table (--only SOURCE, --quick)"
+CACHE = Path("results") / "cache"
+
+
+def run_verdicts(argv: Sequence[str]) -> None:
+    """Drive, judge, print and write; raises what `ev_sim.commands.run_scenario.main` catches."""
+    given = _arguments(argv)
+    chosen = wanted(given.only, given.quick)
+    if not chosen:
+        raise ParameterError(f"--only {' '.join(given.only)}: no such id or source; sources: {', '.join(SOURCES)}")
+    start = time.monotonic()
+    found = judge(given.only, given.quick)
+    folder = (given.out or Path("results") / "verdicts").absolute()
+    folder.mkdir(parents=True, exist_ok=True)
+    write(found, folder)
+    print(plain_table(found))
+    for source in SOURCES:
+        of_source = [each for (name, _), each in zip(chosen, found, strict=True) if name == source]
+        if of_source:
+            print(f"{source}: {counts(of_source)}")
+    print(f"all: {counts(found)}")
+    print(f"{time.monotonic() - start:.1f} s; table: {folder}")
+
+
+def judge(only: Sequence[str] = (), quick: bool = False) -> list[Verdict]:
+    """The verdicts on some sources or ids, all if none is named; what is not kept yet is driven on all cores."""
+    chosen = wanted(only, quick)
+    return verdicts(chosen, drive(needs_of(chosen), Kept(CACHE), drive_with_progress))
+
+
+def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> list[CaseResult]:
+    """Drive cases on all cores of this machine behind a progress bar."""
+    with tqdm(desc="driving", total=len(cases), unit="run", ascii=not sys.stderr.isatty(), mininterval=0.5) as bar:
+        return drive_cases(cases, measures, lambda result: bar.update())
+
+
+def _arguments(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="run.sh verdicts", description=ABOUT)
+    parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/verdicts")
+    parser.add_argument("--only", nargs="+", default=[], metavar="SOURCE", help="sources, ids or beginnings of ids")
+    parser.add_argument("--quick", action="store_true", help="leave out what takes more than a few seconds to drive")
+    return parser.parse_args(argv)

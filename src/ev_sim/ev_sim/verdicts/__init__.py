@@ -1,0 +1,1 @@
+"""What each source published, how it is judged, and the verdicts that follow."""

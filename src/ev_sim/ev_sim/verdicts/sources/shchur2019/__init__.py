@@ -1,0 +1,5 @@
+"""How the ids of config/published/shchur2019.csv are judged."""
+
+from ev_sim.verdicts.sources.shchur2019 import cycle, geometry, holding, steps
+
+DECLARATIONS = (*steps.DECLARATIONS, *holding.DECLARATIONS, *cycle.DECLARATIONS, *geometry.DECLARATIONS)

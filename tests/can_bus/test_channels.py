@@ -1,0 +1,205 @@
+"""Adapters over python-can: the same frames whatever carries them, and nothing that ends a node."""
+
+from __future__ import annotations
+
+import os
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+
+import can
+import pytest
+
+from ev_msgs_py.can.bus_log import BusLog
+from ev_msgs_py.can.bus_parameters import DEFAULT_CHANNELS, INTERFACES, BusParameters
+from ev_msgs_py.can.channel import Channel, Frame
+from ev_msgs_py.can.opening import BusError, open_channel
+from ev_msgs_py.can.socketcand_hub import SocketcandHub
+
+FRAMES = [Frame(0x20B, bytes(range(8))), Frame(0x701, b"\x01\x02\x03\x04"), Frame(0x18B, b"")]
+PATIENCE = 5.0  # s
+
+
+@contextmanager
+def hub() -> Iterator[int]:
+    """The port of a hub that serves in a thread."""
+    running = SocketcandHub(0)
+    stop = threading.Event()
+
+    def serve() -> None:
+        while not stop.is_set():
+            running.serve(0.01)
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    try:
+        yield running.port
+    finally:
+        stop.set()
+        thread.join()
+        running.close()
+
+
+def group(port: int) -> str:
+    """A multicast channel that no other run of the tests uses."""
+    return f"239.192.{os.getpid() % 250}.{port % 250}:{port}"
+
+
+@contextmanager
+def channel_name(interface: str) -> Iterator[str]:
+    if interface == "socketcand":
+        with hub() as port:
+            yield f"can11@127.0.0.1:{port}"
+    else:
+        yield group(free_port()) if interface == "udp_multicast" else "test_channels"
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as found:
+        found.bind(("", 0))
+        return found.getsockname()[1]
+
+
+def received(channel: Channel, count: int) -> list[Frame]:
+    found, deadline = [], time.monotonic() + PATIENCE
+    while len(found) < count and time.monotonic() < deadline:
+        frame = channel.receive()
+        if frame is not None:
+            found.append(frame)
+    return found
+
+
+@pytest.mark.parametrize("interface", ["virtual", "udp_multicast", "socketcand"])
+def test_frames_arrive_in_order_and_unchanged(interface: str):
+    with channel_name(interface) as name:
+        one, other = Channel(interface, name), Channel(interface, name)
+        for frame in FRAMES:
+            one.send(frame)
+        assert received(other, len(FRAMES)) == FRAMES
+        assert (one.sent, other.received, other.refused) == (3, 3, 0)
+        one.close()
+        other.close()
+
+
+def test_two_multicast_channels_do_not_hear_each_other():
+    """Sockets of one port hear all groups that anybody on the machine has joined: each channel has its own port."""
+    right, left = DEFAULT_CHANNELS["udp_multicast"]
+    assert right.partition(":")[2] != left.partition(":")[2]
+    names = [group(free_port()), group(free_port())]
+    channels = [Channel("udp_multicast", name) for name in names]
+    channels[0].send(FRAMES[0])
+    assert received(channels[0], 1) == FRAMES[:1]  # it hears itself, so that the frame has been there
+    assert channels[1].receive() is None
+    for channel in channels:
+        channel.close()
+
+
+def test_multicast_frames_do_not_leave_the_machine():
+    """A time to live of 0 restricts a datagram to the host (RFC 1112, section 6.1)."""
+    bus = open_channel("udp_multicast", group(free_port()))
+    with socket.socket(fileno=os.dup(bus.fileno())) as same:
+        assert same.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL) == 0
+    bus.shutdown()
+
+
+def test_the_hub_listens_on_this_machine_only():
+    with hub() as port, socket.create_connection(("127.0.0.1", port)) as connection:
+        assert connection.recv(100) == b"< hi >"
+        connection.sendall(b"< nonsense >")
+        assert b"error" in connection.recv(100)
+    with hub() as port, pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.2", port), 0.5)  # as local, but another address
+
+
+def test_whatever_else_comes_is_counted_and_passed_over():
+    channel, sender = Channel("virtual", "test_others"), can.Bus(channel="test_others", interface="virtual")
+    for special in (
+        can.Message(arbitration_id=0x20B, is_extended_id=True, data=bytes(8)),
+        can.Message(arbitration_id=0x20B, is_extended_id=False, is_remote_frame=True, dlc=8),
+        can.Message(is_error_frame=True),
+        can.Message(arbitration_id=0x20B, is_extended_id=False, is_fd=True, data=bytes(12)),
+    ):
+        sender.send(special)
+    sender.send(can.Message(arbitration_id=0x20B, is_extended_id=False, data=bytes(8)))
+    assert channel.receive() == Frame(0x20B, bytes(8))
+    assert channel.refused == 4
+    channel.close()
+    sender.shutdown()
+
+
+def test_datagrams_that_are_no_frames_do_no_harm():
+    """Rubbish on the multicast port, among it what msgpack chokes on."""
+    name = group(free_port())
+    channel = Channel("udp_multicast", name)
+    address, _, port = name.partition(":")
+    rubbish = [b"", b"\xc1", b"\x81", b"\xdf\xff\xff\xff\xff", b"\x80", b"\x81\xa1a", os.urandom(3000), b"\x01\x02"]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        stranger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        for datagram in rubbish:
+            stranger.sendto(datagram, (address, int(port)))
+    channel.send(FRAMES[0])
+    assert received(channel, 1) == FRAMES[:1]
+    assert channel.refused == len(rubbish)
+    assert "not read" in channel.trouble
+    channel.close()
+
+
+@pytest.mark.parametrize(
+    ("interface", "channel", "said"),
+    [
+        ("socketcan", "can77", "CAN interface socketcan, channel can77: "),  # no such device, or no CAN in this kernel
+        ("socketcand", "can11@127.0.0.1:1", "channel can11@127.0.0.1:1: Connection refused"),
+        ("socketcand", "can11", "channel can11: is not of the form NAME@HOST:PORT"),
+        ("udp_multicast", "10.0.0.1:43111", "channel 10.0.0.1:43111: 10.0.0.1 is no multicast address"),
+        ("udp_multicast", "239.192.11.11", "is not of the form GROUP:PORT"),
+        ("udp_multicast", "239.192.11.11:99999", "port '99999' is refused, allowed is 1 to 65535"),
+        ("udp_multicast", "bus:43111", "'bus' does not appear to be an IPv4 or IPv6 address"),
+    ],
+)
+def test_a_channel_that_cannot_be_had_is_one_clear_line(interface: str, channel: str, said: str):
+    with pytest.raises(BusError) as refused:
+        open_channel(interface, channel)
+    assert said in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_every_interface_has_a_channel_for_each_circuit():
+    for interface in INTERFACES:
+        assert len(set(BusParameters(interface=interface).channels().values())) == 2
+    assert BusParameters(interface="socketcan", channel_11="can5").channels() == {"11": "can5", "12": "can1"}
+
+
+@pytest.mark.parametrize("suffix", [".log", ".blf"])
+@pytest.mark.parametrize("interface", ["virtual", "udp_multicast"])
+def test_a_log_holds_what_was_sent_and_received_once(tmp_path: Path, suffix: str, interface: str):
+    file = tmp_path / f"bus{suffix}"
+    with channel_name(interface) as name:
+        log = BusLog(str(file))
+        channel, other = Channel(interface, name, log), Channel(interface, name)
+        channel.send(FRAMES[0])
+        other.send(FRAMES[1])
+        received(channel, 2 if interface == "udp_multicast" else 1)
+        log.close()
+        channel.close()
+        other.close()
+    read = [(message.arbitration_id, bytes(message.data)) for message in can.LogReader(file)]
+    assert read == [tuple(frame) for frame in FRAMES[:2]]
+
+
+def test_logs_that_cannot_be_written_are_refused(tmp_path: Path):
+    with pytest.raises(ValueError, match=r"'bus.txt' is refused, allowed are files ending with .log, .blf, .mf4"):
+        BusLog("bus.txt")
+    with pytest.raises(ValueError, match="No such file or directory"):
+        BusLog(str(tmp_path / "none" / "bus.log"))
+
+
+def test_mf4_says_what_it_needs(tmp_path: Path):
+    if find_spec("asammdf"):
+        BusLog(str(tmp_path / "bus.mf4")).close()
+        return
+    with pytest.raises(ValueError, match="needs the Python package asammdf, which is missing"):
+        BusLog(str(tmp_path / "bus.mf4"))

@@ -1,0 +1,77 @@
+"""Values into bits and back."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import pytest
+from can_bus.databases import ours
+
+from ev_msgs_py.can.codec import BitField, byte_of, extracted, inserted, quantised
+from ev_msgs_py.compiling.function import compiled
+
+TORQUE = BitField(24.0, 16.0, 1.0, 0.03125, 0.0, -1000.0, 1000.0)
+TEMPERATURE = BitField(12.0, 9.0, 0.0, 0.5, -40.0, -40.0, 215.0)
+
+
+def test_a_negative_number_is_two_s_complement():
+    """-1/32 N m is one step below zero: all bits set, in bytes 3 and 4 only."""
+    payload = inserted(0, TORQUE, -0.03125)
+    assert payload == 0xFFFF << 24
+    assert extracted(payload, TORQUE) == -0.03125
+
+
+def test_an_offset_is_taken_off_before_scaling():
+    """20.5 degC above -40 degC in steps of 0.5 K."""
+    assert inserted(0, TEMPERATURE, 20.5) == 121 << 12
+
+
+def test_values_beyond_the_range_saturate():
+    assert quantised(TORQUE, 1e300) == 1000.0
+    assert quantised(TORQUE, -math.inf) == -1000.0
+
+
+def test_values_are_rounded_to_the_nearest_step():
+    assert quantised(TORQUE, 0.015) == 0.0
+    assert quantised(TORQUE, 0.016) == 0.03125
+    assert quantised(TORQUE, -0.016) == -0.03125
+
+
+def test_what_has_been_quantised_once_stays_as_it_is():
+    for frame in ours():
+        for name, field in frame.signals.items():
+            once = quantised(field, random.Random(name).uniform(field.low, field.high))
+            assert quantised(field, once) == once
+
+
+def test_byte_order_is_intel():
+    frame = ours()["Drive11_SetPoint"]
+    payload = frame.payload(dict.fromkeys(frame.signals, 0.0) | {"Torque": 100.0})
+    data = frame.data(payload)
+    assert int.from_bytes(data[3:5], "little") == 100 * 32
+    assert list(data) == [byte_of(payload, place) for place in range(8)]
+
+
+def test_what_is_no_number_is_refused_with_its_place():
+    frame = ours()["Drive11_SetPoint"]
+    with pytest.raises(ValueError, match=r"Drive11_SetPoint: Torque is nan, allowed is -1000 to 1000"):
+        frame.pack(dict.fromkeys(frame.signals, 0.0) | {"Torque": math.nan}, 0)
+
+
+def test_names_that_are_missing_or_unknown_are_refused():
+    frame = ours()["Drive11_SetPoint"]
+    with pytest.raises(ValueError, match="missing or unknown: Drehmoment, Torque"):
+        frame.pack({("Drehmoment" if n == "Torque" else n): 0.0 for n in frame.signals}, 0)
+
+
+def test_compiled_code_writes_and_reads_the_same_bits():
+    write, read, step = compiled(inserted), compiled(extracted), compiled(quantised)
+    numbers = random.Random(1)
+    for field in (TORQUE, TEMPERATURE):
+        for _ in range(200):
+            value = numbers.uniform(1.1 * field.low, 1.1 * field.high)
+            payload = inserted(0, field, value)
+            assert write(0, field, value) == payload
+            assert read(payload, field) == extracted(payload, field)
+            assert step(field, value) == quantised(field, value)

@@ -1,0 +1,37 @@
+"""CRC-8 SAE J1850 against the values that AUTOSAR publishes."""
+
+from __future__ import annotations
+
+import pytest
+
+from ev_msgs_py.can.crc8 import crc8
+
+# AUTOSAR SWS CRC library, section 7.2.1.1 (8-bit SAE J1850), table of test data.
+PUBLISHED = {
+    "00 00 00 00": 0x59,
+    "F2 01 83": 0x37,
+    "0F AA 00 55": 0x79,
+    "00 FF 55 11": 0xB8,
+    "33 22 55 AA BB CC DD EE FF": 0xCB,
+    "92 6B 55": 0x8C,
+    "FF FF FF FF": 0x74,
+}
+
+
+@pytest.mark.parametrize("data", PUBLISHED)
+def test_published_values(data: str):
+    assert crc8(bytes.fromhex(data)) == PUBLISHED[data]
+
+
+def test_check_value():
+    """Of the digits 1 to 9, by which catalogues of CRCs name an algorithm: 4Bh for CRC-8/SAE-J1850."""
+    assert crc8(b"123456789") == 0x4B
+
+
+def test_every_error_in_up_to_eight_neighbouring_bits_is_found():
+    """What an 8-bit CRC promises: no burst up to its own length goes unseen."""
+    right = bytes.fromhex("33 22 55 AA BB CC DD EE")
+    for burst in range(1, 256):
+        for shift in range(64 - 7):
+            wrong = int.from_bytes(right, "big") ^ (burst << shift)
+            assert crc8(wrong.to_bytes(8, "big")) != crc8(right)

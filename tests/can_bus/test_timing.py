@@ -1,0 +1,89 @@
+"""Time on the bus against published numbers."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from can_bus.databases import ours
+
+from ev_msgs_py.can.arbitration import Waiting, bus_load, completions
+from ev_msgs_py.can.frame_length import crc15, exact_frame, frame_bits, longest_frame, stuff_bits
+from ev_msgs_py.can.response_time import Cyclic, of_layouts, response_times
+
+
+@pytest.mark.parametrize(("length", "bits"), [(0, 55), (1, 65), (8, 135)])
+def test_longest_frame(length: int, bits: int):
+    """55 + 10 s bits for 11-bit identifiers (Davis et al. 2007, eq 1), the pause between frames counted."""
+    assert longest_frame(length) == bits
+
+
+def test_crc_of_the_frame():
+    """Check value of CRC-15/CAN: 059Eh of the digits 1 to 9."""
+    assert crc15([byte >> place & 1 for byte in b"123456789" for place in reversed(range(8))]) == 0x059E
+
+
+def test_stuff_bits_of_equal_bits():
+    """Five zeros, a one; the one counts: four more ones make five, and so on."""
+    assert stuff_bits([0] * 5) == 1
+    assert stuff_bits([0] * 9) == 1
+    assert stuff_bits([0] * 10) == 2
+    assert stuff_bits([0] * 5 + [1] * 4) == 2
+    assert stuff_bits([0, 1] * 20) == 0
+
+
+def test_no_frame_is_longer_than_the_longest_and_most_are_near_the_shortest():
+    numbers = random.Random(1)
+    lengths = [exact_frame(numbers.getrandbits(11), numbers.randbytes(8)) for _ in range(2000)]
+    assert min(lengths) >= 47 + 64
+    assert max(lengths) <= 135
+    assert sum(lengths) / len(lengths) < 47 + 64 + 7
+
+
+def test_a_frame_is_longer_than_its_bits_by_stuffing_and_by_13_bits_that_are_never_stuffed():
+    bits = list(frame_bits(0x20B, bytes(8)))
+    assert len(bits) == 34 + 64
+    assert exact_frame(0x20B, bytes(8)) == len(bits) + stuff_bits(bits) + 13
+
+
+def test_published_response_times():
+    """Davis et al. (2007), table 1: C 1 ms each, T 2.5, 3.5, 3.5 ms: 2, 3 and 3.5 ms, where Tindell's are 2, 3 and 3.
+
+    A bit takes 8 us there; deadlines are missed in the second instance of C only.
+    """
+    frames = [Cyclic(2.5, 1.0), Cyclic(3.5, 1.0), Cyclic(3.5, 1.0)]
+    assert response_times(frames, 0.008) == pytest.approx([2.0, 3.0, 3.5])
+
+
+def test_an_overloaded_bus_is_refused():
+    with pytest.raises(ValueError, match="whole time of the bus"):
+        response_times([Cyclic(1.0, 0.6), Cyclic(1.0, 0.6)], 0.001)
+
+
+def test_the_lowest_identifier_goes_first_but_interrupts_nobody():
+    """At 100 bits of 1 us each: C begins alone, A and B come meanwhile."""
+    frames = [Waiting(50e-6, 2, 100), Waiting(60e-6, 1, 100), Waiting(0.0, 3, 100)]
+    assert completions(frames, 1e6) == pytest.approx([300e-6, 200e-6, 100e-6])
+
+
+def test_a_busy_bus_delays_everybody():
+    assert completions([Waiting(0.0, 1, 100)], 1e6, free_from=40e-6) == pytest.approx([140e-6])
+
+
+def test_arbitration_never_takes_longer_than_the_analysis_says():
+    """All frames of one circuit at random phases over 50 ms, each of its greatest length."""
+    layouts = [frame for frame in ours() if "11" in frame.name]
+    bounds, numbers = of_layouts(layouts, 1e6), random.Random(3)
+    waiting, names = [], []
+    for layout in layouts:
+        phase = numbers.uniform(0.0, layout.cycle)
+        for instance in range(int(0.05 / layout.cycle) + 1):
+            waiting.append(Waiting(phase + instance * layout.cycle, layout.identifier, longest_frame(layout.length)))
+            names.append(layout.name)
+    for name, frame, end in zip(names, waiting, completions(waiting, 1e6), strict=True):
+        assert end - frame.since <= bounds[name] + 1e-9
+
+
+def test_bus_load_of_one_frame():
+    """8 bytes each ms at 1 Mbit/s: 135 bits of 1000."""
+    assert bus_load([ours()["Drive11_SetPoint"]], 1e6) == pytest.approx(0.135)

@@ -1,0 +1,55 @@
+"""Verdicts from runs with some parameters changed, driven in this process."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+from ev_sim.study.case import Case, CaseResult, Measure, drive_case
+from ev_sim.verdicts.all_verdicts import SOURCES, declarations
+from ev_sim.verdicts.declaration import Declaration
+from ev_sim.verdicts.driving import drive
+from ev_sim.verdicts.kept import Kept
+from ev_sim.verdicts.need import Driven, Need, ScenarioNeed, Value
+from ev_sim.verdicts.published import published
+from ev_sim.verdicts.verdict import Verdict, verdict
+
+
+def verdict_on(id: str, *changed: Value) -> Verdict:
+    """The verdict on an id from runs whose parameters (node, name, value) are changed; slow needs are driven, too."""
+    source, declaration = _find(id)
+    given = [driven(_with(need, changed)) for need in declaration.needs]
+    return verdict(published(source)[id], declaration, given)
+
+
+@cache
+def driven(need: Need) -> Driven:
+    """What is driven for a need, once in this process."""
+    return drive([need], _kept(), drive_here)[need]
+
+
+def drive_here(cases: Sequence[Case], measures: Sequence[Measure]) -> list[CaseResult]:
+    """Drive cases one after the other, without worker processes."""
+    return [drive_case(case, measure) for case, measure in zip(cases, measures, strict=True)]
+
+
+def _find(id: str) -> tuple[str, Declaration]:
+    return next((source, declarations(source)[id]) for source in SOURCES if id in declarations(source))
+
+
+def _with(need: Need, changed: Sequence[Value]) -> Need:
+    assert not changed or isinstance(need, ScenarioNeed), f"{need.command} is a study: change its options instead"
+    return replace(need, values=(*need.values, *changed)) if isinstance(need, ScenarioNeed) else need
+
+
+@cache
+def _kept() -> Kept:
+    folder = tempfile.TemporaryDirectory(prefix="ev_stack_verdicts_")
+    _FOLDERS.append(folder)  # lives as long as the process
+    return Kept(Path(folder.name))
+
+
+_FOLDERS: list[tempfile.TemporaryDirectory[str]] = []
