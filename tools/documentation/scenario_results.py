@@ -51,9 +51,9 @@ SCENARIO_PAGES = {
     ),
     "docs/zhileykin2018.md": Page(
         "zhileykin2018",
-        (("rear_drive", "k05", "k1", "k1_estimated", "fixed_split"),),
+        (("rear_drive", "k05", "k1", "k1_estimated", "equality", "fixed_split"),),
         ("fig3_fig4", "fig5"),
-        studies=("zhileykin2018_sweep",),
+        studies=("zhileykin2018_sweep", "zhileykin2018_variants"),
     ),
 }
 

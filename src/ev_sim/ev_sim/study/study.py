@@ -16,7 +16,14 @@ from ev_sim.study.case import Case, CaseResult
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-STUDIES = ("asr_shootout", "compare", "five_methods", "urban_sensitivity", "zhileykin2018_sweep")
+STUDIES = (
+    "asr_shootout",
+    "compare",
+    "five_methods",
+    "urban_sensitivity",
+    "zhileykin2018_sweep",
+    "zhileykin2018_variants",
+)
 
 Results = Mapping[str, CaseResult]  # name of the case -> what came out
 
