@@ -9,7 +9,8 @@ from pathlib import Path
 
 from documentation.hashes import HASHES, all_hashes, changes, hash_table, published_hashes
 from documentation.markdown import with_blocks
-from documentation.pages import RESULTS, SHCHUR, VERDICTS, stale_pages
+from documentation.pages import RESULTS, SHCHUR, stale_pages
+from documentation.verdict_tables import NAMES, write_verdicts
 from ev_msgs_py.parameters.values import unknown_name
 
 
@@ -42,7 +43,7 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
 
     images = root / "docs" / "images"
     images.mkdir(exist_ok=True)
-    known = [HASHES, SHCHUR, VERDICTS, *scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
+    known = [HASHES, SHCHUR, *NAMES, *scenario_results.SCENARIO_PAGES, *scenario_results.STUDY_PAGES]
     for name in chosen:
         if name not in known:
             raise unknown_name("page with results", name, known)
@@ -53,11 +54,8 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
         driven = results.drive_all()
         _write(root / SHCHUR, {RESULTS: results.result_table(driven)})
         results.save_images(driven, images)
-    if VERDICTS in wanted:
-        from documentation.verdict_tables import verdict_tables
-        from ev_sim.commands.verdicts import judge
-
-        _write(root / VERDICTS, {"verdicts": verdict_tables(judge())})
+    if any(name in wanted for name in NAMES):
+        write_verdicts(root, wanted)
     for name, page in scenario_results.SCENARIO_PAGES.items():
         if name in wanted:
             run = results.drive(page.scenario)

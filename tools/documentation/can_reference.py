@@ -70,4 +70,3 @@ def _bits(field: BitField) -> str:
 
 def _range(field: BitField) -> str:
     return f"{field.low:g} to {field.high:g}"
-

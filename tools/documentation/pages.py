@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from documentation import can_reference, parameter_reference, topic_reference
+from documentation import can_reference, parameter_reference, topic_reference, verdict_tables
 from documentation.graph_diagram import graph_diagram
 from documentation.hashes import HASHES
 from documentation.lists import method_table, scenario_table, study_list
@@ -13,7 +13,6 @@ from documentation.markdown import block_names, with_blocks
 from documentation.scenario_results import SCENARIO_PAGES, STUDY_PAGES
 
 SHCHUR = "docs/shchur2019.md"
-VERDICTS = "docs/verdicts.md"
 RESULTS = "results"  # made from runs, and so only on demand
 
 PARTS: dict[str, Callable[[], str]] = {
@@ -43,7 +42,7 @@ PAGES = {
     "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
     HASHES: (RESULTS,),
     SHCHUR: (RESULTS,),
-    VERDICTS: ("verdicts",),  # made from runs, too
+    verdict_tables.PAGE: verdict_tables.PARTS,  # made from runs, too
     **{name: (RESULTS, *page.studies) for name, page in SCENARIO_PAGES.items()},
     **STUDY_PAGES,
 }

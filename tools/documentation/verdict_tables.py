@@ -1,20 +1,49 @@
-"""The table of docs/verdicts.md: what each source published, and the verdicts."""
+"""The tables of docs/verdicts.md: one for each source, and how many verdicts of each sort there are."""
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
 
+from documentation.markdown import table, with_blocks
 from ev_sim.verdicts.all_verdicts import SOURCES
 from ev_sim.verdicts.published import published
-from ev_sim.verdicts.table import counts, markdown_table
-from ev_sim.verdicts.verdict import Verdict
+from ev_sim.verdicts.table import markdown_table
+from ev_sim.verdicts.verdict import SORTS, sort_of
+
+PAGE = "docs/verdicts.md"
+COUNTS = "verdict counts"
+PARTS = (COUNTS, *(f"verdicts of {source}" for source in SOURCES))
+NAMES = (PAGE, *(f"{PAGE}#{source}" for source in SOURCES))  # that document.sh --runs knows
+_ROW = re.compile(r"^\| `(?P<id>[\w.]+)` \|(?P<cells>.*)\|$", re.MULTILINE)
+_VERDICT = -2  # place of its cell
 
 
-def verdict_tables(verdicts: Sequence[Verdict]) -> str:
-    """One table for each source, below how many verdicts of each sort there are."""
-    texts = []
+def write_verdicts(root: Path, wanted: Sequence[str]) -> None:
+    """Drive what the verdicts on all sources, or on those wanted, need, and write their tables and the counts."""
+    from ev_sim.commands.verdicts import judge
+
+    page = root / PAGE
+    text = page.read_text(encoding="utf-8")
     for source in SOURCES:
-        of_source = [each for each in verdicts if each.published.id in published(source)]
-        if of_source:
-            texts.append(f"### {source}\n\n{counts(of_source)}.\n\n{markdown_table(of_source)}")
-    return "\n".join(texts)
+        if PAGE in wanted or f"{PAGE}#{source}" in wanted:
+            text = with_blocks(text, {f"verdicts of {source}": markdown_table(judge([source]))})
+    page.write_text(with_blocks(text, {COUNTS: count_table(text)}), encoding="utf-8")
+    print(f"written: {page.name}")
+
+
+def rows(page: str) -> dict[str, str]:
+    """The line of each id on the page."""
+    return {match["id"]: match[0] for match in _ROW.finditer(page)}
+
+
+def count_table(page: str) -> str:
+    """Verdicts of each sort and source on the page, and their sums."""
+    sorts = {id: sort_of(line.split(" | ")[_VERDICT]) for id, line in rows(page).items()}
+    lines = [(source, Counter(sorts[id] for id in published(source) if id in sorts)) for source in SOURCES]
+    lines.append(("all", Counter(sorts.values())))
+    used = [sort for sort in SORTS if lines[-1][1][sort]]
+    cells = [(source, str(found.total()), *(str(found[sort]) for sort in used)) for source, found in lines]
+    return table(("source", "ids", *used), cells)

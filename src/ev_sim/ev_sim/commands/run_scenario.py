@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
+from importlib import import_module
 
 from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.lockstep.methods import all_methods
@@ -13,6 +14,10 @@ from ev_sim.run.outcome import RunFailed
 from ev_sim.run.scenarios.scenario import describe_scenario, scenario_names
 from ev_sim.study.study import STUDIES, study_named
 
+REVIEWS = {  # commands of their own, in modules of their names
+    "verdicts": "a verdict on every number, curve and claim of all sources, in one table",
+    "figures": "every panel of the sources' figures, drawn from our runs, on one page",
+}
 _INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
 
 
@@ -26,10 +31,9 @@ def main(argv: list[str] | None = None) -> None:
 
             run_study(words[0], words[1:])
             return
-        if words and words[0] == "verdicts":
-            from ev_sim.commands.verdicts import run_verdicts
-
-            run_verdicts(words[1:])
+        if words and words[0] in REVIEWS:
+            command = import_module(f"ev_sim.commands.{words[0]}")
+            getattr(command, f"run_{words[0]}")(words[1:])
             return
         given = arguments(words)
         if given.list:
@@ -53,7 +57,9 @@ def print_list() -> None:
     print("studies, of many runs (scripts/run.sh STUDY --help)")
     for name in STUDIES:
         print(f"  {name:24} {study_named(name).ABOUT}")
-    print("verdicts on what the sources published (scripts/run.sh verdicts --help)")
+    print("reviews of what the sources published (scripts/run.sh NAME --help)")
+    for name, about in REVIEWS.items():
+        print(f"  {name:24} {about}")
     for role, methods in all_methods().items():
         print(f"methods of {role}")
         for name, method in methods.items():

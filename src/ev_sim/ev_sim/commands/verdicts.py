@@ -19,7 +19,6 @@ from ev_sim.verdicts.kept import Kept
 from ev_sim.verdicts.table import counts, plain_table, write
 from ev_sim.verdicts.verdict import Verdict
 
-ABOUT = "verdicts on every published number of all sources, one table (--only SOURCE, --quick)"
 CACHE = Path("results") / "cache"
 
 
@@ -56,7 +55,7 @@ def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> l
 
 
 def _arguments(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="run.sh verdicts", description=ABOUT)
+    parser = argparse.ArgumentParser(prog="run.sh verdicts", description=__doc__)
     parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/verdicts")
     parser.add_argument("--only", nargs="+", default=[], metavar="SOURCE", help="sources, ids or beginnings of ids")
     parser.add_argument("--quick", action="store_true", help="leave out what takes more than a few seconds to drive")

@@ -54,8 +54,9 @@ class Number:
         return self.tolerance(*driven) if callable(self.tolerance) else self.tolerance
 
     def text(self, value: float) -> str:
-        """A value with its unit."""
-        return f"{value:.5g} {self.unit}".removesuffix(" 1")
+        """A value with its unit, an angle in degrees as well."""
+        degrees = f" ({math.degrees(value):.2f} deg)" if self.unit == "rad" else ""
+        return f"{value:.5g} {self.unit}{degrees}".removesuffix(" 1")
 
 
 @dataclass(frozen=True, slots=True)

@@ -66,7 +66,7 @@ class Kept:
             pickle.dump(result, file)
 
 
-@lru_cache(maxsize=40)
+@lru_cache(maxsize=6)  # one of a whole cycle has 80 MB
 def recording_at(path: Path) -> Recording:
     """The signals in a file; the last ones stay in memory."""
     return load(path)

@@ -29,9 +29,16 @@ class ScenarioNeed:
     @property
     def command(self) -> str:
         """What drives the same from the command line."""
-        changed = [f"--set {node}.{name}={value}" for node, name, value in self.values]
+        changed = [f"--set {node}.{name}={_word(value)}" for node, name, value in self.values]
         duration = [f"--duration {self.duration:g}"] if self.duration else []
         return " ".join([self.scenario, *changed, *duration])
+
+
+def _word(value: Any) -> str:
+    """A value as the command line takes it."""
+    if isinstance(value, tuple):
+        return f"[{','.join(map(_word, value))}]"
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ev_sim.report.text_table import text_table
 from ev_sim.run.recording.atomic import atomic_file
-from ev_sim.verdicts.verdict import Verdict
+from ev_sim.verdicts.verdict import SORTS, Verdict, sort_of
 
 COLUMNS = ("id", "kind", "what", "printed", "ours", "tolerance", "verdict", "driven")
 _SHORT = ("id", "ours", "verdict")
@@ -22,23 +22,19 @@ def plain_table(verdicts: Sequence[Verdict]) -> str:
 
 def counts(verdicts: Sequence[Verdict]) -> str:
     """How many verdicts there are of each sort, in one line."""
-    sorts = Counter(sort(each) for each in verdicts)
-    return ", ".join([f"{len(verdicts)} ids", *(f"{number} {name}" for name, number in sorts.most_common())])
-
-
-def sort(of: Verdict) -> str:
-    """The verdict without what is particular to the id."""
-    return f"{of.judgement} with assumption" if of.judgement == "reproduced" and of.assumption else of.judgement
+    found = Counter(sort_of(each.text) for each in verdicts)
+    return ", ".join([f"{len(verdicts)} ids", *(f"{found[sort]} {sort}" for sort in SORTS if found[sort])])
 
 
 def markdown_table(verdicts: Sequence[Verdict]) -> str:
     """Everything about each id, one line each."""
-    lines = [_line(COLUMNS), _line(["---"] * len(COLUMNS))]
-    for each in verdicts:
-        of = each.published
-        cells = (f"`{of.id}`", of.kind, of.quantity, of.printed, each.ours, each.tolerance, each.text, each.run)
-        lines.append(_line(cells))
-    return "\n".join(lines) + "\n"
+    return "\n".join([_line(COLUMNS), _line(["---"] * len(COLUMNS)), *map(markdown_row, verdicts)]) + "\n"
+
+
+def markdown_row(of: Verdict) -> str:
+    """The line of one id."""
+    what = of.published
+    return _line((f"`{what.id}`", what.kind, what.quantity, what.printed, of.ours, of.tolerance, of.text, of.run))
 
 
 def write(verdicts: Sequence[Verdict], folder: Path) -> None:

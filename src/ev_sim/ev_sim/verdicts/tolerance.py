@@ -33,7 +33,8 @@ class Tolerance:
         elif self.relative or not self.absolute:
             width = f"{100 * self.relative:g} %" + (f" + {self.absolute:g} {unit}" if self.absolute else "")
         else:
-            width = f"{self.absolute:.6g} {unit}".removesuffix(" 1")
+            # A distance between percentages is in points, so that it is not taken for a fraction of the number.
+            width = f"{self.absolute:.3g} {'points' if unit == '%' else unit}".removesuffix(" 1")
         return f"{width}: {self.why}"
 
 

@@ -10,6 +10,15 @@ from ev_sim.report.metric import FROM_INPUTS, NOT_MEASURED, NOT_REPRODUCED, REPR
 from ev_sim.verdicts.declaration import Declaration
 from ev_sim.verdicts.published import Published
 
+# The sorts of verdicts, by the words with which their texts begin.
+WITH_ASSUMPTION = "reproduced with assumption"
+SORTS = (WITH_ASSUMPTION, REPRODUCED, NOT_REPRODUCED, FROM_INPUTS, "not judgeable", "no verdict", NOT_MEASURED)
+
+
+def sort_of(text: str) -> str:
+    """The sort of a verdict from its text."""
+    return next(sort for sort in SORTS if text.startswith(sort))
+
 
 @dataclass(frozen=True)
 class Verdict:

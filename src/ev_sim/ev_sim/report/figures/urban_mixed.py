@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.circuit_curves import circuit_current, running_drive_efficiency, running_wheel_efficiency
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.figures.urban_sheets import (
@@ -25,7 +25,7 @@ from ev_sim.report.figures.urban_sheets import (
     thin_sheet,
 )
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities import circuits, derived, motion
+from ev_sim.report.quantities import derived, motion
 from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.report.samples import channel
 from ev_sim.run.recording.recording import Recording
@@ -47,15 +47,6 @@ def torques_and_speeds(run: Recording, vehicle: Vehicle, driver: Mapping[str, An
 
 def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
     """Figures 3.2, 3.4, 3.6, 3.8 and 3.10: running wheel efficiency over the friction under the wheel, and torques."""
-
-    def running(wheel: str) -> list[Curve]:
-        shares = circuits.circuit_shares(run, vehicle)
-        if wheel not in shares:
-            raise NotMeasured(f"{wheel.replace('_', ' ')} is not driven")
-        found = shares[wheel].running_efficiency(cycle.traction(run, driver))
-        # The first fractions of a turn give any quotient.
-        return [Curve(run.time, np.where((found >= 0.0) & (found <= 1.0), found, np.nan))]
-
     wheels = left_and_right(vehicle)
     figure = thin_sheet(
         [
@@ -63,7 +54,7 @@ def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
                 panel(
                     f"Wheel efficiency since the start, {wheel.replace('_', ' ')} (grey: largest friction of the road)",
                     "efficiency, friction [1]",
-                    lambda wheel=wheel: running(wheel),
+                    lambda wheel=wheel: [running_wheel_efficiency(run, vehicle, driver, wheel)],
                 )
                 for wheel in wheels
             ),
@@ -71,10 +62,7 @@ def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]
         ],
     )
     for axes, wheel in zip(figure.axes, wheels, strict=False):
-        _ground_of_friction(axes, run, wheel)
-        axes.set_ylim(0.0, 1.05)
-        for line in axes.lines:
-            line.set_linewidth(1.5)
+        lay_over_friction(axes, run, wheel)
     return figure
 
 
@@ -130,23 +118,9 @@ def electrical(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> F
     One battery feeds both circuits, so both have its voltage.
     """
 
-    def shares(wheel: str) -> circuits.CircuitShares:
-        found = circuits.circuit_shares(run, vehicle)
-        if wheel not in found:
-            raise NotMeasured(f"{wheel.replace('_', ' ')} is not driven")
-        return found[wheel]
-
-    def current(wheel: str) -> list[Curve]:
-        period = np.diff(run.time, prepend=run.time[0] - 1.0)  # the first sample has no period before it
-        return [Curve(run.time, shares(wheel).electrical_work / period / channel(run, "battery.voltage"))]
-
-    def running(wheel: str) -> list[Curve]:
-        found = shares(wheel).running_drive_efficiency(cycle.traction(run, driver))
-        return [Curve(run.time, np.where(found >= 0.0, found, np.nan))]
-
-    def sides(title: str, ylabel: str, curves: Callable[[str], list[Curve]]) -> list[Panel]:
+    def sides(title: str, ylabel: str, curve: Callable[[str], Curve]) -> list[Panel]:
         return [
-            panel(f"{title}, {wheel.replace('_', ' ')}", ylabel, lambda wheel=wheel: curves(wheel))
+            panel(f"{title}, {wheel.replace('_', ' ')}", ylabel, lambda wheel=wheel: [curve(wheel)])
             for wheel in left_and_right(vehicle)
         ]
 
@@ -154,9 +128,13 @@ def electrical(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> F
         [
             *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
             *each_side(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
-            *sides("Current of the motor's circuit", "current [A]", current),
-            *sides("Voltage", "voltage [V]", lambda wheel: [Curve(run.time, channel(run, "battery.voltage"))]),
-            *sides("Drive efficiency in the traction windows since the start", "efficiency [1]", running),
+            *sides("Current of the motor's circuit", "current [A]", lambda wheel: circuit_current(run, vehicle, wheel)),
+            *sides("Voltage", "voltage [V]", lambda wheel: Curve(run.time, channel(run, "battery.voltage"))),
+            *sides(
+                "Drive efficiency in the traction windows since the start",
+                "efficiency [1]",
+                lambda wheel: running_drive_efficiency(run, vehicle, driver, wheel),
+            ),
         ],
         run,
         driver,
@@ -167,7 +145,11 @@ def electrical(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> F
     return figure
 
 
-def _ground_of_friction(axes: Axes, run: Recording, wheel: str) -> None:
+def lay_over_friction(axes: Axes, run: Recording, wheel: str) -> None:
+    """The largest friction of the road under a wheel as a ground of its efficiency, whose curves become bolder."""
+    axes.set_ylim(0.0, 1.05)
+    for line in axes.lines:
+        line.set_linewidth(1.5)
     try:
         friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
     except NotMeasured:

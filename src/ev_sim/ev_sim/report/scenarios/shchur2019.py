@@ -31,9 +31,8 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     return metrics_at_hand("shchur2019", RUN, ScenarioRuns(runs, vehicle, parameters))
 
 
-def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
-    """Fig. 4 as one sheet, with the panels of the paper."""
-    from ev_sim.report.figures.drawing import sheet
+def panels(runs: Runs, vehicle: Vehicle) -> dict[str, Panel]:
+    """The panels of fig. 4 by their quantity, in the order of the paper."""
 
     def panel_of(title: str, ylabel: str, values: Callable[[Recording], np.ndarray]) -> Panel:
         return panel(title, ylabel, lambda: [Curve(run_named(runs, RUN).time, values(run_named(runs, RUN)))])
@@ -45,18 +44,26 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
 
         return panel(title, ylabel, curves)
 
-    panels = [
-        panel_of("a  Speed", "speed [km/h]", lambda run: 3.6 * derived.speed(run)),
-        panel_of("b  Total torque at the wheels", "torque [N m]", derived.total_drive_torque),
-        panel_of("c  Steering angle", "angle [deg]", lambda run: np.degrees(channel(run, derived.ROAD_WHEEL_ANGLE))),
-        panel_of("d  Differential torque, right minus left", "torque [N m]", derived.differential_torque),
-        panel_of_both("e  Torque references of the front wheels", "torque [N m]", "torque_command.drive"),
-        panel_of_both("f  Drive torques of the front wheels", "torque [N m]", "wheel_states.effort"),
-        panel_of_both("g  Speeds of the front wheels", "speed [rad/s]", "wheel_states.velocity"),
-        panel_of(
-            "h  Difference of linear wheel speeds, right minus left",
+    return {
+        "V": panel_of("Speed", "speed [km/h]", lambda run: 3.6 * derived.speed(run)),
+        "M": panel_of("Total torque at the wheels", "torque [N m]", derived.total_drive_torque),
+        "delta": panel_of(
+            "Steering angle", "angle [deg]", lambda run: np.degrees(channel(run, derived.ROAD_WHEEL_ANGLE))
+        ),
+        "dM": panel_of("Differential torque, right minus left", "torque [N m]", derived.differential_torque),
+        "references": panel_of_both("Torque references of the front wheels", "torque [N m]", "torque_command.drive"),
+        "drive_torques": panel_of_both("Drive torques of the front wheels", "torque [N m]", "wheel_states.effort"),
+        "wheel_speeds": panel_of_both("Speeds of the front wheels", "speed [rad/s]", "wheel_states.velocity"),
+        "dV": panel_of(
+            "Difference of linear wheel speeds, right minus left",
             "speed [m/s]",
             lambda run: derived.speed_difference(run, vehicle),
         ),
-    ]
-    return {"fig4": sheet(panels, "time [s]")}
+    }
+
+
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+    """Fig. 4 as one sheet, with the panels of the paper."""
+    from ev_sim.report.figures.drawing import sheet
+
+    return {"fig4": sheet(list(panels(runs, vehicle).values()), "time [s]")}

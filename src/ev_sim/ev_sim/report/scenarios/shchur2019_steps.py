@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.figures.panels import Curve, panel
+from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Metric
 from ev_sim.report.quantities import derived
 from ev_sim.report.samples import Parameters, Runs, channel, run_named
@@ -23,22 +23,23 @@ from ev_sim.verdicts.need import ScenarioRuns
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+SINCE_STEP = "time after the step [s]"
+
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
     """What figs. 1a and 1b and the hand torques at 30 deg are judged by."""
     return metrics_at_hand("shchur2019", "shchur2019_steps", ScenarioRuns(runs, vehicle, parameters))
 
 
-def figures(runs: Runs) -> dict[str, Figure]:
+def panels(runs: Runs) -> dict[str, Panel]:
     """Fig. 1: a, road-wheel angle of the object and of the closed loop; b, differential torque."""
-    from ev_sim.report.figures.drawing import sheet
 
     def after_step(name: str, quantity: Callable[[Recording], np.ndarray], label: str = "") -> Curve:
         run = run_named(runs, name)
         return Curve(run.time - derived.hand_torque_step_time(run), quantity(run), label)
 
-    panels = [
-        panel(
+    return {
+        "a": panel(
             "a  Road-wheel angle",
             "angle [rad]",
             lambda: [
@@ -46,13 +47,19 @@ def figures(runs: Runs) -> dict[str, Figure]:
                 after_step("closed_loop", _road_wheel_angle, "2: closed loop, 1 N m by hand"),
             ],
         ),
-        panel(
+        "b": panel(
             "b  Differential torque, right minus left",
             "torque [N m]",
             lambda: [after_step("closed_loop", derived.differential_torque)],
         ),
-    ]
-    return {"fig1": sheet(panels, "time after the step [s]", columns=1, start=0.0)}
+    }
+
+
+def figures(runs: Runs) -> dict[str, Figure]:
+    """Fig. 1 as one sheet."""
+    from ev_sim.report.figures.drawing import sheet
+
+    return {"fig1": sheet(list(panels(runs).values()), SINCE_STEP, columns=1, start=0.0)}
 
 
 def _road_wheel_angle(run: Recording) -> np.ndarray:

@@ -65,7 +65,7 @@ def _speed(id: str, speed: float, acceleration: tuple[float, float], window: tup
     return judged(
         id,
         CYCLE,
-        Number("m/s", speed, relative(0.01, "plateau"), _mean(derived.speed, window)),
+        Number("km/h", 3.6 * speed, relative(0.01, "plateau"), _mean(lambda run: 3.6 * derived.speed(run), window)),
         Number(
             "s",
             acceleration[1],

@@ -1,0 +1,44 @@
+"""scripts/run.sh figures: draw every panel of the sources in its quantity and axes, on one page."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.commands.verdicts import CACHE, drive_with_progress
+from ev_sim.verdicts.all_verdicts import SOURCES
+from ev_sim.verdicts.driving import drive
+from ev_sim.verdicts.kept import Kept
+from ev_sim.verdicts.panels_page import draw_panels, panels, write_page
+
+
+def run_figures(argv: Sequence[str]) -> None:
+    """Drive, draw and write; raises what `ev_sim.commands.run_scenario.main` catches."""
+    given = _arguments(argv)
+    for source in given.only:
+        if source not in SOURCES:
+            raise ParameterError(f"--only {source} is refused, allowed is {', '.join(SOURCES)}")
+    start = time.monotonic()
+    shown = {source: panels(source) for source in SOURCES if not given.only or source in given.only}
+    needs = [need for of_source in shown.values() for panel in of_source for need in panel.needs]
+    driven = drive(needs, Kept(CACHE), drive_with_progress)
+    folder = (given.out or Path("results") / "figures").absolute()
+    folder.mkdir(parents=True, exist_ok=True)
+    for source, of_source in shown.items():
+        drawn = draw_panels(source, of_source, driven, folder)
+        print(f"{source}: {len(of_source)} panels, {len(drawn)} drawn, {len(of_source) - len(drawn)} not drawable")
+    page = write_page(shown, folder)
+    every = [panel for of_source in shown.values() for panel in of_source]
+    drawn_in_all = sum(panel.draw is not None for panel in every)
+    print(f"all: {len(every)} panels, {drawn_in_all} drawn, {len(every) - drawn_in_all} not drawable")
+    print(f"{time.monotonic() - start:.1f} s; page: {page}")
+
+
+def _arguments(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="run.sh figures", description=__doc__)
+    parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/figures")
+    parser.add_argument("--only", nargs="+", default=[], metavar="SOURCE", help="sources")
+    return parser.parse_args(argv)

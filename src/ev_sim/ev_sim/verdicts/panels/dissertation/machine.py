@@ -1,0 +1,62 @@
+"""Figures 1.13 and 1.22: characteristics of machines."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ev_sim.drives.losses import loss_power
+from ev_sim.report.figures.panels import Curve, Panel, panel
+from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
+from ev_sim.verdicts.panel import PublishedPanel, cannot_be_drawn, over_time
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_ROW = "Characteristics of the YASA-400; limits as printed, losses assumed, voltages not given"
+_CAR = ScenarioNeed("urban_mixed", duration=0.01)  # for the car alone
+_SPEED = "speed of the shaft [rpm]"
+
+
+def _speeds(driven: ScenarioRuns) -> np.ndarray:
+    return np.linspace(10.0, driven.vehicle.motor.maximum_speed, 300)
+
+
+def _limits(driven: ScenarioRuns) -> Panel:
+    motor, speed = driven.vehicle.motor, _speeds(driven)
+    torque = np.minimum(motor.peak_torque, motor.peak_power / speed)
+    power = torque * speed / 1e3
+    rpm = speed * 30 / math.pi
+    return panel(
+        "a  Peak torque and power",
+        "[N m], [kW]",
+        lambda: [Curve(rpm, torque, "torque [N m]"), Curve(rpm, power, "power [kW]")],
+    )
+
+
+def _efficiency(driven: ScenarioRuns) -> Figure:
+    from ev_sim.report.figures.contours import contours
+
+    motor = driven.vehicle.motor
+    speed, torque = np.meshgrid(_speeds(driven), np.linspace(5.0, motor.peak_torque, 100))
+    power = speed * torque
+    efficiency = np.where(power <= motor.peak_power, power / (power + loss_power(motor, torque, speed)), np.nan)
+    levels = (0.5, 0.7, 0.8, 0.85, 0.9, 0.92, 0.94, 0.95, 0.96)
+    return contours(
+        "b  Efficiency of motor and inverter, as assumed",
+        (_SPEED, speed * 30 / math.pi),
+        ("torque [N m]", torque),
+        efficiency,
+        levels,
+    )
+
+
+PANELS = (
+    cannot_be_drawn(
+        "1.13", "", "Double planetary drive of another maker", "only the caption of its curve is left", "diss.fig1.13"
+    ),
+    PublishedPanel("1.22", "a", _ROW, ("diss.fig1.22",), (_CAR,), over_time(_limits, _SPEED)),
+    PublishedPanel("1.22", "b", _ROW, ("diss.fig1.22",), (_CAR,), _efficiency),
+)

@@ -1,0 +1,42 @@
+"""One cycle with each of the five methods, and what the figures of chapters 3 and 5 have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from ev_sim.report.samples import run_named
+from ev_sim.run.recording.recording import Recording
+from ev_sim.study.urban_cases import FIVE, METHODS, SCENARIO, case
+from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
+from ev_sim.verdicts.panel import PublishedPanel
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SIDES = ("right", "left")
+CYCLES = {METHODS[name].number: ScenarioNeed(SCENARIO, case(name, "pulse", 1).values, slow=True) for name in FIVE}
+
+
+def run_of(driven: ScenarioRuns) -> Recording:
+    """The only run of the scenario."""
+    return run_named(driven.runs, SCENARIO)
+
+
+def driver_of(driven: ScenarioRuns) -> Mapping[str, Any]:
+    """The parameters of the driver."""
+    return driven.parameters["driver"]
+
+
+def of_each_method(
+    row: str, figure: Callable[[int], str], letter: str, draw: Callable[[ScenarioRuns], Figure]
+) -> tuple[PublishedPanel, ...]:
+    """The same panel for methods 1 to 5; `figure` gives the number of the figure of a method."""
+    return tuple(
+        PublishedPanel(figure(number), letter, row, (_id(figure(number), letter),), (need,), draw)
+        for number, need in CYCLES.items()
+    )
+
+
+def _id(figure: str, letter: str) -> str:
+    return f"diss.fig{figure}" + (f".{letter}" if letter else "")

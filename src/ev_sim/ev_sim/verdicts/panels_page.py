@@ -1,0 +1,68 @@
+"""All panels of all sources as images, and the page that shows them."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from itertools import groupby
+from pathlib import Path
+
+from ev_sim.run.recording.atomic import atomic_file
+from ev_sim.verdicts.need import Driven, Need
+from ev_sim.verdicts.panel import PublishedPanel
+
+_STYLE = """
+body { font: 14px sans-serif; margin: 1.5em; }
+.row { display: grid; grid-auto-flow: column; grid-auto-columns: minmax(20em, 1fr); gap: 1em; overflow-x: auto; }
+figure { margin: 0; } img { max-width: 100%; } figcaption { color: #444; } .lost { color: #777; padding: 1em 0; }
+"""
+
+
+def panels(source: str) -> tuple[PublishedPanel, ...]:
+    """The panels of a source, in its order."""
+    return import_module(f"ev_sim.verdicts.panels.{source}").PANELS
+
+
+def file_name(source: str, panel: PublishedPanel) -> str:
+    """The image of a panel; every panel of every source has its own."""
+    return f"{source}_{panel.name}.png"
+
+
+def draw_panels(
+    source: str, shown: Sequence[PublishedPanel], driven: Mapping[Need, Driven], folder: Path
+) -> list[Path]:
+    """Draw those panels of a source that can be drawn."""
+    from ev_sim.report.figures.drawing import save_figures
+
+    paths = []
+    for panel in shown:
+        if panel.draw:
+            figure = panel.draw(*(driven[need] for need in panel.needs))
+            paths += save_figures({Path(file_name(source, panel)).stem: figure}, folder)
+    return paths
+
+
+def write_page(shown: Mapping[str, Sequence[PublishedPanel]], folder: Path) -> Path:
+    """Write index.html: the panels of each source, those of a row side by side; what cannot be drawn says why."""
+    parts = [f"<!doctype html><meta charset=utf-8><title>Published figures</title><style>{_STYLE}</style>"]
+    for source, of_source in shown.items():
+        parts.append(f"<h1>{html.escape(source)}</h1>")
+        for row, members in groupby(of_source, key=lambda panel: panel.row):
+            parts += [f"<h2>{html.escape(row)}</h2>", '<div class="row">']
+            parts += [_entry(source, panel) for panel in members]
+            parts.append("</div>")
+    page = folder / "index.html"
+    with atomic_file(page) as file:
+        file.write("\n".join(parts).encode())
+    return page
+
+
+def _entry(source: str, panel: PublishedPanel) -> str:
+    ids = html.escape(", ".join(panel.ids))
+    if not panel.draw:
+        why = html.escape(panel.why_not)
+        return f'<figure><div class="lost">not drawn: {why}</div><figcaption>{panel.title} {ids}</figcaption></figure>'
+    driven = html.escape("; ".join(need.command for need in panel.needs))
+    caption = " &middot; ".join(part for part in (panel.title, ids, driven) if part)
+    return f'<figure><img src="{file_name(source, panel)}"><figcaption>{caption}</figcaption></figure>'

@@ -1,0 +1,51 @@
+"""The figures of the sources: every panel is declared, has its own file, and shows ids that were published."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from judging import driven
+
+from ev_sim.verdicts.all_verdicts import SOURCES
+from ev_sim.verdicts.need import Need
+from ev_sim.verdicts.panels.dissertation.runs import CYCLES
+from ev_sim.verdicts.panels_page import draw_panels, file_name, panels, write_page
+from ev_sim.verdicts.published import published
+
+# Panels that each source has, those that cannot be drawn included.
+PANELS = {"shchur2019": 12, "dissertation": 103}
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_every_panel_has_its_own_file_and_shows_what_was_published(source: str):
+    found = panels(source)
+    assert len({file_name(source, panel) for panel in found}) == len(found)
+    for panel in found:
+        assert set(panel.ids) <= set(published(source)), panel.title
+        assert bool(panel.draw) != bool(panel.why_not), panel.title
+
+
+@pytest.mark.parametrize(("source", "count"), PANELS.items())
+def test_no_panel_is_missing(source: str, count: int):
+    assert len(panels(source)) == count
+
+
+def test_page_shows_what_was_drawn_and_why_something_was_not(tmp_path):
+    shown = panels("shchur2019")
+    needs: list[Need] = [need for panel in shown for need in panel.needs]
+    drawn = draw_panels("shchur2019", shown, {need: driven(need) for need in needs}, tmp_path)
+    page = write_page({"shchur2019": shown}, tmp_path).read_text()
+    assert len(drawn) == 10
+    assert all(path.stat().st_size > 5_000 and path.name in page for path in drawn)
+    assert "not drawn: a scheme of the turn" in page
+
+
+@pytest.mark.slow
+def test_figures_of_one_method_of_the_dissertation(tmp_path):
+    """A minute of its cycle: 7 figures on the bench, 5 in simulation, the fitted slip curve and the road."""
+    short = driven(replace(CYCLES[1], duration=60.0))
+    shown = [panel for panel in panels("dissertation") if panel.needs == (CYCLES[1],)]
+    drawn = draw_panels("dissertation", shown, {CYCLES[1]: short}, tmp_path)
+    assert len(drawn) == 7 + 5 + 2
+    assert all(path.stat().st_size > 5_000 for path in drawn)
