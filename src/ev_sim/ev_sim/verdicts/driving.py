@@ -65,7 +65,7 @@ def _driven(need: Need, kept: Kept) -> Driven:
     if isinstance(need, StudyNeed):
         results = {case.name: kept.measured(need.study, case) for case in cases}
         return StudyCases({name: each for name, each in results.items() if each}, arguments(need.study, need.options))
-    first = _scenario(need).runs[0].configurations
+    first = next(run.configurations for run in _scenario(need).runs if not need.runs or run.name in need.runs)
     parameters = {role: configuration.values() for role, configuration in first.items()}
     recordings = _Recordings({case.run: kept.recording(case) for case in cases})
     return ScenarioRuns(recordings, first[MASTER].common.vehicle, parameters)

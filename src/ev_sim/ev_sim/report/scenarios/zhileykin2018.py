@@ -7,12 +7,13 @@ of knowing them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.figures.panels import Curve, panel
+from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.papers.zhileykin2018 import LIMIT, SWING
 from ev_sim.report.quantities import derived, motion
@@ -50,34 +51,38 @@ def _speed(run: Recording) -> np.ndarray:
     return np.abs(derived.speed(run))
 
 
+def panels(runs: Runs) -> dict[str, Panel]:
+    """The panels of fig. 5 by their letter, for the runs by the law."""
+    by_law = {name: run for name, run in runs.items() if name in BY_LAW and name != "k1_estimated"}
+    titles = {"h_n": "Front axle, h_n", "h_2": "Rear left, h_2", "h_4": "Rear right, h_4"}
+    return {
+        letter: panel(titles[name], "share [1]", lambda share=share: motion.curve_of_each_run(by_law, share))
+        for letter, (name, share) in zip("abc", SHARES.items(), strict=True)
+    }
+
+
+def track(runs: Runs, name: str) -> Curve:
+    """Path of the centre of mass, y over x [m], of a run (figs 3 and 4)."""
+    run = run_named(runs, name)
+    return Curve(channel(run, "pose.x"), channel(run, "pose.y"), name)
+
+
 def figures(runs: Runs) -> dict[str, Figure]:
     """Paths (figs 3 and 4), shares (fig. 5), sideslip angle, yaw rate and speed."""
     from ev_sim.report.figures.drawing import sheet
     from ev_sim.report.figures.plan_view import plan_view
 
     shown = {name: run for name, run in runs.items() if name != "k1_estimated"}
-    by_law = {name: run for name, run in shown.items() if name in BY_LAW}
-    panels = [
-        panel(title, "share [1]", lambda values=values: motion.curve_of_each_run(by_law, values))
-        for title, values in zip(
-            ("a  Front axle, h_n", "b  Rear left, h_2", "c  Rear right, h_4"), SHARES.values(), strict=True
-        )
+
+    def of_each(title: str, ylabel: str, values: Callable[[Recording], np.ndarray]) -> Panel:
+        return panel(title, ylabel, lambda: motion.curve_of_each_run(shown, values))
+
+    more = [
+        of_each("Sideslip angle", "angle [deg]", lambda run: np.degrees(motion.sideslip_angle(run))),
+        of_each("Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE)),
+        of_each("Speed", "speed [m/s]", _speed),
     ]
-    panels += [
-        panel(
-            "Sideslip angle",
-            "angle [deg]",
-            lambda: motion.curve_of_each_run(shown, lambda run: np.degrees(motion.sideslip_angle(run))),
-        ),
-        panel(
-            "Yaw rate",
-            "yaw rate [rad/s]",
-            lambda: motion.curve_of_each_run(shown, lambda run: channel(run, motion.YAW_RATE)),
-        ),
-        panel("Speed", "speed [m/s]", lambda: motion.curve_of_each_run(shown, _speed)),
-    ]
-    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), name) for name, run in shown.items()]
     return {
-        "fig3_fig4": plan_view("Path of the centre of mass", tracks),
-        "fig5": sheet(panels, "time [s]"),
+        "fig3_fig4": plan_view("Path of the centre of mass", [track(runs, name) for name in shown]),
+        "fig5": sheet([*panels(runs).values(), *more], "time [s]"),
     }

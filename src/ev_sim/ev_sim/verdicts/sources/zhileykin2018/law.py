@@ -14,10 +14,12 @@ from ev_msgs_py.contract.signals import (
 )
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.lockstep.methods import create, find_method
+from ev_msgs_py.parameters.declaration import flatten
 from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.verdicts.need import ScenarioRuns
 
 FORCE = 3000.0  # X, that the driver asks for [N]
+_ROLE = "electronic_differential"
 _SPEED = 8.0  # [m/s]
 
 
@@ -30,15 +32,17 @@ class Shares(NamedTuple):
 
 
 def shares(
-    vehicle: Vehicle, acceleration: float, phi: float = 0.0, road_wheel_angle: float = 0.0, **readings: object
+    driven: ScenarioRuns, acceleration: float, phi: float = 0.0, road_wheel_angle: float = 0.0, **readings: object
 ) -> Shares:
     """What the law asks for at an acceleration [m/s^2] at an angle phi to the car's axis [rad] and a road-wheel angle.
 
-    The left rear wheel is the slower one. The car has no slip angle that would choose a branch; `readings` are
-    parameters of the law.
+    Car and parameters are those that were driven, but for the `readings`. The left rear wheel is the slower one, and
+    the car has no slip angle that would choose a branch.
     """
-    method = find_method("electronic_differential", "axle_redistribution")
-    law = create(method, build(method.parameters, readings), vehicle, 0.01)
+    method, vehicle = find_method(_ROLE, "axle_redistribution"), driven.vehicle
+    known = flatten(method.parameters())
+    told = {name: value for name, value in driven.parameters.get(_ROLE, {}).items() if name in known}
+    law = create(method, build(method.parameters, {**told, **readings}), vehicle, 0.01)
     signals = {
         type(signal): signal
         for signal in (

@@ -20,7 +20,7 @@ from ev_sim.report.quantities.torque_shares import SHARES, turn_arounds
 from ev_sim.report.samples import channel, run_named
 from ev_sim.study import zhileykin2018_grid as grid
 from ev_sim.study.zhileykin2018_grid import FIXED, REAR_DRIVE
-from ev_sim.verdicts.check import Number, holds, larger
+from ev_sim.verdicts.check import Number, holds
 from ev_sim.verdicts.declaration import Declaration, judged, no_verdict, not_judgeable
 from ev_sim.verdicts.need import ScenarioRuns, StudyCases, StudyNeed
 from ev_sim.verdicts.sources.zhileykin2018.inputs import BEND, NOMINAL
@@ -105,8 +105,8 @@ def _without_oscillation(id: str, share: str) -> Declaration:
     )
 
 
-def _cases_held(control: str) -> Callable[..., float]:
-    return lambda runs, sweep: float(grid.holds(sweep.results, control).sum())
+def _more_than_rear_drive(runs: ScenarioRuns, sweep: StudyCases) -> float:
+    return float(grid.holds(sweep.results, NOMINAL).sum() - grid.holds(sweep.results, REAR_DRIVE).sum())
 
 
 DECLARATIONS: tuple[Declaration, ...] = (
@@ -134,8 +134,12 @@ DECLARATIONS: tuple[Declaration, ...] = (
     judged(
         "zhil.better",
         NEEDS,
-        larger(
-            "cases", _cases_held(NOMINAL), _cases_held(REAR_DRIVE), 1 / grid.SIZE, "one case is the choice of the grid"
+        Number(
+            "1",
+            2.0,
+            between(2.0, grid.SIZE, "one case is the choice of the grid"),
+            _more_than_rear_drive,
+            "cases held more",
         ),
         assumption=_of_law,
     ),
