@@ -101,8 +101,8 @@ DECLARATIONS: tuple[Declaration, ...] = (
     judged(
         "zhil.eq7.shares",
         LAW,
-        Number("1", 0.0, _EXACT, lambda driven: _rear(driven)[0] - (1 + _q(driven)) / 2, "slower less (1 + q)/2"),
-        Number("1", 0.0, _EXACT, lambda driven: _rear(driven)[1] - (1 - _q(driven)) / 2, "faster less (1 - q)/2"),
+        Number("1", 0.0, _EXACT, lambda driven: _rear(driven)[0] - (1 + _q(driven)) / 2, "error of the slower"),
+        Number("1", 0.0, _EXACT, lambda driven: _rear(driven)[1] - (1 - _q(driven)) / 2, "error of the faster"),
         Number("1", 1.0, _EXACT, lambda driven: sum(_rear(driven)), "sum"),
     ),
 )
