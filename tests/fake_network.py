@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
+from ev_msgs_py.contract.frame import PLACES, Frame
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.configuration import Configuration
@@ -33,13 +33,6 @@ class WatchedStepper(Stepper):
     def step_with(self, stamp: int, here: Frame) -> Answer:
         self.stepped.append(stamp)
         return super().step_with(stamp, here)
-
-    def take(self, kind: type, stamp: int, numbers: list[float]) -> Arrival:
-        """Take a message in."""
-        arrival = self.offer(kind, stamp)
-        if arrival in (Arrival.NEW, Arrival.RESTART):
-            self.inbox.frame_at(stamp).numbers[PLACES[kind]] = numbers_of(numbers)
-        return arrival
 
 
 @dataclass(frozen=True)
@@ -139,7 +132,7 @@ class FakeNetwork:
 
     def _receive(self, role: str, kind: type, stamp: int, numbers: list[float]) -> None:
         stepper = self.steppers[role]
-        arrival = stepper.take(kind, stamp, numbers)
+        arrival = stepper.inbox.offer(kind, stamp, numbers)
         self.arrivals.append(arrival)
         if role != MASTER:
             for answer in stepper.answers_to(kind, stamp, arrival):

@@ -28,7 +28,7 @@ from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.wire.message_classes import message_class
-from ev_msgs_py.wire.message_format import format_of, stamp_of
+from ev_msgs_py.wire.message_format import format_of
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.run.domain import free_domain
 from ev_sim.run.node_parameters import RECORDER, node_parameters
@@ -102,12 +102,10 @@ class Probe(Node):
         heard = self.heard.setdefault(signal, [])
         topic = TOPICS[signal]
         kind = message_class(topic.message_type)
-        read = shape_of(signal).reader(PLACES[signal].start)
 
         def hear(message: bytes) -> None:
-            here = Frame()
-            format_of(signal).unpack(format_of(signal).canonical(message), here)
-            heard.append((stamp_of(message), read(here.raw)))
+            stamp, numbers = format_of(signal).read(message)
+            heard.append((stamp, shape_of(signal).signal_of(numbers)))
 
         self.create_subscription(kind, topic.name, hear, QUALITY, raw=True)
         return heard

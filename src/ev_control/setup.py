@@ -21,6 +21,7 @@ setup(
         "console_scripts": [
             "electronic_differential = ev_control.nodes.electronic_differential:main",
             "asr = ev_control.nodes.asr:main",
+            "inverter_gateway = ev_control.nodes.inverter_gateway:main",
         ],
         "ev_stack.methods": [
             "electronic_differential = ev_control.methods.electronic_differential",

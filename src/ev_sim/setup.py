@@ -37,6 +37,8 @@ setup(
             "steering_column = ev_sim.nodes.steering_column:main",
             "driver = ev_sim.nodes.driver:main",
             "recorder = ev_sim.nodes.recorder:main",
+            "inverter = ev_sim.nodes.inverter:main",
+            "can_hub = ev_sim.commands.can_hub:main",
             "run_scenario = ev_sim.commands.run_scenario:main",
             "inspect = ev_sim.commands.inspect_graph:main",
         ],

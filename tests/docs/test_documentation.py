@@ -12,7 +12,7 @@ from source_runs import driven
 
 from documentation.markdown import block_names, table, with_blocks
 from documentation.pages import stale_pages
-from documentation.results import drive_all, result_table
+from documentation.results import control_period_table, drive_all, result_table
 from documentation.scenario_results import SCENARIO_PAGES, results_of
 from ev_sim.commands.run_scenario import main as run_scenario
 from ev_sim.run.recording.recording import load, signal_hash
@@ -52,20 +52,26 @@ def test_results_are_those_of_the_runs():
     compare_results("docs/shchur2019.md", result_table(drive_all()))
 
 
+def test_control_periods_are_those_of_the_runs():
+    compare_results("docs/shchur2019.md", control_period_table(), "control periods")
+
+
 @pytest.mark.parametrize("page", SCENARIO_PAGES)
 def test_results_of_a_scenario_are_those_of_its_runs(page: str):
     of = SCENARIO_PAGES[page]
     compare_results(page, results_of(of, driven(of.scenario)))
 
 
-def compare_results(page: str, text: str):
+def compare_results(page: str, text: str, block: str = "results"):
     """Numbers, not text: another processor may round the last digit differently."""
-    written = (ROOT / page).read_text().partition("<!-- generated: results -->")[2].partition("<!-- end")[0]
+    written = (ROOT / page).read_text().partition(f"<!-- generated: {block} -->")[2].partition("<!-- end")[0]
     lines, now = written.strip().splitlines(), text.strip().splitlines()
     assert [NUMBER.sub("", line) for line in lines] == [NUMBER.sub("", line) for line in now]
     for line_written, line_now in zip(lines, now, strict=True):
         numbers = [float(number) for number in NUMBER.findall(line_written)]
-        assert numbers == pytest.approx([float(n) for n in NUMBER.findall(line_now)], rel=1e-3), "document.sh --runs"
+        assert numbers == pytest.approx([float(n) for n in NUMBER.findall(line_now)], rel=1e-3, abs=1e-9), (
+            "document.sh --runs"
+        )
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

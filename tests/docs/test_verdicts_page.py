@@ -6,12 +6,18 @@ from pathlib import Path
 import pytest
 from judging import driven
 
+from documentation.measured import is_long, read_measured, sample
 from documentation.verdict_tables import COUNTS, PAGE, count_table, rows
+from ev_sim.study.study import study_named
+from ev_sim.study.workers import drive_cases
 from ev_sim.verdicts.all_verdicts import SOURCES, declarations, verdicts, wanted
 from ev_sim.verdicts.declaration import Declaration
+from ev_sim.verdicts.driving import cases_of
+from ev_sim.verdicts.need import Driven, Need, StudyNeed
 from ev_sim.verdicts.table import markdown_row
 
-TEXT = (Path(__file__).parents[2] / PAGE).read_text()
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / PAGE).read_text()
 ROWS = rows(TEXT)
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
 ALL, QUICK = wanted((), quick=False), wanted((), quick=True)
@@ -39,9 +45,28 @@ def test_row_is_what_longer_runs_say(source: str, declaration: Declaration):
     compare(source, declaration)
 
 
+LONG_STUDIES = list(dict.fromkeys(need for _, each in ALL for need in each.needs if is_long(need)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("study", LONG_STUDIES, ids=[study.command for study in LONG_STUDIES])
+def test_measured_numbers_of_a_long_study_are_those_of_its_cases(study: StudyNeed):
+    """1e-6: another processor may add up a recording in another order."""
+    kept = read_measured(ROOT, study).results
+    assert list(kept) == [case.name for case in cases_of(study)]
+    for now in drive_cases(sample(study), study_named(study.study).measure):
+        for name, value in kept[now.name].measured.items():
+            assert value == pytest.approx(now.measured[name], rel=1e-6, abs=1e-9, nan_ok=True), (now.name, name)
+
+
+def given(need: Need) -> Driven:
+    """What was driven for a need, of a long study from its file."""
+    return read_measured(ROOT, need) if isinstance(need, StudyNeed) and is_long(need) else driven(need)
+
+
 def compare(source: str, declaration: Declaration) -> None:
     """Numbers, not text: another processor may round the last digit differently."""
-    (found,) = verdicts([(source, declaration)], {need: driven(need) for need in declaration.needs})
+    (found,) = verdicts([(source, declaration)], {need: given(need) for need in declaration.needs})
     written, now = ROWS[declaration.id], markdown_row(found)
     assert NUMBER.sub("", written) == NUMBER.sub("", now), "run scripts/document.sh --runs docs/verdicts.md"
     numbers = [float(number) for number in NUMBER.findall(written)]

@@ -12,14 +12,11 @@ from source_runs import differing, driven, metrics_of, mirrored, value
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.report.claim import LARGER, SMALLER, comparison
 from ev_sim.report.metric import NotMeasured
-from ev_sim.report.papers import ge_ni2005 as ge_ni2005_paper
 from ev_sim.report.quantities.torque_shares import turn_arounds
-from ev_sim.report.scenarios.tatar_chudzik import energy_since_turning_in, turning_in
 from ev_sim.run.offline import run_offline
 from ev_sim.run.recording.recording import load, signal_hash
 from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
 
-READINGS = ("rate", "offset", "increment")
 # One run of each scenario with its law, and the steering that mirrors it.
 SHORT = {
     "ge_ni2005": ("increment", 0.5, {"profile.angle": (-0.5585053606381855,)}),
@@ -58,112 +55,6 @@ def test_comparison_without_a_run_says_so():
 
 def test_open_bands_are_valid_json():
     assert comparison("larger", LARGER, lambda: 2.0, lambda: 1.0, "m").as_json()["band"] == [LARGER[0], None]
-
-
-# Ge & Ni 2005
-
-
-def test_steady_turn_solves_eqs_1_and_2():
-    """Eqs 1 and 2 as a linear system in v and w at rest, without the closed form's algebra: to 1e-12."""
-    p = ge_ni2005_paper
-    front, rear, u = p.FRONT_STIFFNESS, p.REAR_STIFFNESS, p.SPEED
-    couple = p.FRONT_ARM * front - p.REAR_ARM * rear
-    square = p.FRONT_ARM**2 * front + p.REAR_ARM**2 * rear
-    lateral, yaw_rate = np.linalg.solve(
-        [[(front + rear) / u, couple / u + p.MASS * u], [couple / u, square / u]],
-        np.array((front, p.FRONT_ARM * front)) * p.STEERING,
-    )
-    turn = p.steady_turn()
-    assert turn.yaw_rate == pytest.approx(yaw_rate, rel=1e-12)
-    assert turn.sideslip == pytest.approx(math.atan(lateral / u), rel=1e-12)
-    assert turn.radius == pytest.approx(math.hypot(u, lateral) / yaw_rate, rel=1e-12)
-
-
-@pytest.mark.parametrize("quantity", ["yaw_rate", "sideslip", "radius", "centripetal_acceleration"])
-def test_equal_torque_turns_as_the_closed_form_says(quantity):
-    """1 %, measured are 0.2: two tracks, load transfer and angles that are not quite small."""
-    closed = getattr(ge_ni2005_paper.steady_turn(), quantity)
-    assert value("ge_ni2005", f"{quantity}_equal_torque") == pytest.approx(closed, rel=0.01)
-
-
-@pytest.mark.parametrize("reading", READINGS)
-def test_published_orderings_hold_with_u_held(reading):
-    def pair(quantity: str) -> tuple[float, float]:
-        names = f"{quantity}_{reading}", f"{quantity}_equal_torque"
-        return abs(value("ge_ni2005", names[0])), abs(value("ge_ni2005", names[1]))
-
-    for quantity in ("yaw_rate", "sideslip", "lateral_speed", "centripetal_acceleration", "slip_rear_right"):
-        law, equal = pair(quantity)
-        assert law > 1.05 * equal, quantity
-    law, equal = pair("radius")
-    assert law < 0.95 * equal
-    assert value("ge_ni2005", f"longitudinal_speed_{reading}") == 5.0
-
-
-def test_increment_turns_the_ordering_around_once_u_is_free():
-    """It drives faster (15.9 against 12.3 m/s), so its path is wider: the published comparison needs u held."""
-    metrics = metrics_of("ge_ni2005")
-    assert metrics["claim_smaller_radius_increment_free_speed"].verdict == "not reproduced"
-    assert metrics["claim_larger_yaw_rate_increment_free_speed"].verdict == "not reproduced"
-    assert value("ge_ni2005", "claim_larger_longitudinal_speed_increment_free_speed") > 1.2
-
-
-def test_target_slip_is_never_reached_with_u_free():
-    """With 4 m/s^2 the rear wheels carry 8000 N on average, so 0.19 needs 2000 N m; the correction ends at 1800."""
-    for reading in READINGS:
-        for side in ("left", "right"):
-            run = driven("ge_ni2005").runs[f"{reading}_free_speed"]
-            assert run.channels[f"tire_forces.slip_ratio.rear_{side}"].max() < 0.19
-
-
-def test_boundary_layer_takes_the_chatter_away_where_its_control_is_continuous():
-    for name, least in (("rate_reached", 50.0), ("offset_reached", 1e4), ("increment", 1e3)):
-        assert value("ge_ni2005", f"chatter_{name}_switched") > least
-    metrics = metrics_of("ge_ni2005")
-    assert metrics["claim_no_chatter_rate_reached"].judgement == "reproduced"
-    assert metrics["claim_no_chatter_offset_reached"].judgement == "reproduced"
-    assert metrics["claim_no_chatter_increment"].judgement == "not reproduced"
-
-
-# Tatar & Chudzik
-
-
-@pytest.mark.parametrize(
-    ("layout", "falls", "rises"),
-    [
-        ("front", ["front_left"], ["rear_left", "rear_right"]),
-        ("rear", ["front_left", "front_right"], ["rear_left", "rear_right"]),
-        ("all", ["front_left", "front_right"], ["rear_left", "rear_right"]),
-    ],
-)
-def test_correction_moves_lateral_force_to_the_rear_at_equal_speed(layout, falls, rises):
-    def change(wheel: str) -> float:
-        names = (f"lateral_force_{wheel}_{layout}_{control}" for control in ("corrected", "equal"))
-        corrected, equal = (value("tatar_chudzik", name) for name in names)
-        return corrected / equal - 1
-
-    for wheel in falls:
-        assert change(wheel) < -1e-3, wheel
-    for wheel in rises:
-        assert change(wheel) > 1e-2, wheel
-
-
-def test_correction_costs_tyre_force_and_saves_energy():
-    """The outer wheel pushes the car round, so the front wheels, whose force points backwards, have less to do."""
-    for layout in ("front", "rear", "all"):
-        for quantity, sign in (("total_tyre_force", 1), ("drive_energy", -1), ("time_to_speed", -1)):
-            equal = value("tatar_chudzik", f"{quantity}_{layout}_equal")
-            assert sign * (value("tatar_chudzik", f"{quantity}_{layout}_corrected") - equal) > 1e-3 * equal
-
-
-def test_drive_energy_until_turning_in_is_kinetic_energy_and_drag():
-    """Within 1 %: slip of the tyres takes 0.4 %."""
-    run = driven("tatar_chudzik").runs["rear_equal"]
-    work = -energy_since_turning_in(run)[0]
-    speed = run.channels["twist.longitudinal"][: turning_in(run) + 1]
-    mass = 1000.0 + 4 * 0.2 / 0.2**2
-    drag = 0.5 * 1.24 * 0.3 * 2.0 * float(np.sum(speed**3)) * 0.01
-    assert work == pytest.approx(0.5 * mass * speed[-1] ** 2 + drag, rel=0.01)
 
 
 # Zhileykin 2018

@@ -87,7 +87,7 @@ def test_a_value_is_read_as_a_parameter_file_would_read_it(text, value):
         (["--set", "plant.x=2026-99-99"], "--set: '2026-99-99' is no YAML value"),
         (["--node", "driver"], "--node 'driver' is refused, allowed is NODE=COMMAND"),
         (["--node", "drivr=./mine"], "unknown node 'drivr'; known: driver, "),
-        (["--node", "driver=./mine 'x"], "--node \"driver=./mine 'x\" is refused: No closing quotation"),
+        (["--node", "driver=./mine 'x"], '--node "driver=./mine \'x" is refused: No closing quotation'),
     ],
 )
 def test_words_without_sense_are_one_line(words, said):

@@ -70,6 +70,23 @@ def test_a_worker_that_dies_costs_no_results(driven_here, tmp_path, monkeypatch)
     assert sorted(result.name for result in heard) == sorted(case.name for case in CASES)
 
 
+def dies(recording, run) -> dict[str, float]:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_case_that_no_worker_survives_ends_the_study():
+    with pytest.raises(RunFailed, match="from 10 m/s: 3 workers were lost with it"):
+        drive_cases(CASES[:1], dies, workers=2)
+
+
+def test_what_goes_wrong_in_a_worker_is_raised_here():
+    def measure(recording, run):
+        return {"x": recording.channels["unheard_of"]}
+
+    with pytest.raises(KeyError, match="unheard_of"):
+        drive_cases(CASES, measure, workers=2)
+
+
 @contextmanager
 def process(*words: str):
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path[1:]])}
@@ -105,13 +122,13 @@ def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here):
 
 
 def test_no_scheduler_at_that_address(monkeypatch):
-    monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 0.5)
+    monkeypatch.setattr("ev_sim.study.cluster._PATIENCE", 0.5)
     with pytest.raises(RunFailed, match="cannot be reached"):
         drive_cases(CASES[:1], last_speed, scheduler="tcp://127.0.0.1:9")
 
 
 def test_scheduler_without_workers(monkeypatch):
-    monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 3.0)
+    monkeypatch.setattr("ev_sim.study.cluster._PATIENCE", 3.0)
     address = f"tcp://127.0.0.1:{free_port()}"
     port = address.rpartition(":")[2]
     with (

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from documentation.hashes import HASHES, all_hashes, changes, hash_table, published_hashes
 from documentation.markdown import with_blocks
-from documentation.pages import RESULTS, SHCHUR, stale_pages
+from documentation.pages import CONTROL_PERIODS, RESULTS, SHCHUR, stale_pages
 from documentation.verdict_tables import NAMES, write_verdicts
 from ev_msgs_py.parameters.values import unknown_name
 
@@ -52,7 +52,8 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
         _write_hashes(root / HASHES)
     if SHCHUR in wanted:
         driven = results.drive_all()
-        _write(root / SHCHUR, {RESULTS: results.result_table(driven)})
+        texts = {RESULTS: results.result_table(driven), CONTROL_PERIODS: results.control_period_table()}
+        _write(root / SHCHUR, texts)
         results.save_images(driven, images)
     if any(name in wanted for name in NAMES):
         write_verdicts(root, wanted)

@@ -13,6 +13,7 @@ from documentation.markdown import block_names, with_blocks
 from documentation.scenario_results import SCENARIO_PAGES, STUDY_PAGES
 
 SHCHUR = "docs/shchur2019.md"
+CONTROL_PERIODS = "control periods"
 RESULTS = "results"  # made from runs, and so only on demand
 
 PARTS: dict[str, Callable[[], str]] = {
@@ -33,6 +34,8 @@ PARTS: dict[str, Callable[[], str]] = {
     "can frames": can_reference.frame_table,
     "can signals": can_reference.signal_table,
     "can faults": can_reference.fault_table,
+    "can gateway": parameter_reference.gateway_parameters,
+    "can inverter": parameter_reference.inverter_parameters,
 }
 
 PAGES = {
@@ -41,7 +44,7 @@ PAGES = {
     "docs/topics.md": ("topics", "wheel names", "fields"),
     "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
     HASHES: (RESULTS,),
-    SHCHUR: (RESULTS,),
+    SHCHUR: (RESULTS, CONTROL_PERIODS),
     verdict_tables.PAGE: verdict_tables.PARTS,  # made from runs, too
     **{name: (RESULTS, *page.studies, *page.tables) for name, page in SCENARIO_PAGES.items()},
     **STUDY_PAGES,

@@ -6,6 +6,7 @@ from typing import Any
 
 from documentation.markdown import code, codes, table
 from documentation.own_methods import own_methods
+from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.configuration import CommonParameters
@@ -13,6 +14,7 @@ from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.parameters.declaration import Entry, entries
 from ev_msgs_py.sensors.quantities import QUANTITIES
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.inverter.parameters import InverterNodeParameters
 from ev_sim.run.recording.recorder_parameters import RecorderParameters
 from ev_sim.run.scenarios.scenario import ScenarioParameters
 
@@ -39,6 +41,16 @@ def master_parameters() -> str:
 def recorder_parameters() -> str:
     """What the recorder is told."""
     return _table(entries(RecorderParameters))
+
+
+def gateway_parameters() -> str:
+    """How the gateway speaks for the controller."""
+    return _table(entries(GatewayParameters))
+
+
+def inverter_parameters() -> str:
+    """The devices of the bench."""
+    return _table(entries(InverterNodeParameters))
 
 
 def scenario_parameters() -> str:

@@ -12,6 +12,7 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.drives.drive import DRIVES
 from ev_sim.report.metric import Metric
+from ev_sim.report.papers import shchur2019 as paper
 from ev_sim.report.reports import report_for
 from ev_sim.report.samples import Parameters, Runs
 from ev_sim.run.offline import run_offline
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCENARIOS = ("shchur2019_steps", "shchur2019")
+CONTROL_PERIODS = (0.001, 0.005, 0.01, 0.02)  # [s]
 FIGURES = {"shchur2019_steps": "shchur2019_fig1.png", "shchur2019": "shchur2019_fig4.png"}
 
 
@@ -63,6 +65,20 @@ def drive_all() -> dict[str, dict[str, Driven]]:
     }
 
 
+def control_period_table() -> str:
+    """Overshoot and settling time of the closed loop of eq 7, continuous and sampled."""
+    rows = [
+        ("eq 7, continuous", f"{paper.CLOSED_LOOP.overshoot:.2f}", f"{paper.CLOSED_LOOP.settling_time(0.05):.3f}", "")
+    ]
+    for period in CONTROL_PERIODS:
+        metrics = drive("shchur2019_steps", [("*", "control_period", period)]).metrics
+        overshoot, settling = (metrics[f"shchur.fig1a.2.{name}"] for name in ("overshoot", "settling"))
+        missed = [each for each in (overshoot, settling) if each.judgement != "reproduced"]
+        verdict = missed[0].judgement if missed else overshoot.judgement
+        rows.append((f"{1e3 * period:g}", f"{overshoot.value:.2f}", f"{settling.value:.3f}", verdict))
+    return table(("control period [ms]", "overshoot [%]", "5 % settling time [s]", "verdict"), rows)
+
+
 def result_table(driven: Mapping[str, Mapping[str, Driven]]) -> str:
     """Paper and runs side by side; a number outside of its band is bold."""
     rows = []
@@ -71,16 +87,9 @@ def result_table(driven: Mapping[str, Mapping[str, Driven]]) -> str:
         for name, first in metrics[DRIVES[0]].items():
             cells = [_cell(metrics[model][name]) for model in DRIVES]
             reference = first.reference
-            paper = ("", "") if reference is None else (f"{reference.value:.5g}", _origin(reference.source))
-            rows.append((code(scenario), code(name), first.unit, *paper, *cells))
-    return table(("scenario", "metric", "unit", "paper", "which is", *(f"{model} drives" for model in DRIVES)), rows)
-
-
-def _origin(source: str) -> str:
-    """Short for the source of a reference: printed, or the equations that it follows from."""
-    if source.startswith("printed"):
-        return "printed"
-    return source.removeprefix("not printed; follows from ").removesuffix(" with the printed parameters")
+            printed = "" if reference is None else f"{reference.value:.5g}"
+            rows.append((code(scenario), code(name), first.unit, printed, *cells, first.judgement))
+    return table(("scenario", "metric", "unit", "paper", *(f"{model} drives" for model in DRIVES), "verdict"), rows)
 
 
 def _cell(metric: Metric) -> str:

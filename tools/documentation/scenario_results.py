@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,6 +13,8 @@ from ev_sim.report.metric import Metric
 from ev_sim.study.run_study import arguments
 from ev_sim.study.study import Results, study_named
 from ev_sim.study.workers import drive_cases
+from ev_sim.verdicts.sources.ge_ni2005.runs import CASES
+from ev_sim.verdicts.sources.tatar_chudzik.runs import SPEEDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +22,8 @@ class Page:
     """Whose results a page shows: one table for each group of names with which metrics end, and figures.
 
     `studies` are those whose tables stand on the page as parts of their names, `tables` make further parts, and
-    `images` draw into a folder.
+    `images` draw into a folder. Judged numbers whose names end with one of the `cases` stand side by side, each case
+    (its ending and its heading) in a column.
     """
 
     scenario: str
@@ -29,6 +32,7 @@ class Page:
     studies: tuple[str, ...] = ()
     tables: Mapping[str, Callable[[], str]] = field(default_factory=dict)
     images: tuple[Callable[[Path], None], ...] = ()
+    cases: tuple[tuple[str, str], ...] = ()
 
 
 _CONTROLS = ("equal_torque", "rate", "offset", "increment")
@@ -36,22 +40,22 @@ SCENARIO_PAGES = {
     "docs/ge_ni2005.md": Page(
         "ge_ni2005",
         (
-            (*_CONTROLS, "increment_estimated"),
-            tuple(f"{name}_free_speed" for name in _CONTROLS),
-            (
-                "rate_reached",
-                "rate_reached_switched",
-                "offset_reached",
-                "offset_reached_switched",
-                "increment_switched",
-            ),
+            (*_CONTROLS, "increment_estimated", "equal_torque_rear_steered", "rate_rear_steered"),
+            *(tuple(f"{name}{case}" for name in _CONTROLS) for case in CASES if case),
+            tuple(f"{name}_switched" for name in _CONTROLS[1:]),
+            tuple(f"{name}_lower_target{layer}" for name in _CONTROLS[1:3] for layer in ("", "_switched")),
         ),
-        ("fig3_fig4", "boundary_layer"),
+        ("fig3_fig4", "fig3_fig4_free_speed", "boundary_layer"),
+        studies=("ge_ni2005_periods",),
+        cases=tuple(
+            zip(CASES, ("the source's car, u held", "u free", "full car, u held", "full car, u free"), strict=True)
+        ),
     ),
     "docs/tatar_chudzik.md": Page(
         "tatar_chudzik",
         (tuple(f"{layout}_{control}" for layout in ("front", "rear", "all") for control in ("equal", "corrected")),),
-        ("lateral_forces",),
+        ("forces_y", "fig3_to_fig11", "fig12_to_fig14"),
+        cases=tuple((f".at_{speed:g}_m/s", f"at {speed:g} m/s") for speed in SPEEDS),
     ),
     "docs/zhileykin2018.md": Page(
         "zhileykin2018",
@@ -72,7 +76,8 @@ STUDY_PAGES = {  # pages that show studies alone
 def results_of(page: Page, driven: Driven) -> str:
     """The tables of a page: metrics by run, then those with a reference, with both numbers and verdict."""
     metrics = driven.metrics
-    return "\n".join([*_by_run(metrics, page.columns), _compared(metrics)])
+    compared = _side_by_side(metrics, page.cases) if page.cases else _compared(metrics)
+    return "\n".join([*_by_run(metrics, page.columns), compared])
 
 
 def drive_study(name: str) -> Results:
@@ -117,7 +122,7 @@ def _by_run(metrics: Mapping[str, Metric], columns: tuple[tuple[str, ...], ...])
     cells: dict[str, dict[str, Metric]] = {}
     for key, metric in metrics.items():
         ending = next((name for name in names if key.endswith(f"_{name}")), None)
-        if ending and not key.startswith("claim_"):
+        if ending and "." not in key and not key.startswith("claim_"):  # ids of what is judged have dots
             cells.setdefault(key.removesuffix(f"_{ending}"), {})[ending] = metric
     tables = []
     for group in columns:
@@ -137,6 +142,18 @@ def _compared(metrics: Mapping[str, Metric]) -> str:
         if metric.reference
     ]
     return table(("metric", "value", "compared with", "verdict"), rows)
+
+
+def _side_by_side(metrics: Mapping[str, Metric], cases: Sequence[tuple[str, str]]) -> str:
+    """One row for each judged number, one column for each case: the number and what it is worth there."""
+    rows: dict[str, dict[str, str]] = {}
+    for name, metric in metrics.items():
+        if metric.reference:
+            ending = max((ending for ending, _ in cases if name.endswith(ending)), key=len, default="")
+            cell = f"{_number(metric)} {metric.unit}".removesuffix(" 1")
+            rows.setdefault(name.removesuffix(ending), {})[ending] = f"{cell}, {metric.judgement}"
+    header = ("metric", *(heading for _, heading in cases))
+    return table(header, [(code(name), *(of.get(ending, "") for ending, _ in cases)) for name, of in rows.items()])
 
 
 def _number(metric: Metric | None) -> str:

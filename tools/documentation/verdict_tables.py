@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from documentation.markdown import table, with_blocks
+from documentation.measured import is_long, write_measured
 from ev_sim.verdicts.all_verdicts import SOURCES
 from ev_sim.verdicts.published import published
 from ev_sim.verdicts.table import markdown_table
@@ -23,13 +24,17 @@ _VERDICT = -2  # place of its cell
 
 def write_verdicts(root: Path, wanted: Sequence[str]) -> None:
     """Drive what the verdicts on all sources, or on those wanted, need, and write their tables and the counts."""
-    from ev_sim.commands.verdicts import judge
+    from ev_sim.commands.verdicts import judge_driven
 
     page = root / PAGE
     text = page.read_text(encoding="utf-8")
     for source in SOURCES:
         if PAGE in wanted or f"{PAGE}#{source}" in wanted:
-            text = with_blocks(text, {f"verdicts of {source}": markdown_table(judge([source]))})
+            found, driven = judge_driven([source])
+            text = with_blocks(text, {f"verdicts of {source}": markdown_table(found)})
+            for need, cases in driven.items():
+                if is_long(need):
+                    write_measured(root, need, cases)
     page.write_text(with_blocks(text, {COUNTS: count_table(text)}), encoding="utf-8")
     print(f"written: {page.name}")
 

@@ -12,7 +12,7 @@ from ev_sim.plant.planar.state import PlanarState
 
 NAMES = names(PlanarState())
 SWAPPED = {"left": "right", "right": "left"}
-LATERAL = ("lateral_velocity", "yaw_rate", "heading", "lateral_transfer", "lateral_deflection")
+LATERAL = ("lateral_velocity", "yaw_rate", "heading", "lateral_transfer", "lateral_deflection", "lateral_slip")
 ODD = (*LATERAL, "y", "road_wheel_angle", "guard.angle")
 
 

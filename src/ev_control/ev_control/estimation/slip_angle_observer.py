@@ -63,9 +63,7 @@ def axle_slip_angles(
     """
     u, b = max(longitudinal, slowest), car.centre_of_mass_to_rear_axle
     a = car.wheelbase - b
-    return SlipAngles(
-        road_wheel_angle - atan((lateral + a * yaw_rate) / u), -atan((lateral - b * yaw_rate) / u)
-    )
+    return SlipAngles(road_wheel_angle - atan((lateral + a * yaw_rate) / u), -atan((lateral - b * yaw_rate) / u))
 
 
 @compilable

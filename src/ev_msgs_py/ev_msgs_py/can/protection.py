@@ -37,6 +37,12 @@ def counter_of(payload: int) -> int:
 
 
 @compilable
+def last_counter(counter: int) -> int:
+    """The counter of the frame before."""
+    return (counter - 1) % COUNTERS
+
+
+@compilable
 def next_counter(counter: int) -> int:
     """The counter of the next frame."""
     return (counter + 1) % COUNTERS

@@ -59,7 +59,7 @@ def _exchanged(row: Sequence[Any]) -> list[Any]:
 
 def _mirrored_frame(here: Frame) -> Frame:
     image = Frame()
-    image.raw[:] = mirrored(here.raw.tobytes())
+    image.numbers[:] = memoryview(mirrored(here.numbers.tobytes())).cast("d")
     return image
 
 

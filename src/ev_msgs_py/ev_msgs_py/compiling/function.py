@@ -64,9 +64,7 @@ def bound(function: Callable[..., Any], given: Given) -> Callable[..., Any]:
     c, states = given.values["c"], one_record(given.values["s"])
     layout, row = constants_type(given.trees, c), constants_row(given.trees, c, given.values["period"])
     unpacking = Unpacking(c, layout.itemsize // row.itemsize)
-    text = _BOUND.format(
-        function=function.__qualname__, given=", ".join(names), rest=", ".join(rest), c=unpacking.text
-    )
+    text = _BOUND.format(function=function.__qualname__, given=", ".join(names), rest=", ".join(rest), c=unpacking.text)
     register_functions()
     step = compiled_function(function.__name__, text, {"function": function, **unpacking.names})
     return partial(step, row[: layout.itemsize // row.itemsize].view(layout), row, states)

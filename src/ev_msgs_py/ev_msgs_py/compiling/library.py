@@ -89,4 +89,3 @@ def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
         register_functions()
         spec.loader.exec_module(module)
     return module.step
-

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 from typing import Any
 
@@ -29,8 +28,10 @@ class CompiledPart:
         self.function = compiled_part(method, self.given)
         self.constants = constants_row(self.given.trees, self.given.values["c"], period)
         self._state = np.array(numbers(self.given.values["s"]) or [0.0])
-        self._notes = method.law.notes
+        self._notes = self.given.bound(method.law.notes) if method.law.notes else None
         self._writes = [(shape_of(signal), frame.PLACES[signal]) for signal in method.writes]
+        self._begin = min(place.start for _, place in self._writes)
+        self._end = max(place.stop for _, place in self._writes)
         self._call = FUNCTION(self.function)
         self._memory = (self._state.ctypes.data, self.constants.ctypes.data)
 
@@ -45,19 +46,19 @@ class CompiledPart:
 
     def start(self, there: Frame) -> None:
         """Write the initial outputs."""
-        self._call(None, _address(there), *self._memory)
+        self._call(None, there.address, *self._memory)
         self.refuse_not_finite(there)
 
     def step(self, here: Frame, there: Frame) -> None:
         """One compiled step."""
-        self._call(_address(here), _address(there), *self._memory)
+        self._call(here.address, there.address, *self._memory)
         self.refuse_not_finite(there)
 
     def refuse_not_finite(self, there: Frame) -> None:
         """SignalError if a number that it wrote is not finite."""
         numbers = there.numbers
-        for shape, place in self._writes:
-            if not math.isfinite(sum(numbers[place])):  # or just large: their sum overflows
+        if not math.isfinite(sum(numbers[self._begin : self._end])):  # or just large: their sum overflows
+            for shape, place in self._writes:
                 shape.refuse_not_finite(numbers[place])
 
     def addresses(self) -> tuple[int, int, int]:
@@ -69,8 +70,6 @@ class CompiledPart:
         if self._notes is None:
             return ()
         fill(self.given.values["s"], self._state)
-        return self.given.bound(self._notes)()
+        notes: tuple[str, ...] = self._notes()
+        return notes
 
-
-def _address(of: Frame) -> int:
-    return ctypes.addressof(ctypes.c_char.from_buffer(of.raw))

@@ -48,14 +48,22 @@ def stack(instants: int, period: int) -> np.ndarray:
     return frames
 
 
-class Frame:
-    """One frame in memory: `numbers` (float64) and `raw` (its bytes) are views of it."""
+_EMPTY = array("d", bytes(SIZE * _DOUBLE))
 
-    __slots__ = ("numbers", "raw")
+
+class Frame:
+    """One frame in memory: `numbers` is a view of it, as long as it lasts."""
+
+    __slots__ = ("_memory", "numbers")
 
     def __init__(self) -> None:
-        self.raw = memoryview(bytearray(SIZE * _DOUBLE))
-        self.numbers = self.raw.cast("d")
+        self._memory = _EMPTY[:]
+        self.numbers = memoryview(self._memory)
+
+    @property
+    def address(self) -> int:
+        """Where compiled code finds the numbers."""
+        return self._memory.buffer_info()[0]
 
     def copy(self, other: Frame, where: slice) -> None:
         """Take numbers over from another frame."""
@@ -70,7 +78,7 @@ def numbers_of(values: Sequence[float]) -> array[float]:
 _TIME = struct.Struct("d")
 
 
-def time_in(raw: memoryview) -> float:
-    """The time [s] in the bytes of a frame."""
-    time: float = _TIME.unpack_from(raw, TIME * _DOUBLE)[0]
+def time_in(numbers: memoryview[float]) -> float:
+    """The time [s] in the numbers of a frame."""
+    time: float = _TIME.unpack_from(numbers, TIME * _DOUBLE)[0]
     return time

@@ -98,9 +98,7 @@ ROLES = {
 
 MASTER = "plant"
 
-INTEGRATED = frozenset(
-    signal for role in ROLES.values() if role.kind is RoleKind.INTEGRATES for signal in role.writes
-)
+INTEGRATED = frozenset(signal for role in ROLES.values() if role.kind is RoleKind.INTEGRATES for signal in role.writes)
 
 RECORDED = tuple(signal for role in ROLES.values() for signal in role.writes)
 RECORDER_WRITES = RecorderProgress

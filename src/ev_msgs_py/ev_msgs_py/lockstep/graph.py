@@ -56,3 +56,12 @@ def sequence(roles: Mapping[str, Role]) -> tuple[str, ...]:
     """Names of all roles in the order in which they speak within one step: first those that integrate."""
     integrating = (role.name for role in roles.values() if role.kind is RoleKind.INTEGRATES)
     return (*integrating, *step_order(roles))
+
+
+def arrival_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
+    """Names of all roles in the order in which they speak of an instant.
+
+    As in `sequence`, but the master goes on to an instant only when the others that integrate are there.
+    """
+    others = (role for role in sequence(roles) if role != master and roles[role].kind is RoleKind.INTEGRATES)
+    return (*others, master, *step_order(roles))

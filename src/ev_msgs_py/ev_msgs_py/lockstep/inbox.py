@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from array import array
+from collections.abc import Sequence, Set
 from enum import Enum
 
-from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.contract.frame import PLACES, Frame
 
 _KEPT_AHEAD = 8  # incomplete steps that a node keeps at most
+_NONE: Set[type] = frozenset()
 
 
 class Arrival(Enum):
@@ -17,16 +20,6 @@ class Arrival(Enum):
     OLD = "its step is over and answered, and so is the next"
     GAP = "it is too far ahead, or between two steps: it cannot belong to this run of steps"
     RESTART = "time went back to zero: a new run begins"
-
-
-class Step:
-    """The inputs of one step: their numbers in a frame, and which signals have come."""
-
-    __slots__ = ("came", "frame")
-
-    def __init__(self) -> None:
-        self.frame = Frame()
-        self.came: set[type] = set()
 
 
 class Inbox:
@@ -53,41 +46,33 @@ class Inbox:
         self.period = period
         self.last: int | None = None
         self._may_skip = may_skip
-        self._pending: dict[int, Step] = {}
+        self._pending: dict[int, tuple[Frame, set[type]]] = {}  # inputs by stamp, and which have come
         self._missing: tuple[type, ...] | None = None  # None where it has to be found anew
 
-    def offer(self, kind: type, stamp: int) -> Arrival:
-        """Judge a message; of a new one, and of one that begins a new run, the numbers belong into `frame_at`."""
-        last = self.last
-        if last is not None:
+    def offer(self, kind: type, stamp: int, numbers: Sequence[float]) -> Arrival:
+        """Judge a message, and keep its numbers if it is new or begins a new run."""
+        arrival, last = Arrival.NEW, self.last
+        if last is not None and stamp != last + self.period:
             ahead = stamp - last
             if stamp == 0 and ahead < 0 and kind in self._heralds:
                 self.expect(0)
-                self._keep(kind, stamp)
-                return Arrival.RESTART
-            if ahead <= 0:
+                arrival = Arrival.RESTART
+            elif ahead <= 0:
                 return Arrival.OLD if ahead else Arrival.REPEATED
-            if ahead % self.period or (ahead > 2 * self.period and not self._may_skip):
+            elif ahead % self.period or (ahead > 2 * self.period and not self._may_skip):
                 return Arrival.GAP
-        return self._keep(kind, stamp)
-
-    def frame_at(self, stamp: int) -> Frame:
-        """The frame of a step that waits for inputs; one that nobody waits for any more where it was given up."""
-        step = self._pending.get(stamp)
-        return Frame() if step is None else step.frame
-
-    def _keep(self, kind: type, stamp: int) -> Arrival:
         step = self._pending.get(stamp)
         if step is None:
-            step = self._pending[stamp] = Step()
-        elif kind in step.came:
+            step = self._pending[stamp] = Frame(), set()
+            if len(self._pending) > _KEPT_AHEAD:
+                del self._pending[min(self._pending)]
+        inputs, came = step
+        if kind in came:
             return Arrival.REPEATED
-        step.came.add(kind)
+        came.add(kind)
         self._missing = None
-        if len(self._pending) > _KEPT_AHEAD:
-            del self._pending[min(self._pending)]
-            self._missing = None
-        return Arrival.NEW
+        inputs.numbers[PLACES[kind]] = array("d", numbers)
+        return arrival
 
     def expect(self, stamp: int) -> None:
         """Forget everything; the next step is the one of this stamp."""
@@ -97,19 +82,22 @@ class Inbox:
 
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, None if there is none."""
-        if not self._may_skip and self.last is not None:
-            missing = self._missing
-            if missing is None:
-                missing = self.missing()
-            return None if missing else self.last + self.period
-        for stamp in sorted(self._pending, reverse=True):
-            if len(self._pending[stamp].came) == len(self.reads):
-                return stamp
-        return None
+        if self.last is None or self._may_skip:
+            whole = [stamp for stamp, (_, came) in self._pending.items() if len(came) == len(self.reads)]
+            return max(whole, default=None)
+        due = self.last + self.period
+        if len(self._came(due)) < len(self.reads) or not self._followed <= self._came(due + self.period):
+            return None
+        return due
+
+    def _came(self, stamp: int) -> Set[type]:
+        """The signals of a step that are there."""
+        step = self._pending.get(stamp)
+        return _NONE if step is None else step[1]
 
     def take(self, stamp: int) -> Frame:
         """The inputs of a complete step; older ones are forgotten."""
-        inputs = self._pending.pop(stamp).frame
+        inputs, _ = self._pending.pop(stamp)
         if self._pending:
             for old in [s for s in self._pending if s < stamp]:
                 del self._pending[old]
@@ -120,16 +108,11 @@ class Inbox:
     def missing(self) -> tuple[type, ...]:
         """The signal types that the next step still waits for, in order of `reads`; all before the first step."""
         if self._missing is None:
-            self._missing = self.reads if self.last is None else self._find_missing(self.last)
+            self._missing = self.reads if self.last is None or not self._pending else self._find_missing(self.last)
         return self._missing
 
     def _find_missing(self, last: int) -> tuple[type, ...]:
-        due = last + self.period
-        step, after = self._pending.get(due), self._pending.get(due + self.period)
-        came = step.came if step is not None else set()
-        if not self._followed:
-            return tuple([kind for kind in self.reads if kind not in came])
-        gone_on = after.came if after is not None else set()
-        return tuple(
-            [kind for kind in self.reads if kind not in came or (kind in self._followed and kind not in gone_on)]
-        )
+        came = self._came(last + self.period)
+        if self._followed:
+            came = came - (self._followed - self._came(last + 2 * self.period))
+        return tuple([kind for kind in self.reads if kind not in came])

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+from array import array
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -67,7 +68,7 @@ class PythonPart:
 
     def step(self, here: Frame, there: Frame) -> None:
         """One step of the object."""
-        self._step(here.raw, there.numbers)
+        self._step(here.numbers, there.numbers)
 
     def _step(self, here: Any, there: Any) -> None:
         signals = [read(here) for read in self._reads]
@@ -102,7 +103,7 @@ class PythonPart:
             if here is None:
                 self._write(self.made.outputs(), place)
             else:
-                self._step(memoryview(_numbers_at(here)).cast("B"), place)
+                self._step(_numbers_at(here), place)
         except BaseException as error:  # nothing may be raised through compiled code
             self.error = error
             return 1
@@ -124,10 +125,14 @@ def _writer(signal: type) -> Callable[[Any, Any], None]:
     """A function that puts a signal into the numbers of a frame, as its message carries it."""
     place, shape = frame.PLACES[signal], shape_of(signal)
 
+    per_wheel, has_single = shape.per_wheel, shape.has_single
+
     def write(there: Any, said: Any) -> None:
-        values = shape.carried(shape.flat(said))
+        values = sum(said, ()) if per_wheel else said
+        if has_single:
+            values = shape.carried(values)
         if not math.isfinite(sum(values)):
             shape.refuse_not_finite(shape.flat(said))
-        there[place] = frame.numbers_of(values)
+        there[place] = array("d", values)
 
     return write

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import TIME, Frame
 from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
-from ev_msgs_py.lockstep.graph import sequence, writers
+from ev_msgs_py.lockstep.graph import arrival_order, sequence, step_order, writers
 from ev_msgs_py.lockstep.inbox import Arrival, Inbox
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.part import Part
@@ -23,12 +23,18 @@ class Answer(NamedTuple):
 
 WRITERS = writers(ROLES)
 _ORDER = {role: place for place, role in enumerate(sequence(ROLES))}
+_ARRIVAL = {role: place for place, role in enumerate(arrival_order(ROLES, MASTER))}
+_FIRST_TO_ANSWER = ROLES[next(role for role in step_order(ROLES))]
 
 
-def arrival_place(signal: type) -> tuple[int, int]:
-    """Place of a signal's writer within one step, and of the signal among all that it writes: higher arrives later."""
-    writer = WRITERS[signal]
-    return _ORDER[writer], ROLES[writer].writes.index(signal)
+def arrival_place(signal: type) -> tuple[int, int, int]:
+    """Where a signal stands among all of one instant in the order of their arrival: higher arrives later.
+
+    Of its signals a role publishes first those that the first role to answer needs most.
+    """
+    writer, needed = WRITERS[signal], _FIRST_TO_ANSWER.reads
+    urgency = needed.index(signal) if signal in needed else len(needed)
+    return _ARRIVAL[writer], urgency, ROLES[writer].writes.index(signal)
 
 
 def upstream_signals(role: str) -> frozenset[type]:
@@ -49,7 +55,7 @@ class Stepper:
     """
 
     def __init__(self, method: Method, make: Callable[[], Part], period: int, may_skip: bool = False) -> None:
-        self.reads = method.inputs
+        self.reads = tuple(sorted(method.inputs, key=arrival_place))
         self.integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
         self.upstream = upstream_signals(method.role)
         # An integrating writer repeats its last two answers, so its stamp zero may be a late repetition.
@@ -66,25 +72,13 @@ class Stepper:
         self._at_rest = True
         self.part = make()
 
-    @property
-    def is_fresh(self) -> bool:
-        """Whether it has not heard of any run yet."""
-        return self.answer is None and self.inbox.last is None
-
-    def offer(self, kind: type, stamp: int) -> Arrival:
-        """Judge a message; one of a new run begins the part anew."""
-        arrival = self.inbox.offer(kind, stamp)
+    def answers_to(self, kind: type, stamp: int, arrival: Arrival) -> Sequence[Answer]:
+        """What a message that has been taken in leads to: an answer, or recent answers again."""
+        if arrival is Arrival.NEW and not self._at_rest:
+            answer = self.step()
+            return () if answer is None else (answer,)
         if arrival is Arrival.RESTART:
             self._begin_anew()
-        return arrival
-
-    @property
-    def lacks_inputs(self) -> bool:
-        """Whether it is under way and its next step still waits for an input."""
-        return self.answer is not None and self.inbox.last is not None and self.inbox.complete() is None
-
-    def answers_to(self, kind: type, stamp: int, arrival: Arrival) -> list[Answer]:
-        """What a message that has been taken in leads to: an answer, or recent answers again."""
         answers: list[Answer] = []
         if arrival is Arrival.REPEATED and kind in self.upstream:
             answers += self._recent_answers()

@@ -21,15 +21,17 @@ class Advance:
 
     def where_due(self) -> None:
         """Take all steps that may be taken now."""
-        while not self.ended and self._schedule.may_advance:
-            if self._schedule.at_end:
+        schedule, realtime = self._schedule, self._schedule.realtime
+        while not self.ended and schedule.has_inputs:
+            late = schedule.lateness
+            if late < 0.0:
+                return
+            if schedule.at_end:
                 self.ended = True
                 return
-            late = self._schedule.lateness
-            realtime = self._schedule.realtime
             self._stepped(self._held_step() if realtime else self._stepper.step())
-            if self._schedule.now == self._stepper.period:
-                self._schedule.pace_from_here()  # the first step has waited for all nodes to come up
+            if schedule.now == self._stepper.period:
+                schedule.pace_from_here()  # the first step has waited for all nodes to come up
             if realtime and late > stamps.to_seconds(self._stepper.period):
                 self._note_overrun()
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.signals import WheelTorqueCommand
-from ev_msgs_py.contract.topics import Topic
-from ev_msgs_py.wire.message_format import format_of, stamp_of
 
 
 class HeldInputs:
@@ -21,11 +21,11 @@ class HeldInputs:
         self._frame = Frame()
         self._stamps: dict[type, int] = {}
 
-    def take(self, topic: Topic, message: bytes) -> bool:
-        """Keep a message in our own layout; whether it is the first of its kind."""
-        first = topic.signal not in self._stamps
-        self._stamps[topic.signal] = stamp_of(message)
-        format_of(topic.signal).unpack(message, self._frame)
+    def take(self, kind: type, stamp: int, numbers: Sequence[float]) -> bool:
+        """Keep a message; whether it is the first of its kind."""
+        first = kind not in self._stamps
+        self._stamps[kind] = stamp
+        self._frame.numbers[frame.PLACES[kind]] = frame.numbers_of(numbers)
         return first
 
     @property
@@ -36,7 +36,7 @@ class HeldInputs:
     def at(self, now: int, age_limit: int) -> Frame:
         """The inputs of a step; a torque command older than the limit, both in nanoseconds, is zero torque."""
         here = Frame()
-        here.raw[:] = self._frame.raw
+        here.numbers[:] = self._frame.numbers
         sent = self._stamps.get(WheelTorqueCommand)
         if sent is None or now - sent > age_limit:
             place = frame.PLACES[WheelTorqueCommand]

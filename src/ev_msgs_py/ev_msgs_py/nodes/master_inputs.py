@@ -6,17 +6,16 @@ from collections.abc import Callable
 
 from ev_msgs_py.contract.roles import RECORDER_WRITES
 from ev_msgs_py.contract.topics import Topic
-from ev_msgs_py.lockstep.inbox import Arrival
+from ev_msgs_py.lockstep.inbox import Arrival, Inbox
 from ev_msgs_py.nodes.reception import Reception
 from ev_msgs_py.nodes.schedule import Schedule
-from ev_msgs_py.wire.message_format import stamp_of
 
 
 class MasterInputs:
     """Makes the functions that take messages; `go_on` is called when time may advance."""
 
-    def __init__(self, reception: Reception, schedule: Schedule, go_on: Callable[[], None]) -> None:
-        self._reception, self._schedule, self._go_on = reception, schedule, go_on
+    def __init__(self, reception: Reception, inbox: Inbox, schedule: Schedule, go_on: Callable[[], None]) -> None:
+        self._reception, self._inbox, self._schedule, self._go_on = reception, inbox, schedule, go_on
 
     def receiver(self, topic: Topic) -> Callable[[bytes], None]:
         """Takes an input of the next step or, in real time, the newest; or notes how far the recorder is."""
@@ -25,28 +24,32 @@ class MasterInputs:
         return self._held(topic) if self._schedule.realtime else self._of_a_step(topic)
 
     def _of_a_step(self, topic: Topic) -> Callable[[bytes], None]:
-        keep = self._reception.keeper(topic)
+        kind, read, offer, go_on = topic.signal, self._reception.reader(topic), self._inbox.offer, self._go_on
 
         def take(message: bytes) -> None:
-            kept = keep(message)
-            if kept is not None and kept[1] is Arrival.NEW:
-                self._go_on()
+            readable = read(message)
+            if readable is not None and offer(kind, *readable) is Arrival.NEW:
+                go_on()
 
         return take
 
     def _held(self, topic: Topic) -> Callable[[bytes], None]:
+        read = self._reception.reader(topic)
+
         def hold(message: bytes) -> None:
-            readable = self._reception.readable(topic, message)
-            if readable is not None and self._schedule.held.take(topic, readable):
+            readable = read(message)
+            if readable is not None and self._schedule.held.take(topic.signal, *readable):
                 self._schedule.pace_from_here()  # realtime begins when the last input has come
 
         return hold
 
     def _of_the_recorder(self, topic: Topic) -> Callable[[bytes], None]:
+        read = self._reception.reader(topic)
+
         def note(message: bytes) -> None:
-            readable = self._reception.readable(topic, message)
+            readable = read(message)
             if readable is not None:
-                self._schedule.note_recorded(stamp_of(readable))
+                self._schedule.note_recorded(readable[0])
                 self._go_on()
 
         return note

@@ -12,7 +12,7 @@ from rclpy.subscription import Subscription
 
 from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES
 from ev_msgs_py.contract.topics import Topic
-from ev_msgs_py.lockstep.stepper import Answer, arrival_place
+from ev_msgs_py.lockstep.stepper import Answer
 from ev_msgs_py.nodes.advance import Advance
 from ev_msgs_py.nodes.master_inputs import MasterInputs
 from ev_msgs_py.nodes.master_parameters import MasterParameters
@@ -43,7 +43,7 @@ class MasterNode(SteppedNode):
     @cached_property
     def schedule(self) -> Schedule:
         """Where time is, and what holds it back."""
-        return Schedule(self.stepper, self.realtime, lambda: self.configuration.extra)
+        return Schedule(self.stepper, self.realtime, self.configuration.extra)
 
     @cached_property
     def _advance(self) -> Advance:
@@ -60,7 +60,7 @@ class MasterNode(SteppedNode):
 
     def receiver(self, topic: Topic) -> Callable[[bytes], None]:
         """What takes the serialized messages of a topic."""
-        return MasterInputs(self.reception, self.schedule, self._go_on).receiver(topic)
+        return MasterInputs(self.reception, self.stepper.inbox, self.schedule, self._go_on).receiver(topic)
 
     def wanted(self) -> tuple[type, ...]:
         """The missing inputs, or the recorder's progress if only that is behind."""
@@ -70,7 +70,7 @@ class MasterNode(SteppedNode):
     def awaits(self) -> Subscription:
         """The input that arrives last, also while the next step is only waiting for its time."""
         wanted = self.wanted() or self.stepper.reads
-        return self.readers[wanted[0] if len(wanted) == 1 else max(wanted, key=arrival_place)].subscription
+        return self.readers[wanted[-1]].subscription
 
     def wake_up_within(self) -> float:
         """Seconds until the next instant is due if nothing else holds it back, at most the period of retries."""
@@ -89,7 +89,7 @@ class MasterNode(SteppedNode):
 
     def reconfigured(self) -> None:
         """Time goes on from here at its new pace."""
-        self.schedule.pace_from_here()
+        self.schedule.follow(self.configuration.extra)
 
     def _begin(self) -> None:
         self._stepped(self.stepper.begin_run())

@@ -24,6 +24,4 @@ class Pace:
     def summary(self, stamp: int, period: int) -> str:
         """What was simulated up to an instant, and how fast."""
         wall, simulated = time.monotonic() - self._wall, stamp - self._stamp
-        return (
-            f"{stamps.to_seconds(simulated):g} s simulated in {wall:.3f} s, {simulated // period / wall:.1f} steps/s"
-        )
+        return f"{stamps.to_seconds(simulated):g} s simulated in {wall:.3f} s, {simulated // period / wall:.1f} steps/s"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from rclpy.subscription import Subscription
 
-from ev_msgs_py.lockstep.stepper import arrival_place
 from ev_msgs_py.nodes.signal_io import SignalReader
 
 _LOOK_PERIOD = 0.02  # s of wall time between looks for what nobody waits for: repetitions of messages
@@ -16,25 +15,29 @@ class Polled:
     readers: dict[type, SignalReader]
 
     def wanted(self) -> tuple[type, ...]:
-        """The signals that the next step waits for."""
+        """The signals that the next step waits for, in the order of their arrival."""
         raise NotImplementedError
 
     def poll(self) -> bool:
         """Take what the next step waits for and step where that completes the inputs; False if nothing was there."""
         progressed = False
         for signal in self.wanted():
-            progressed |= self.readers[signal].take()
+            reader = self.readers[signal]
+            taken = reader.take()
+            if taken is not None:
+                reader.receive(taken[0])
+                progressed = True
         return progressed
 
     def sweep(self) -> None:
         """Take everything: what nobody waits for are repetitions, and they tell that somebody misses an answer."""
         for reader in self.readers.values():
-            while reader.take():
-                pass
+            while (taken := reader.take()) is not None:
+                reader.receive(taken[0])
 
     def awaits(self) -> Subscription:
         """The subscription to wake up for: of the inputs that are missing the one that arrives last."""
-        return self.readers[max(self.wanted(), key=arrival_place)].subscription
+        return self.readers[self.wanted()[-1]].subscription
 
     def wake_up_within(self) -> float:
         """Seconds after which the node wants to be polled though no message has come."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.topics import Topic
@@ -10,8 +10,6 @@ from ev_msgs_py.lockstep.inbox import Arrival
 from ev_msgs_py.lockstep.stepper import Answer, Stepper
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of, stamp_of
-
-Keep = Callable[[bytes], tuple[int, Arrival] | None]
 
 
 class Reception:
@@ -25,57 +23,54 @@ class Reception:
 
     def receiver(self, topic: Topic) -> Callable[[bytes], None]:
         """A function that takes a message of a topic, steps if that completes the inputs, and answers."""
-        keep, kind, answers_to, publish = self.keeper(topic), topic.signal, self._stepper.answers_to, self._publish
+        kind, read, publish = topic.signal, format_of(topic.signal).read, self._publish
+        stepper, inbox, new = self._stepper, self._stepper.inbox, Arrival.NEW
 
         def receive(message: bytes) -> None:
-            kept = keep(message)
-            if kept is not None:
-                stamp, arrival = kept
-                if arrival is Arrival.GAP:
-                    self._report_gap(topic, stamp)
-                for answer in answers_to(kind, stamp, arrival):
-                    publish(answer)
+            try:
+                stamp, numbers = read(message)
+            except MessageError as error:
+                self.refuse(topic, message, error)
+                return
+            last, fresh = inbox.last, stepper.answer is None
+            arrival = inbox.offer(kind, stamp, numbers)
+            if arrival is not new:
+                self._note(topic, stamp, arrival, last)
+            for answer in stepper.answers_to(kind, stamp, arrival):
+                publish(answer)
+                if fresh:
+                    self._note_beginning(stamp)
 
         return receive
 
-    def keeper(self, topic: Topic) -> Keep:
-        """A function that judges and keeps a message of a topic.
+    def _note(self, topic: Topic, stamp: int, arrival: Arrival, last: int | None) -> None:
+        """Report what cannot belong to the run; remember up to where messages may be of a run before."""
+        if arrival is Arrival.GAP:
+            self._report_gap(topic, stamp)
+        elif arrival is Arrival.RESTART and last is not None:
+            self._before_reset = last + 2 * self._stepper.period
 
-        It gives stamp and judgement, or None if nothing can follow from the message. Most messages end here, so what
-        it needs is at hand.
-        """
-        kind, how, stepper, inbox = topic.signal, format_of(topic.signal), self._stepper, self._stepper.inbox
-        canonical, unpack, new = how.canonical, how.unpack, Arrival.NEW
+    def _note_beginning(self, stamp: int) -> None:
+        """Report a first answer that is not that of the beginning of a run."""
+        if stamp > 0 and not self._joined_late:
+            self._joined_late = True
+            self._warn(f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible")
 
-        def keep(message: bytes) -> tuple[int, Arrival] | None:
+    def reader(self, topic: Topic) -> Callable[[bytes], tuple[int, Sequence[float]] | None]:
+        """A function that reads stamp and numbers of a message of a topic; None, and a report, if it is refused."""
+        read = format_of(topic.signal).read
+
+        def try_to_read(message: bytes) -> tuple[int, Sequence[float]] | None:
             try:
-                readable = canonical(message)
+                return read(message)
             except MessageError as error:
-                return self._refuse(topic, message, error)
-            stamp, last, fresh = stamp_of(readable), inbox.last, stepper.is_fresh
-            arrival = stepper.offer(kind, stamp)
-            if arrival is new:
-                unpack(readable, inbox.frame_at(stamp))
-                if stepper.lacks_inputs:
-                    return None
-            elif arrival is Arrival.RESTART:
-                unpack(readable, inbox.frame_at(stamp))
-                self._before_reset = last + 2 * stepper.period
-            if fresh and stamp > 0 and not self._joined_late:
-                self._joined_late = True
-                self._warn(f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible")
-            return stamp, arrival
+                self.refuse(topic, message, error)
+                return None
 
-        return keep
+        return try_to_read
 
-    def readable(self, topic: Topic, message: bytes) -> bytes | None:
-        """The message in our own layout; None, and a report, if it is refused."""
-        try:
-            return format_of(topic.signal).canonical(message)
-        except MessageError as error:
-            return self._refuse(topic, message, error)
-
-    def _refuse(self, topic: Topic, message: bytes, error: MessageError) -> None:
+    def refuse(self, topic: Topic, message: bytes, error: MessageError) -> None:
+        """Report a message that is ignored."""
         self._warn(f"{topic.name}{_when(message)} ignored: {error}")
 
     def _report_gap(self, topic: Topic, stamp: int) -> None:

@@ -30,7 +30,7 @@ def run_role(role: str) -> None:
     run_node(role, lambda: make_node(role))
 
 
-def run_node(name: str, make: Callable[[], SteppedNode]) -> None:
+def run_node(name: str, make: Callable[[], Any]) -> None:
     """Make a node, spin it, and turn refused input into one line and exit status 1."""
     node = None
     with StopRequest() as stop:

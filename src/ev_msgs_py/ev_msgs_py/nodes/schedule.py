@@ -16,13 +16,22 @@ from ev_msgs_py.nodes.pace import Pace
 class Schedule:
     """Knows where time is and what holds it back; `parameters` gives what is said of it now."""
 
-    def __init__(self, stepper: Stepper, realtime: bool, parameters: Callable[[], MasterParameters]) -> None:
-        self._stepper, self._parameters = stepper, parameters
+    def __init__(self, stepper: Stepper, realtime: bool, parameters: MasterParameters) -> None:
+        self._stepper = stepper
         self.realtime = realtime
         self.held = HeldInputs(stepper.reads)
         self._pace = Pace()
         self._recorded = -1  # stamp up to which the recorder holds everything
         self.rests: Callable[[], bool] = lambda: False  # whether a service has stopped time
+        self.follow(parameters)
+
+    def follow(self, parameters: MasterParameters) -> None:
+        """Time goes on from here as the parameters say."""
+        self._await_recorder = parameters.await_recorder
+        self._end = stamps.from_seconds(parameters.duration)
+        self._factor = 1.0 if self.realtime else parameters.real_time_factor
+        self._command_timeout = stamps.from_seconds(parameters.command_timeout)
+        self.pace_from_here()
 
     @property
     def now(self) -> int:
@@ -47,12 +56,12 @@ class Schedule:
 
     def held_inputs(self, now: int) -> Frame:
         """What realtime integrates with at a stamp."""
-        return self.held.at(now, stamps.from_seconds(self._parameters().command_timeout))
+        return self.held.at(now, self._command_timeout)
 
     @property
     def recorder_keeps_up(self) -> bool:
         """Whether the recorder is near enough; at the first and at the last instant it must have everything."""
-        if not self._parameters().await_recorder:
+        if not self._await_recorder:
             return True
         ends = self.at_end or self.now == 0
         return self._recorded >= (self.now if ends else self.now - RECORDER_LAG * self._stepper.period)
@@ -60,30 +69,20 @@ class Schedule:
     @property
     def at_end(self) -> bool:
         """Whether this is the last instant."""
-        end = stamps.from_seconds(self._parameters().duration)
-        return 0 < end < self.now + self._stepper.period
+        return 0 < self._end < self.now + self._stepper.period
 
     @property
     def has_inputs(self) -> bool:
         """Whether the next instant may come as soon as it is due."""
-        if self.rests():
-            return False
-        if self.realtime:
-            return self.held.complete
-        return self._stepper.inbox.complete() is not None and self.recorder_keeps_up
+        complete = self.held.complete if self.realtime else self._stepper.inbox.complete() is not None
+        return complete and not self.rests() and (self.realtime or self.recorder_keeps_up)
 
     @property
     def lateness(self) -> float:
         """Wall time since the next instant was due [s], negative before; zero without a pace."""
-        factor = 1.0 if self.realtime else self._parameters().real_time_factor
-        if factor == 0.0:
+        if self._factor == 0.0:
             return 0.0
-        return time.monotonic() - self._pace.due(self.now + self._stepper.period, factor)
-
-    @property
-    def may_advance(self) -> bool:
-        """Whether the next instant has come."""
-        return self.has_inputs and self.lateness >= 0.0
+        return time.monotonic() - self._pace.due(self.now + self._stepper.period, self._factor)
 
     @property
     def summary(self) -> str:

@@ -33,18 +33,11 @@ class SignalWriter:
 
 
 class SignalReader:
-    """Receives one signal: gives each serialized message to `receive`, from an executor or where `take` finds one."""
+    """Receives one signal: gives each serialized message to `receive`, from an executor or when somebody takes it."""
 
     def __init__(self, node: Node, topic: Topic, receive: Callable[[bytes], None]) -> None:
         message_class = format_of(topic.signal).message_class
-        self._receive = receive
+        self.receive = receive
         self.subscription = node.create_subscription(message_class, topic.name, receive, QUALITY, raw=True)
-        self._take = partial(self.subscription.handle.take_message, message_class, True)
-
-    def take(self) -> bool:
-        """Take a message if there is one."""
-        taken = self._take()
-        if taken is None:
-            return False
-        self._receive(taken[0])
-        return True
+        # Gives a message and what is known of it, or None.
+        self.take = partial(self.subscription.handle.take_message, message_class, True)

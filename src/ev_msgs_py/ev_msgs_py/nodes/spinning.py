@@ -7,10 +7,12 @@ there may be besides goes through an ordinary executor.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
+from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.service import Service
@@ -48,22 +50,26 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
     for node in nodes:
         executor.add_node(node)  # type: ignore[arg-type]
     services = [service for node in nodes for service in node.services]  # type: ignore[attr-defined]
-    next_look = 0.0
-    while context.ok() and not finished():
-        progressed = False
-        for node in nodes:
-            progressed |= node.poll()
-        if not progressed:
-            for node in nodes:
-                node.idle()
-            if not _wait(nodes):
-                for node in nodes:
-                    node.sweep()
-        if time.monotonic() >= next_look and context.ok():
+    rest = _Rest(nodes, context)
+    alone = len(nodes) == 1  # who has stepped waits for others; nodes of one process wait for each other first
+    next_look, came = 0.0, True
+    while not finished():
+        if time.monotonic() >= next_look:
+            if not context.ok():
+                break
             for service in services:
                 _answer(service)
             executor.spin_once(timeout_sec=0.0)
             next_look = time.monotonic() + _SERVICE_PERIOD
+        if alone or not came:
+            rest.until_message()
+        came = False
+        for node in nodes:
+            came |= node.poll()
+        if not came:
+            for node in nodes:
+                node.sweep()
+                node.idle()
     executor.shutdown(timeout_sec=0.0)
 
 
@@ -77,17 +83,25 @@ def _answer(service: Service) -> None:
         service.send_response(service.callback(request, service.srv_type.Response()), header)
 
 
-def _wait(nodes: Sequence[Spinnable]) -> bool:
-    """Sleep until an awaited message arrives; False if none has within the time that the nodes allow."""
-    awaited = [subscription for node in nodes if (subscription := node.awaits()) is not None]
-    timeout = min([node.wake_up_within() for node in nodes])
-    if not awaited:
-        time.sleep(timeout)
-        return False
-    context = nodes[0].context  # type: ignore[attr-defined]
-    with context.handle:
-        wait_set = rclpy_implementation.WaitSet(len(awaited), 0, 0, 0, 0, 0, context.handle)
-        for subscription in awaited:
-            wait_set.add_subscription(subscription.handle)
-        wait_set.wait(int(timeout * 1e9))
-        return bool(wait_set.get_ready_entities("subscription"))
+class _Rest:
+    """Lets nodes sleep; the wait set is made once, because making it takes as long as waiting."""
+
+    def __init__(self, nodes: Sequence[Spinnable], context: Context) -> None:
+        self._nodes = nodes
+        with context.handle:
+            self._wait_set = rclpy_implementation.WaitSet(len(nodes), 0, 0, 0, 0, 0, context.handle)
+
+    def until_message(self) -> None:
+        """Sleep until an awaited message arrives, or for as long as the nodes allow."""
+        wait_set, timeout, awaited = self._wait_set, math.inf, False
+        wait_set.clear_entities()
+        for node in self._nodes:
+            timeout = min(timeout, node.wake_up_within())
+            subscription = node.awaits()
+            if subscription is not None:
+                wait_set.add_subscription(subscription.handle)
+                awaited = True
+        if awaited:
+            wait_set.wait(int(timeout * 1e9))
+        else:
+            time.sleep(timeout)

@@ -13,7 +13,7 @@ from ev_msgs_py.lockstep.configuration import Configuration, configure
 from ev_msgs_py.lockstep.graph import polling_order
 from ev_msgs_py.lockstep.part import Part
 from ev_msgs_py.lockstep.parts import compiler_is_loaded, hand_over, part_of
-from ev_msgs_py.lockstep.stepper import Answer, Stepper
+from ev_msgs_py.lockstep.stepper import Answer, Stepper, arrival_place
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.live_parameters import LiveParameters
 from ev_msgs_py.nodes.polled import Polled
@@ -43,11 +43,10 @@ class SteppedNode(Node, Polled):
             configuration.method, lambda: _new_part(self.configuration), configuration.period, self.realtime
         )
         self.reception = Reception(self.stepper, self.reports.warn, self.publish)
-        self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in configuration.method.writes}
+        writes = sorted(configuration.method.writes, key=arrival_place)
+        self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in writes}
         reads = self.also_reads(self.stepper.reads)
-        self.readers = {
-            signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal])) for signal in reads
-        }
+        self.readers = {signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal])) for signal in reads}
         if configuration.unused:
             names = ", ".join(configuration.unused)
             self.get_logger().info(f"method {configuration.method.name} does not use: {names}")

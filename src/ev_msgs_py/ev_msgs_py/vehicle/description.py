@@ -90,6 +90,14 @@ class Vehicle:
         source="lateral: Ge & Ni 2005; none: Tatar & Chudzik",
     )
     wheel_inertia: float = parameter(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w")
+    undriven_inertia_ratio: float = parameter(
+        1.0,
+        unit="1",
+        low=1e-3,
+        high=10.0,
+        about="inertia of a wheel without motor over `wheel_inertia`",
+        source="Ge & Ni 2005: the front wheels have no equation of motion, as good as no inertia",
+    )
     printed_wheel_inertia: bool = parameter(
         False,
         about="add m r_k^2/4 to the inertia of each wheel: the car's mass counts twice",
@@ -133,9 +141,8 @@ class Vehicle:
 
     @property
     def free_wheel_inertia(self) -> float:
-        """Inertia of a wheel without motor [kg m^2]: J_w, or as Tatar & Chudzik print it in eq 1."""
-        body = self.mass / 4.0 * self.wheel_radius * self.wheel_radius if self.printed_wheel_inertia else 0.0
-        return self.wheel_inertia + body
+        """Inertia of a wheel without motor [kg m^2]."""
+        return self.wheel_inertia * self.undriven_inertia_ratio + self._carried_inertia
 
     @property
     def rolling_resistance_growth(self) -> float:
@@ -147,4 +154,10 @@ class Vehicle:
     @property
     def driven_wheel_inertia(self) -> float:
         """Inertia of a driven wheel with its rotor behind the gear, J = J_w + i^2 J_r [kg m^2]."""
-        return self.free_wheel_inertia + self.gear_ratio * self.gear_ratio * self.motor.rotor_inertia
+        own = self.wheel_inertia + self._carried_inertia
+        return own + self.gear_ratio * self.gear_ratio * self.motor.rotor_inertia
+
+    @property
+    def _carried_inertia(self) -> float:
+        """What eq 1 of Tatar & Chudzik adds to each wheel as printed [kg m^2]."""
+        return self.mass / 4.0 * self.wheel_radius * self.wheel_radius if self.printed_wheel_inertia else 0.0

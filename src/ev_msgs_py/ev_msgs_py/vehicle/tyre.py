@@ -61,6 +61,13 @@ class Tyre:
     lateral_damping_time: float = parameter(
         0.02, unit="s", low=1e-3, high=0.1, about="carcass damping over stiffness, across the wheel"
     )
+    contact_length: float = parameter(
+        0.05,
+        unit="m",
+        low=0.01,
+        high=1.0,
+        about="rolled distance in which the slip of the contact patch settles, about half of its length",
+    )
 
     def __post_init__(self) -> None:
         if len(self.coefficients) != 4:

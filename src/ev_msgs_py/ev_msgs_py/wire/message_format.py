@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Sequence
 from functools import cache
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 from rclpy.serialization import deserialize_message
@@ -23,7 +25,6 @@ from ev_msgs_py.wire.message_classes import message_class
 
 STAMP_AT = len(ENCAPSULATION)  # every message of the contract begins with its stamp
 _STAMP = struct.Struct("<iI")
-_DOUBLE = 8
 
 
 class Run(NamedTuple):
@@ -44,61 +45,39 @@ class MessageFormat:
         self.template = serialized.bytes
         found = [serialized.places[path] for path in paths(topic)]
         self.code = found[0][1] if found else "d"
-        self.size = struct.calcsize(self.code)
-        self.offsets = [offset for offset, _ in found]
-        where = frame.PLACES.get(topic.signal, slice(0, 0))
-        self.runs = _runs(where.start, self.offsets, self.size)
-        self._raw_runs = [
-            (slice(r.offset, r.offset + r.length * _DOUBLE), slice(r.place * _DOUBLE, (r.place + r.length) * _DOUBLE))
-            for r in self.runs
-        ]
-        self._where = where
-        self._constants = [(slice(begin, end), self.template[begin:end]) for begin, end in self._gaps()]
-        self._numbers = struct.Struct("<" + "".join(self._codes()))
-        order = sorted(range(len(self.offsets)), key=self.offsets.__getitem__)
-        self._rank = [order.index(i) for i in range(len(order))]
-
-    def _gaps(self) -> list[tuple[int, int]]:
-        """Beginnings and ends of the constant bytes behind the stamp."""
-        gaps, end = [], STAMP_AT + _STAMP.size
-        for run in sorted(self.runs, key=lambda run: run.offset):
-            gaps.append((end, run.offset))
-            end = run.offset + run.length * self.size
-        return [(begin, end) for begin, end in [*gaps, (end, len(self.template))] if end > begin]
-
-    def _codes(self) -> list[str]:
-        """Struct codes of the numbers in the order of the message, with what lies between them left out."""
-        codes, end = [], 0
-        for run in sorted(self.runs, key=lambda run: run.offset):
-            codes.append(f"{run.offset - end}x{run.length}{self.code}")
-            end = run.offset + run.length * self.size
-        return [*codes, f"{len(self.template) - end}x"]
+        offsets = [offset for offset, _ in found]
+        self._where = frame.PLACES.get(topic.signal, slice(0, 0))
+        self.runs = _runs(self._where.start, offsets, struct.calcsize(self.code))
+        pieces = _pieces(len(self.template), offsets, self.code)
+        order = [offset for offset, _ in pieces]
+        variable = [order.index(STAMP_AT), order.index(STAMP_AT + 4), *(order.index(offset) for offset in offsets)]
+        constant = [piece for piece in range(len(pieces)) if piece not in variable]
+        self._layout = struct.Struct("<" + "".join(code for _, code in pieces))
+        self._variable, self._constant = itemgetter(*variable), itemgetter(*constant)
+        self._constants = self._constant(self._layout.unpack(self.template))
+        # The constants and then stamp and numbers, brought into the order of the message.
+        given = [*constant, *variable]
+        self._in_message = itemgetter(*(given.index(piece) for piece in range(len(pieces))))
 
     def pack(self, stamp: int, here: frame.Frame) -> bytes:
         """The message with this stamp and the numbers of a frame, which must be finite."""
-        message = bytearray(self.template)  # the middleware copies it
-        _STAMP.pack_into(message, STAMP_AT, *divmod(stamp, stamps.NANOSECONDS))
-        if self.code == "d":
-            for in_message, in_frame in self._raw_runs:
-                message[in_message] = here.raw[in_frame]
-        else:
-            for place, offset, count in self.runs:
-                struct.pack_into(f"<{count}{self.code}", message, offset, *here.numbers[place : place + count])
-        return bytes(message)
+        given = (*self._constants, *divmod(stamp, stamps.NANOSECONDS), *here.numbers[self._where])
+        return self._layout.pack(*self._in_message(given))
 
-    def canonical(self, message: bytes) -> bytes:
-        """A message in our own layout, whoever has sent it; MessageError if it is refused."""
-        if len(message) != len(self.template):
-            return self._rewritten(message)
-        for where, constant in self._constants:
-            if message[where] != constant:
-                return self._rewritten(message)
-        numbers = self._numbers.unpack(message)
+    def read(self, message: bytes) -> tuple[int, Sequence[float]]:
+        """Stamp and numbers, by channel, of a message, whoever has sent it; MessageError if it is refused."""
+        try:
+            pieces = self._layout.unpack(message)
+        except struct.error:
+            return self._read_other_layout(message)
+        if self._constant(pieces) != self._constants:
+            return self._read_other_layout(message)
+        seconds, nanoseconds, *numbers = self._variable(pieces)
         if not math.isfinite(sum(numbers)):  # or just large: their sum overflows
-            self._refuse_not_finite([numbers[rank] for rank in self._rank])
-        return message
+            self._refuse_not_finite(numbers)
+        return seconds * stamps.NANOSECONDS + nanoseconds, numbers
 
-    def _rewritten(self, message: bytes) -> bytes:
+    def _read_other_layout(self, message: bytes) -> tuple[int, Sequence[float]]:
         try:
             stamp = stamp_of(message)
             read: Any = deserialize_message(message, self.message_class)
@@ -106,23 +85,24 @@ class MessageFormat:
             raise MessageError(f"{len(message)} bytes are no {self.topic.message_type}: {error}") from None
         numbers = numbers_in(self.topic, read)
         self._refuse_not_finite(numbers)
-        rewritten = frame.Frame()
-        rewritten.numbers[self._where] = frame.numbers_of(numbers)
-        return self.pack(stamp, rewritten)
+        return stamp, numbers
 
-    def _refuse_not_finite(self, numbers: list[float]) -> None:
+    def _refuse_not_finite(self, numbers: Sequence[float]) -> None:
         for channel, value in zip(self.topic.shape.channels, numbers, strict=True):
             if not math.isfinite(value):
                 raise MessageError(f"{channel} is {value}, allowed are finite numbers")
 
-    def unpack(self, message: bytes, here: frame.Frame) -> None:
-        """Put the numbers of a canonical message into a frame."""
-        if self.code == "d":
-            for in_message, in_frame in self._raw_runs:
-                here.raw[in_frame] = message[in_message]
-        else:
-            numbers = self._numbers.unpack(message)
-            here.numbers[self._where] = frame.numbers_of([numbers[rank] for rank in self._rank])
+
+def _pieces(size: int, offsets: list[int], code: str) -> list[tuple[int, str]]:
+    """Offsets and struct codes of the pieces of a message: stamp, numbers, and the constant bytes between them."""
+    variable = [(STAMP_AT, "i"), (STAMP_AT + 4, "I"), *((offset, code) for offset in sorted(offsets))]
+    pieces, end = [], 0
+    for offset, kind in variable:
+        if offset > end:
+            pieces.append((end, f"{offset - end}s"))
+        pieces.append((offset, kind))
+        end = offset + struct.calcsize(kind)
+    return [*pieces, (end, f"{size - end}s")] if size > end else pieces
 
 
 def _runs(place: int, offsets: list[int], size: int) -> tuple[Run, ...]:

@@ -29,6 +29,8 @@ _STATES = (
     "wheel_speed",
     "longitudinal_deflection",
     "lateral_deflection",
+    "longitudinal_slip",
+    "lateral_slip",
 )
 _DRIVE = slice(index("mean_drive"), index("mean_drive") + 4)
 _PERIOD = 0.01  # [s]
@@ -65,7 +67,7 @@ class LinearisedPlant:
     def response(self, frequency: np.ndarray) -> np.ndarray:
         """Complex response of OUTPUTS to the road-wheel angle at circular frequencies (n,) [rad/s], shape (n, 4).
 
-        Solved from the matrices: scipy goes over the coefficients of a polynomial of degree 16 and loses all digits.
+        Solved from the matrices: scipy goes over the coefficients of a polynomial of degree 24 and loses all digits.
         """
         s = self.system
         eye = np.eye(s.A.shape[0])

@@ -34,13 +34,13 @@ def drive_scenario(given: argparse.Namespace) -> None:
 
     figures = report_for(scenario.name).figures(summary.runs, summary.vehicle, _parameters_by_role(scenario))
     save_figures(figures, folder.directory)
-    write_summary(folder.directory / "summary.json", summary)
+    content = summary.as_json()
+    write_summary(folder.directory / "summary.json", content)
     print_metrics(summary.metrics)
     for note in summary.notes:
         print(f"note: {note}")
     for reason in summary.not_reproducible:
         print(f"not reproducible: {reason}")
-    content = summary.as_json()
     print(f"signal hash {content['signal_hash']}")
     print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
     print(f"figures, signals and summary: {folder.directory}")
@@ -60,11 +60,10 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
 
 
 def _drive_offline(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
-    from ev_sim.run.offline import run_offline
+    from ev_sim.run.offline import load_compiled, run_offline
 
     write_parameter_file(directory / "parameters.yaml", run, node_parameters(run, directory, bag))
-    for configuration in run.configurations.values():
-        configuration.create()  # compiled code is loaded before the clock starts
+    load_compiled(run.configurations)  # before the clock starts
     start = time.monotonic()
     notes: list[str] = []
     recording = run_offline(

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from tqdm import tqdm
-
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.run.progress_bar import bar_of_runs
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.workers import drive_cases
 from ev_sim.verdicts.all_verdicts import SOURCES, needs_of, verdicts, wanted
 from ev_sim.verdicts.driving import drive
 from ev_sim.verdicts.kept import Kept
+from ev_sim.verdicts.need import Driven, Need
 from ev_sim.verdicts.table import counts, plain_table, write
 from ev_sim.verdicts.verdict import Verdict
 
@@ -29,7 +28,7 @@ def run_verdicts(argv: Sequence[str]) -> None:
     if not chosen:
         raise ParameterError(f"--only {' '.join(given.only)}: no such id or source; sources: {', '.join(SOURCES)}")
     start = time.monotonic()
-    found = judge(given.only, given.quick)
+    found, _ = judge_driven(given.only, given.quick)
     folder = (given.out or Path("results") / "verdicts").absolute()
     folder.mkdir(parents=True, exist_ok=True)
     write(found, folder)
@@ -42,15 +41,19 @@ def run_verdicts(argv: Sequence[str]) -> None:
     print(f"{time.monotonic() - start:.1f} s; table: {folder}")
 
 
-def judge(only: Sequence[str] = (), quick: bool = False) -> list[Verdict]:
-    """The verdicts on some sources or ids, all if none is named; what is not kept yet is driven on all cores."""
+def judge_driven(only: Sequence[str] = (), quick: bool = False) -> tuple[list[Verdict], Mapping[Need, Driven]]:
+    """The verdicts on some sources or ids, all if none is named, and what was driven for them.
+
+    What is not kept yet is driven on all cores.
+    """
     chosen = wanted(only, quick)
-    return verdicts(chosen, drive(needs_of(chosen), Kept(CACHE), drive_with_progress))
+    driven = drive(needs_of(chosen), Kept(CACHE), drive_with_progress)
+    return verdicts(chosen, driven), driven
 
 
 def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> list[CaseResult]:
     """Drive cases on all cores of this machine behind a progress bar."""
-    with tqdm(desc="driving", total=len(cases), unit="run", ascii=not sys.stderr.isatty(), mininterval=0.5) as bar:
+    with bar_of_runs("driving", len(cases)) as bar:
         return drive_cases(cases, measures, lambda result: bar.update())
 
 

@@ -71,9 +71,7 @@ def torque_of_power(p: PowerLevelParameters, car: Car, speed: float, wheels: Whe
         if driven[i] == 1.0:
             share += (front if i < 2 else 1.0 - front) / 2.0
     # Left and right first, so that a mirrored car gets the same number.
-    turning = (driven[0] * velocity[0] + driven[1] * velocity[1]) + (
-        driven[2] * velocity[2] + driven[3] * velocity[3]
-    )
+    turning = (driven[0] * velocity[0] + driven[1] * velocity[1]) + (driven[2] * velocity[2] + driven[3] * velocity[3])
     load = car.mass * GRAVITY * share
     power = p.factor * (p.friction + p.rolling_resistance) * load / (1.0 - p.slip) * max(speed, p.slowest)
     return power / max(turning / car.number_driven, p.slowest / car.wheel_radius)

@@ -50,6 +50,7 @@ class Summary:
 
     def as_json(self) -> dict[str, Any]:
         """The content of summary.json; its keys always come in the same order."""
+        hashes = {name: signal_hash(run) for name, run in self.runs.items()}
         return {
             "scenario": self.scenario,
             "mode": self.mode,
@@ -57,13 +58,13 @@ class Summary:
             "methods": dict(sorted(self.methods.items())),
             "own_nodes": dict(sorted(self.own_nodes.items())),
             "metrics": {name: metric.as_json() for name, metric in self.metrics.items()},
-            "signal_hash": combined_hash(self.runs),
+            "signal_hash": combined_hash(hashes),
             "reproducible": not self.not_reproducible,
             "not_reproducible": list(self.not_reproducible),
             "notes": list(self.notes),
             "runs": {
                 name: {
-                    "signal_hash": signal_hash(run),
+                    "signal_hash": hashes[name],
                     "samples": len(run.time),
                     "channels": len(run.channels),
                     "simulated_time": run.duration,
@@ -91,11 +92,11 @@ def _version(package: str) -> str | None:
         return None
 
 
-def write_summary(path: Path | str, summary: Summary) -> None:
-    """Write summary.json, as a whole or not at all; floats have as many digits as they need to be read back exactly.
+def write_summary(path: Path | str, content: Mapping[str, Any]) -> None:
+    """Write the content of summary.json, as a whole or not at all; floats can be read back exactly.
 
     ValueError for NaN or infinity, which JSON does not know.
     """
-    text = json.dumps(summary.as_json(), indent=2, allow_nan=False, ensure_ascii=False)
+    text = json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False)
     with atomic_file(path) as file:
         file.write(text.encode() + b"\n")

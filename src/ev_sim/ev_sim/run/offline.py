@@ -29,3 +29,8 @@ def run_offline(
     run.drive(progress, note)
     written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
     return recording_of(run.frames, [topic for signal, topic in TOPICS.items() if signal in written])
+
+
+def load_compiled(configurations: Mapping[str, Configuration]) -> None:
+    """Load what these methods need, or compile it where it has never run; raises what `run_offline` does."""
+    GraphRun(configurations, 1)

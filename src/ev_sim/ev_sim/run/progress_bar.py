@@ -46,3 +46,9 @@ def progress_bar(name: str, duration: float) -> Iterator[Progress]:
     with bar:
         yield progress
         bar.refresh()
+
+
+def bar_of_runs(name: str, total: int) -> tqdm:
+    """A bar on standard error that counts runs."""
+    tqdm.monitor_interval = 0  # else it starts a thread, and workers are forked off this process
+    return tqdm(desc=name, total=total, unit="run", ascii=not sys.stderr.isatty(), mininterval=0.5)

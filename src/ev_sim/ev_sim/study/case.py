@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.contract.shape import SignalError
-from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.run.recording.recording import Recording, signal_hash
 from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
@@ -52,18 +50,13 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
 
     A case that its parameters, a law on this vehicle, or a signal that is not finite forbid comes back as refused.
     """
-    try:
-        run = run_of(case)
-        for configuration in run.configurations.values():
-            configuration.create()
-    except (ParameterError, ValueError) as error:
-        return CaseResult(case.name, {}, refused=str(error))
     from ev_sim.run.offline import run_offline  # numba is slow to import, and a list of studies drives nothing
 
-    start = time.monotonic()
     try:
+        run = run_of(case)
+        start = time.monotonic()
         recording = run_offline(run.configurations, run.duration)
-    except SignalError as error:
+    except ValueError as error:  # a ParameterError or SignalError, or what a law says to its vehicle
         return CaseResult(case.name, {}, refused=str(error))
     wall_time = time.monotonic() - start
     return CaseResult(case.name, measure(recording, run), signal_hash(recording), run.duration, wall_time)

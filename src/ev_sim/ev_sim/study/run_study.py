@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import json
-import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
 from ev_sim.commands.command_line import add_overrides, overrides
-from ev_sim.report.figures.drawing import save_figures
 from ev_sim.report.metric import Metric
 from ev_sim.report.metric_table import print_metrics
-from ev_sim.report.summary import versions
+from ev_sim.report.summary import versions, write_summary
 from ev_sim.run.output_folder import OutputFolder
-from ev_sim.run.recording.atomic import atomic_file
+from ev_sim.run.progress_bar import bar_of_runs
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results, study_named
 from ev_sim.study.workers import drive_cases
@@ -54,15 +49,16 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     ]
     folder = OutputFolder(given.out or Path("results") / name, ())
     start = time.monotonic()
-    with tqdm(desc=name, total=len(cases), unit="run", ascii=not sys.stderr.isatty(), mininterval=0.5) as bar:
+    with bar_of_runs(name, len(cases)) as bar:
         driven = drive_cases(cases, study.measure, lambda result: bar.update(), given.scheduler, given.workers)
     wall_time = time.monotonic() - start
     results = {result.name: result for result in driven}
     metrics = study.metrics(given, results)
+    from ev_sim.report.figures.drawing import save_figures  # what draws is not loaded into every worker
+
     save_figures(study.figures(given, results), folder.directory)
     content = _summary(name, given, cases, results, metrics, wall_time)
-    with atomic_file(folder.directory / "summary.json") as file:
-        file.write(json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False).encode() + b"\n")
+    write_summary(folder.directory / "summary.json", content)
     if tables := study.tables(given, results):
         print(tables, end="\n\n")
     print_metrics(metrics)

@@ -20,6 +20,7 @@ STUDIES = (
     "asr_shootout",
     "compare",
     "five_methods",
+    "ge_ni2005_periods",
     "urban_sensitivity",
     "zhileykin2018_sweep",
     "zhileykin2018_variants",

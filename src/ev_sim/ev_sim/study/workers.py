@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import logging
 import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from multiprocessing.connection import wait
 
-from distributed import Client, LocalCluster, as_completed
-
-from ev_sim.report.summary import versions
 from ev_sim.run.outcome import RunFailed
-from ev_sim.study.case import Case, CaseResult, Measure, drive_case
+from ev_sim.study.case import Case, CaseResult, Measure, run_of
+from ev_sim.study.worker import Job, Worker, WorkerLost
 
-_PATIENCE = 60.0  # s for a scheduler to answer and for its first worker to join
+_LOSSES = 3  # of workers with the same case, which then is given up
 
 Progress = Callable[[CaseResult], None]
 
@@ -27,55 +25,58 @@ def drive_cases(
 ) -> list[CaseResult]:
     """The results of all cases, in their order, whatever the number of workers; `progress` hears of each one.
 
-    `measure` is one function for all cases, or one for each of them.
-    `scheduler` is the address of a running scheduler (tcp://HOST:PORT); without it a cluster of `workers` processes
-    (as many as there are cores) lives on this machine until the end. The cases of a worker that is lost are driven
-    again by others. RunFailed if there is no such scheduler, if it has no workers, or if a worker computes with other
-    versions than this process.
+    `measure` is one function for all cases, or one for each of them. `scheduler` is the address of a running scheduler
+    (tcp://HOST:PORT); without it `workers` processes (as many as there are cores) live on this machine until the end.
+    The case of a worker that is lost is driven again by another one. RunFailed if a case loses all its workers, if
+    there is no such scheduler, if it has no workers, or if one of them computes with other versions than this process.
     """
-    with _client(scheduler, workers) as client:
-        _refuse_other_versions(client)
-        # The same case driven twice is no matter of a cache: whoever asks wants it driven.
-        measures = [measure] * len(cases) if callable(measure) else measure
-        futures = client.map(drive_case, cases, measures, pure=False)
-        for _, result in as_completed(futures, with_results=True):
-            progress(result)
-        return client.gather(futures)
+    jobs = [*zip(cases, [measure] * len(cases) if callable(measure) else measure, strict=True)]
+    if scheduler is not None:
+        from ev_sim.study.cluster import drive_on_cluster  # dask is slow to import
+
+        return drive_on_cluster(jobs, progress, scheduler)
+    return _drive_here(jobs, progress, workers or len(os.sched_getaffinity(0)))
 
 
-@contextmanager
-def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
-    logging.getLogger("distributed").setLevel(logging.ERROR)
-    if scheduler is None:
-        with (
-            LocalCluster(
-                n_workers=workers or os.cpu_count(),
-                threads_per_worker=1,  # one run keeps one core busy
-                processes=True,
-                host="127.0.0.1",
-                dashboard_address="127.0.0.1:0",  # any free port, for runs side by side
-                silence_logs=logging.ERROR,
-            ) as cluster,
-            Client(cluster) as client,
-        ):
-            yield client
-        return
+def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[CaseResult]:
+    for case, _ in jobs[:1]:
+        _load(case)
+    results: dict[int, CaseResult] = {}
+    waiting = list(reversed(range(len(jobs))))
+    losses = [0] * len(jobs)
+    busy: list[Worker] = []
     try:
-        client = Client(scheduler, timeout=_PATIENCE)
-    except (OSError, ValueError) as error:
-        raise RunFailed(f"scheduler {scheduler} cannot be reached: {error}") from None
-    with client:
-        try:
-            client.wait_for_workers(1, timeout=_PATIENCE)
-        except TimeoutError:
-            raise RunFailed(f"scheduler {scheduler} has no workers, allowed is one or more") from None
-        yield client
+        while waiting or busy:
+            while waiting and len(busy) < count:
+                busy.append(Worker(jobs))
+                busy[-1].begin(waiting.pop())
+            for worker in wait(busy):
+                number = worker.number
+                try:
+                    results[number] = worker.result()
+                except WorkerLost:
+                    losses[number] += 1
+                    if losses[number] == _LOSSES:
+                        raise RunFailed(f"{jobs[number][0].name}: {_LOSSES} workers were lost with it") from None
+                    waiting.append(number)
+                    busy.remove(worker)
+                    worker.end()
+                    continue
+                progress(results[number])
+                if waiting:
+                    worker.begin(waiting.pop())
+                else:
+                    busy.remove(worker)
+                    worker.end()
+    finally:
+        for worker in busy:
+            worker.end()
+    return [results[number] for number in range(len(jobs))]
 
 
-def _refuse_other_versions(client: Client) -> None:
-    """Signals are equal to the last bit only where the same packages compute them."""
-    own = versions()
-    for worker, theirs in client.run(versions).items():
-        for package, version in theirs.items():
-            if version != own[package]:
-                raise RunFailed(f"worker {worker} has {package} {version}, allowed is {own[package]} as here")
+def _load(case: Case) -> None:
+    """What driving a case needs is loaded once, for all workers that are forked then."""
+    from ev_sim.run.offline import load_compiled
+
+    with suppress(ValueError):  # a case that is refused says so when it is driven
+        load_compiled(run_of(case).configurations)

@@ -14,29 +14,55 @@ SLIP_VECTOR, UNCOUPLED = range(len(COMBINATIONS))
 STILL = 1e-9
 
 
+# How far the slip of the velocities may be ahead of that of the contact [1]: a wheel that starts to turn at rest has a
+# slip of 1 at once, while nothing slides yet. An assumption, about the slip of the peak: a contact that sticks comes up
+# to the peak of any curve, and driving above walking speed hardly ever meets it.
+AHEAD = 0.1
+
+
 @inlined
 def slip_vector(
-    tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float, transport: float
+    tyre: Tyre,
+    on_road: Coefficients,
+    slip_x: float,
+    slip_y: float,
+    transport: float,
+    contact_x: float,
+    contact_y: float,
 ) -> tuple[float, float]:
     """Friction per longitudinal and per lateral slip [1] when both share one curve over the resulting slip.
 
     Slip velocities [m/s] over the transport velocity [m/s] give the slip vector; the tyre's `lateral_ratio` [1]
-    stretches its lateral component where it is stiffer or softer sideways. Source: Kiencke & Nielsen, Automotive
-    Control Systems, 2nd ed. 2005, wheel model.
+    stretches its lateral component where it is stiffer or softer sideways. Of the resulting slip counts what is not too
+    far `AHEAD` of that of the contact [1]. Source: Kiencke & Nielsen, Automotive Control Systems, 2nd ed. 2005, wheel
+    model.
     """
     stretched = tyre.lateral_ratio * slip_y
-    common = secant(tyre.curve, sqrt(slip_x * slip_x + stretched * stretched) / transport, on_road)
+    slip = sqrt(slip_x * slip_x + stretched * stretched) / transport
+    if slip > AHEAD:
+        slid_y = tyre.lateral_ratio * contact_y
+        slip = min(slip, AHEAD + sqrt(contact_x * contact_x + slid_y * slid_y))
+    common = secant(tyre.curve, slip, on_road)
     return common, tyre.lateral_ratio * common
 
 
 @inlined
 def uncoupled(
-    tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float, transport_x: float, transport_y: float
+    tyre: Tyre,
+    on_road: Coefficients,
+    slip_x: float,
+    slip_y: float,
+    transport_x: float,
+    transport_y: float,
+    contact_x: float,
+    contact_y: float,
 ) -> tuple[float, float]:
     """Friction per longitudinal and per lateral slip [1] when each direction follows the curve on its own.
 
-    Slip and transport velocities [m/s] of the two directions. Source: Tatar & Chudzik (their F_p and F_b).
+    Slip and transport velocities [m/s] and slips of the contact [1] of the two directions. Source: Tatar & Chudzik
+    (their F_p and F_b).
     """
-    longitudinal = secant(tyre.curve, abs(slip_x) / transport_x, on_road)
-    lateral = secant(tyre.curve, tyre.lateral_ratio * abs(slip_y) / transport_y, on_road)
-    return longitudinal, tyre.lateral_ratio * lateral
+    ratio = tyre.lateral_ratio
+    longitudinal = secant(tyre.curve, min(abs(slip_x) / transport_x, AHEAD + abs(contact_x)), on_road)
+    lateral = secant(tyre.curve, min(ratio * abs(slip_y) / transport_y, AHEAD + ratio * abs(contact_y)), on_road)
+    return longitudinal, ratio * lateral

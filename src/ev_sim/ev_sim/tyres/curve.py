@@ -52,6 +52,12 @@ def secant(curve: float, slip: float, c: Coefficients) -> float:
     return friction(curve, min(slip, 1.0), c) / slip
 
 
+@inlined
+def largest(curve: float, available: float, c: Coefficients) -> float:
+    """The largest friction use up to full slip [1], which for all curves but the line is the available friction."""
+    return c.c0 if curve == LINEAR else available
+
+
 def peak(curve: str, coefficients: tuple[float, float, float, float]) -> float:
     """The largest friction use up to full slip [1], the available friction; on a grid of 1e-4 in slip."""
     return friction(CURVES.index(curve), peak_slip(curve, coefficients), Coefficients(*coefficients))

@@ -65,4 +65,4 @@ def metrics_at_hand(
 
 
 def _is_plain(need: Need, scenario: str) -> bool:
-    return isinstance(need, ScenarioNeed) and need.scenario == scenario and not need.values
+    return isinstance(need, ScenarioNeed) and need.scenario == scenario and not (need.values or need.duration)

@@ -49,6 +49,11 @@ class Number:
         band = self.tolerance_for(driven).band(self.value)
         return metric(lambda: self.measure(*driven), self.unit, of.reference(self.value, band))
 
+    @property
+    def judged_unit(self) -> str:
+        """Unit of what lies within the tolerance."""
+        return self.unit
+
     def tolerance_for(self, driven: tuple[Any, ...]) -> Tolerance:
         """The tolerance for what was driven."""
         return self.tolerance(*driven) if callable(self.tolerance) else self.tolerance
@@ -83,6 +88,11 @@ class Comparison:
             return Metric(None, "1", of.reference(1.0, band), str(why))
         compared = f"; measured {value:.5g} against {other:.5g} {self.unit}".removesuffix(" 1")
         return metric(lambda: value / other if other else math.inf, "1", of.reference(1.0, band, compared))
+
+    @property
+    def judged_unit(self) -> str:
+        """Unit of what lies within the tolerance: a ratio."""
+        return "1"
 
     def tolerance_for(self, driven: tuple[Any, ...]) -> Tolerance:
         """The band of the ratio that the margin leaves."""

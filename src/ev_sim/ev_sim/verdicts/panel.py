@@ -42,13 +42,24 @@ class PublishedPanel:
         return f"Fig {self.figure}{' ' if self.letter else ''}{self.letter}"
 
 
-def over_time(panel: Callable[..., Panel], xlabel: str = "time [s]", start: float | None = None) -> Draw:
-    """The function that draws one pair of axes over time, or over another abscissa."""
+def over_time(
+    panel: Callable[..., Panel],
+    xlabel: str = "time [s]",
+    start: float | None = None,
+    ends: tuple[float, float] | None = None,
+) -> Draw:
+    """The function that draws one pair of axes over time, or over another abscissa.
+
+    `start` is the begin of the abscissa, `ends` are those of the ordinate where the source has them.
+    """
 
     def draw(*driven: object) -> Figure:
         from ev_sim.report.figures.drawing import sheet
 
-        return sheet([panel(*driven)], xlabel, columns=1, start=start)
+        figure = sheet([panel(*driven)], xlabel, columns=1, start=start)
+        if ends:
+            figure.axes[0].set_ylim(*ends)
+        return figure
 
     return draw
 

@@ -102,5 +102,5 @@ def verdict(of: Published, declaration: Declaration, driven: Sequence[Any]) -> V
     """The verdict on an id; `driven` are the results of its needs, in their order."""
     metrics = declaration.metrics(of, driven)
     given = tuple(driven)
-    tolerances = {check.name: check.tolerance_for(given).text(check.unit) for check in declaration.checks}
+    tolerances = {check.name: check.tolerance_for(given).text(check.judged_unit) for check in declaration.checks}
     return Verdict(of, declaration, metrics, tolerances)

@@ -11,7 +11,7 @@ from collections.abc import MutableSequence, Sequence
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
-from ev_sim.plant.planar.contact import contact, secants
+from ev_sim.plant.planar.contact import contact, secants, within_friction
 from ev_sim.plant.planar.loads import loads
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.parameters import FREE, PlanarParameters
@@ -25,6 +25,8 @@ from ev_sim.plant.planar.state import (
     GRAVITY_WORK,
     HEADING,
     HOLDING_WORK,
+    SLIP_X,
+    SLIP_Y,
     TRANSFER_X,
     TRANSFER_Y,
     TYRE_WORK,
@@ -34,7 +36,7 @@ from ev_sim.plant.planar.state import (
     WHEEL_SPEED,
     YAW_RATE,
 )
-from ev_sim.tyres.carcass import force_and_rate
+from ev_sim.tyres.carcass import force_and_rate, slip_rate
 
 
 @inlined
@@ -58,6 +60,7 @@ def rates(
     load = loads(y, car, step.gravity_z)
     step.load[0], step.load[1], step.load[2], step.load[3] = load
     rolling = car.rolling_resistance + car.rolling_resistance_growth * vx * vx
+    length = car.tyre.contact_length
     stiffness_x, stiffness_y = car.tyre.longitudinal_stiffness, car.tyre.lateral_stiffness
     # Forces and powers of the wheels, summed as (front left + front right) + (rear left + rear right).
     sum_x = sum_y = moment = tyre_power = friction_power = 0.0
@@ -69,14 +72,25 @@ def rates(
             if not starts and step.motion[i] * wheel_speed < 0.0:
                 wheel_speed = 0.0  # the brake stops the wheel within this step, it cannot turn it back
             at = contact(y, car, body, step, i, wheel_speed)
-            secant_x, secant_y, transport_x, transport_y = secants(car, body, step, i, at)
+            secant_x, secant_y, transport_x, transport_y = secants(y, car, body, step, i, at)
             normal, radius = step.load[i], body.wheel_radius[i]
-            along_force, dy[DEFLECTION_X + i] = force_and_rate(
-                y[DEFLECTION_X + i], at.slip_x, transport_x, secant_x, stiffness_x, body.damping_x
+            deflection_x, deflection_y = y[DEFLECTION_X + i], y[DEFLECTION_Y + i]
+            along_force, rate_x = force_and_rate(
+                deflection_x, at.slip_x, transport_x, secant_x, stiffness_x, body.damping_x
             )
-            across_force, dy[DEFLECTION_Y + i] = force_and_rate(
-                y[DEFLECTION_Y + i], at.slip_y, transport_y, secant_y, stiffness_y, body.damping_y
+            across_force, rate_y = force_and_rate(
+                deflection_y, at.slip_y, transport_y, secant_y, stiffness_y, body.damping_y
             )
+            scale_x, scale_y = within_friction(car, step, i, along_force, across_force)
+            if scale_x < 1.0:
+                along_force *= scale_x
+                rate_x = (along_force - stiffness_x * deflection_x) / body.damping_x
+            if scale_y < 1.0:
+                across_force *= scale_y
+                rate_y = (across_force - stiffness_y * deflection_y) / body.damping_y
+            dy[DEFLECTION_X + i], dy[DEFLECTION_Y + i] = rate_x, rate_y
+            dy[SLIP_X + i] = slip_rate(y[SLIP_X + i], at.slip_x - rate_x, transport_x, length)
+            dy[SLIP_Y + i] = slip_rate(y[SLIP_Y + i], at.slip_y - rate_y, transport_y, length)
             step.force_x[i], step.force_y[i] = along_force, across_force
 
             torque = step.drive[i] - radius * along_force

@@ -46,12 +46,13 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
         front_stiffness = 2 * front_stiffness / max(front_load, 1.0)
         rear_stiffness = 2 * rear_stiffness / max(rear_load, 1.0)
     x, y = wheel_places(v)
-    rotor = v.motor.rotor_inertia * (v.gear_ratio * v.gear_ratio)
     return BodyConstants(
         wheel_x=list(x),
         wheel_y=list(y),
         wheel_radius=[v.wheel_radius * ratio for ratio in v.wheel_radius_ratio],
-        wheel_inertia=[v.free_wheel_inertia + (rotor if name in v.driven_wheels else 0.0) for name in WHEEL_NAMES],
+        wheel_inertia=[
+            v.driven_wheel_inertia if name in v.driven_wheels else v.free_wheel_inertia for name in WHEEL_NAMES
+        ],
         cornering_stiffness=[front_stiffness, front_stiffness, rear_stiffness, rear_stiffness],
         damping_x=tyre.longitudinal_stiffness * tyre.longitudinal_damping_time,
         damping_y=tyre.lateral_stiffness * tyre.lateral_damping_time,

@@ -57,32 +57,33 @@ def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerCon
     Losses are convex in the torque and at least the idle ones, so the factor errs on the safe side.
     """
     shaft, target = step.shaft, step.target
-    idle = mechanical = wanted = 0.0
+    mechanical = wanted = 0.0
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
-        left_idle, left_loss = _idle_and_loss(p, car, power.map, target[left], shaft[left], car.driven[left])
-        right_idle, right_loss = _idle_and_loss(p, car, power.map, target[right], shaft[right], car.driven[right])
-        idle += left_idle + right_idle
+        left_loss = _loss(p, car, power.map, left, target[left], shaft[left])
+        right_loss = _loss(p, car, power.map, right, target[right], shaft[right])
         wanted += left_loss + right_loss
         mechanical += (target[left] * shaft[left] + target[right] * shaft[right]) * car.gear_ratio
-    idle += car.battery.auxiliary_power
     wanted += mechanical + car.battery.auxiliary_power
     give, take = power_limits(car.battery, open_circuit_voltage(power.voltage, s.state_of_charge), s.state_of_charge)
-    if wanted > give and wanted > idle:
-        return min(max((give - idle) / (wanted - idle), 0.0), 1.0)
+    if wanted > give:
+        idle = 0.0
+        for axle in range(2):
+            left, right = 2 * axle, 2 * axle + 1
+            left_idle = _loss(p, car, power.map, left, 0.0, shaft[left])
+            idle += left_idle + _loss(p, car, power.map, right, 0.0, shaft[right])
+        idle += car.battery.auxiliary_power
+        if wanted > idle:
+            return min(max((give - idle) / (wanted - idle), 0.0), 1.0)
     if wanted < -take and mechanical < 0.0:
         return min(max((-take - idle) / mechanical, 0.0), 1.0)
     return 1.0
 
 
 @inlined
-def _idle_and_loss(
-    p: PlanarParameters, car: Car, map: EfficiencyMap, torque: float, shaft: float, driven: float
-) -> tuple[float, float]:
-    if driven == 0.0:
-        return 0.0, 0.0
-    speed = shaft * car.gear_ratio
-    return motor_loss(p, car, map, 0.0, speed), motor_loss(p, car, map, torque, speed)
+def _loss(p: PlanarParameters, car: Car, map: EfficiencyMap, i: int, torque: float, shaft: float) -> float:
+    """Loss of the motor of wheel i [W], at the speed of its shaft behind the gear [rad/s]; none where there is none."""
+    return 0.0 if car.driven[i] == 0.0 else motor_loss(p, car, map, torque, shaft * car.gear_ratio)
 
 
 @inlined
@@ -97,9 +98,8 @@ def account(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants
         left, right = 2 * axle, 2 * axle + 1
         left_speed, right_speed = shaft[left] * gear, shaft[right] * gear
         mechanical += motor[left] * left_speed + motor[right] * right_speed
-        left_loss = car.driven[left] * motor_loss(p, car, power.map, motor[left], left_speed)
-        right_loss = car.driven[right] * motor_loss(p, car, power.map, motor[right], right_speed)
-        loss += left_loss + right_loss
+        left_loss = _loss(p, car, power.map, left, motor[left], shaft[left])
+        loss += left_loss + _loss(p, car, power.map, right, motor[right], shaft[right])
         drive += step.drive[left] * mean_speed[left] + step.drive[right] * mean_speed[right]
     if p.drive != TORQUE_CONTROLLED:
         loss = 0.0

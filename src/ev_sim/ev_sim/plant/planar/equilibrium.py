@@ -9,7 +9,7 @@ from ev_sim.plant.planar.loads import loads
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.prepare import PlanarConstants
 from ev_sim.plant.planar.road_under_wheels import find_road
-from ev_sim.plant.planar.state import DEFLECTION_X, TRANSFER_X, VX, WHEEL_SPEED, PlanarState
+from ev_sim.plant.planar.state import DEFLECTION_X, SLIP_X, TRANSFER_X, VX, WHEEL_SPEED, PlanarState
 from ev_sim.tyres.curve import CURVES, Coefficients, friction, peak_slip
 
 _HALVINGS = 60  # of an interval of at most 1: to rounding
@@ -26,7 +26,7 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     find_road(y, c.body, step, c.road, True)
     y[TRANSFER_X] = c.body.drag * abs(speed) * speed / car.mass - step.gravity_x
     load = loads(y, car, step.gravity_z)
-    rolling = car.rolling_resistance + car.rolling_resistance_speed * speed * speed
+    rolling = car.rolling_resistance + car.rolling_resistance_growth * speed * speed
     for i in range(4):
         asked, tyre, efficiency = c.initial_drive_torque[i], step.tyre[i], car.motor.gear_efficiency
         torque = asked * efficiency if asked * speed > 0.0 else asked / efficiency
@@ -40,6 +40,7 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
             )
         # Slip is over the faster one of rim and road.
         y[WHEEL_SPEED + i] = (speed / (1.0 - slip) if force * speed > 0.0 else speed * (1.0 - slip)) / radius[i]
+        y[SLIP_X + i] = slip if force >= 0.0 else -slip
         y[DEFLECTION_X + i] = force / car.tyre.longitudinal_stiffness
         s.motor_torque[i] = asked / car.gear_ratio
         s.mean_drive[i] = torque

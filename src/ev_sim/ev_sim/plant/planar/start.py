@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from ev_msgs_py.vehicle.car import Car
+from ev_sim.plant.planar.contact import within_friction
 from ev_sim.plant.planar.equilibrium import begin_driven
 from ev_sim.plant.planar.lift import note_lifted
+from ev_sim.plant.planar.loads import loads
+from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.prepare import PlanarConstants
-from ev_sim.plant.planar.road_under_wheels import gravity_at
+from ev_sim.plant.planar.road_under_wheels import find_road
 from ev_sim.plant.planar.state import (
-    BODY_DISTANCE,
     DEFLECTION_X,
     DEFLECTION_Y,
     HEADING,
@@ -26,18 +28,26 @@ def at_start(p: PlanarParameters, car: Car, c: PlanarConstants) -> PlanarState:
     s = PlanarState(x=p.initial_x, y=p.initial_y, state_of_charge=car.battery.state_of_charge)
     y = s.motion
     y[VX], y[HEADING] = p.initial_speed, p.initial_heading
-    front = car.centre_of_mass_to_rear_axle / car.wheelbase
-    gravity_x, gravity_y, _ = gravity_at(c.road.slope, y[BODY_DISTANCE])
-    if p.initial_speed == 0.0:
-        y[TRANSFER_X], y[TRANSFER_Y] = -gravity_x, -gravity_y
     for i in range(4):
         y[WHEEL_SPEED + i] = p.initial_speed / c.body.wheel_radius[i]
         s.torque_share[i] = car.driven[i] / max(car.number_driven, 1.0)
-        if p.initial_speed == 0.0:
-            share = 0.5 * (front if i < 2 else 1.0 - front)
-            y[DEFLECTION_X + i] = -share * car.mass * gravity_x / car.tyre.longitudinal_stiffness
-            y[DEFLECTION_Y + i] = -share * car.mass * gravity_y / car.tyre.lateral_stiffness
+    if p.initial_speed == 0.0:
+        _park(s, car, c)
     if any(c.initial_drive_torque):
         begin_driven(s, car, c)
     note_lifted(s, car, c.road)
     return s
+
+
+def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:
+    """Load the carcasses by the slope, each as far as its friction goes: a car on too steep a slope slides at once."""
+    y, step, front = s.motion, Step(), car.centre_of_mass_to_rear_axle / car.wheelbase
+    find_road(y, c.body, step, c.road, True)
+    y[TRANSFER_X], y[TRANSFER_Y] = -step.gravity_x, -step.gravity_y
+    step.load = list(loads(y, car, step.gravity_z))
+    for i in range(4):
+        share = 0.5 * (front if i < 2 else 1.0 - front)
+        force_x, force_y = -share * car.mass * step.gravity_x, -share * car.mass * step.gravity_y
+        scale_x, scale_y = within_friction(car, step, i, force_x, force_y)
+        y[DEFLECTION_X + i] = scale_x * force_x / car.tyre.longitudinal_stiffness
+        y[DEFLECTION_Y + i] = scale_y * force_y / car.tyre.lateral_stiffness

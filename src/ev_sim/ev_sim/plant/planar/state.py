@@ -19,6 +19,8 @@ INTEGRATED = (
     *wheel_places("wheel_speed", "rad/s"),
     *wheel_places("longitudinal_deflection", "m", "of the carcass, wheel frame, positive as its force"),
     *wheel_places("lateral_deflection", "m", "of the carcass, wheel frame, positive as its force"),
+    *wheel_places("longitudinal_slip", "1", "of the contact, positive as its force"),
+    *wheel_places("lateral_slip", "1", "of the contact, positive as its force"),
     *wheel_places("wheel_angle", "rad", "turned since the start"),
     *wheel_places("distance", "m", "travelled by the wheel centre along the wheel since the start"),
     Place("body_distance", "m", "travelled by the centre of mass along the body"),
@@ -76,6 +78,8 @@ TRANSFER_Y = index("lateral_transfer")
 WHEEL_SPEED = index("wheel_speed")
 DEFLECTION_X = index("longitudinal_deflection")
 DEFLECTION_Y = index("lateral_deflection")
+SLIP_X = index("longitudinal_slip")
+SLIP_Y = index("lateral_slip")
 WHEEL_ANGLE = index("wheel_angle")
 DISTANCE = index("distance")
 BODY_DISTANCE = index("body_distance")

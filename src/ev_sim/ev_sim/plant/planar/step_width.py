@@ -28,7 +28,8 @@ def longest_step(vehicle: Vehicle) -> float:
     squared_lever = vehicle.wheelbase * vehicle.wheelbase + widest * widest
     body = min(vehicle.mass / 4.0, vehicle.yaw_inertia / (4.0 * squared_lever))
     radius = vehicle.wheel_radius * max(vehicle.wheel_radius_ratio)
-    wheel = min(vehicle.wheel_inertia / (radius * radius), body)
+    lightest = vehicle.wheel_inertia * min(vehicle.undriven_inertia_ratio, 1.0)
+    wheel = min(lightest / (radius * radius), body)
     fastest = max(
         _fastest(tyre.longitudinal_stiffness, tyre.longitudinal_damping_time, wheel),
         _fastest(tyre.lateral_stiffness, tyre.lateral_damping_time, body),
@@ -37,7 +38,7 @@ def longest_step(vehicle: Vehicle) -> float:
     if step < SHORTEST_STEP:
         raise ParameterError(
             f"vehicle.tyre: stiffness and damping_time need steps of {step:.2g} s with wheels of "
-            f"{vehicle.wheel_inertia:g} kg m^2 and a car of {vehicle.mass:g} kg, allowed is {SHORTEST_STEP:g} s or more"
+            f"{lightest:g} kg m^2 and a car of {vehicle.mass:g} kg, allowed is {SHORTEST_STEP:g} s or more"
         )
     return step
 

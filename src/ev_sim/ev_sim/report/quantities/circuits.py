@@ -11,7 +11,8 @@ import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.drives.losses import loss_power, map_loss_power
+from ev_sim.drives.losses import loss_power
+from ev_sim.drives.losses_over_time import map_loss_powers
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.samples import channel
 from ev_sim.run.recording.recording import Recording
@@ -187,7 +188,5 @@ def _losses(vehicle: Vehicle, torque: np.ndarray, speed: np.ndarray) -> np.ndarr
     """Losses of one motor and its inverter at shaft torques [N m] and speeds [rad/s], (n,) [W]."""
     motor = vehicle.motor
     if motor.map_efficiency:
-        pairs = zip(torque.tolist(), speed.tolist(), strict=True)
-        axes = motor.map_speed, motor.map_torque, motor.map_efficiency
-        return np.array([map_loss_power(t, w, *axes) for t, w in pairs])
+        return map_loss_powers(torque, speed, motor.map_speed, motor.map_torque, motor.map_efficiency)
     return loss_power(motor, torque, speed)

@@ -11,6 +11,7 @@ from ev_msgs_py.vehicle.car import GRAVITY
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.constants import wheel_places
 from ev_sim.report.quantities import derived, motion
+from ev_sim.report.quantities.car_axes import wheel_directions
 from ev_sim.report.quantities.understeer import understeer_gradient
 from ev_sim.report.samples import channel
 from ev_sim.run.recording.recording import Recording
@@ -53,18 +54,14 @@ def peak_slip_ratio(run: Recording) -> float:
 
 def slip_energy(run: Recording, vehicle: Vehicle) -> float:
     """Work that the tyres take where they slip, along and across [J]; trapezoidal rule between the samples."""
-    angle = np.tan(channel(run, derived.ROAD_WHEEL_ANGLE))
-    outward = angle * vehicle.front_track / 2 * (vehicle.steering_geometry == "ackermann")
-    length = vehicle.wheelbase
-    straight = np.zeros_like(angle)
-    tangents = (length * angle / (length - outward), length * angle / (length + outward), straight, straight)
     vx, vy, yaw_rate = (channel(run, f"twist.{name}") for name in ("longitudinal", "lateral", "yaw_rate"))
-    power = np.zeros_like(angle)
-    for wheel, x, y, tangent in zip(WHEEL_NAMES, *wheel_places(vehicle), tangents, strict=True):
-        cosine = 1 / np.hypot(1.0, tangent)
-        sine = tangent * cosine
+    power = np.zeros_like(vx)
+    directions = wheel_directions(run, vehicle)
+    places = zip(WHEEL_NAMES, *wheel_places(vehicle), vehicle.wheel_radius_ratio, strict=True)
+    for wheel, x, y, ratio in places:
+        cosine, sine = directions[wheel]
         ground_x, ground_y = vx - y * yaw_rate, vy + x * yaw_rate
-        rim = vehicle.wheel_radius * channel(run, f"wheel_states.velocity.{wheel}")
+        rim = ratio * vehicle.wheel_radius * channel(run, f"wheel_states.velocity.{wheel}")
         slip_x = rim - (ground_x * cosine + ground_y * sine)
         slip_y = ground_x * sine - ground_y * cosine
         power += channel(run, f"tire_forces.longitudinal_force.{wheel}") * slip_x

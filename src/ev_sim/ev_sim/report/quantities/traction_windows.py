@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.parameters.values import build
-from ev_sim.profiles.cycle_modes import MODES, TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
-from ev_sim.profiles.profile import Profile, profile_of, value_at
+from ev_sim.profiles.cycle_modes import MODES, TRACTION, CycleModes, CycleModesParameters, cycle_modes
+from ev_sim.profiles.over_time import modes_at, values_at
+from ev_sim.profiles.profile import Profile, profile_of
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.samples import channel
 from ev_sim.run.recording.recording import Recording
@@ -32,15 +33,20 @@ def cycle_time(driver: Mapping[str, Any]) -> float:
 
 def modes_over_time(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
     """The mode of the cycle at each sample, (n,) str; NotMeasured if the driver drives no cycle."""
+    return np.array(MODES)[_modes(run, driver)]
+
+
+def _modes(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
+    """The same as places in `MODES`."""
     profile, modes = windows(driver)
     period = float(run.time[1] - run.time[0]) if len(run.time) > 1 else 1.0
-    return np.array([MODES[mode_at(modes, profile, t, period)] for t in run.time.tolist()])
+    return modes_at(modes, profile, run.time, period)
 
 
 def wanted_speed(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
     """The speed of the cycle at each sample, (n,) [m/s]; NotMeasured if the driver drives no cycle."""
     profile, _ = windows(driver)
-    return np.array([value_at(profile, t) for t in run.time.tolist()])
+    return values_at(profile, run.time)
 
 
 def in_windows(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
@@ -48,7 +54,7 @@ def in_windows(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
 
     `driver` are the parameters of the driver; NotMeasured if it drives no cycle.
     """
-    return _of_the_period_before(modes_over_time(run, driver) == MODES[TRACTION])
+    return _of_the_period_before(_modes(run, driver) == TRACTION)
 
 
 def traction(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:

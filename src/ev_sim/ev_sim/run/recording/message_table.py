@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ev_msgs_py.contract import stamps
-from ev_msgs_py.contract.frame import PLACES, Frame
+from ev_msgs_py.contract.frame import PLACES
 from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.wire.message_format import STAMP_AT, format_of
 
@@ -58,6 +58,4 @@ class MessageTable:
             frames[regular, run.place : run.place + run.length] = raw.view(self._number)
         alike &= np.isfinite(frames[regular, self._where]).all(axis=1)
         for i in sorted({*range(len(messages))} - {regular[j] for j in np.flatnonzero(alike)}):
-            here = Frame()
-            self._format.unpack(self._format.canonical(messages[i]), here)
-            frames[i, self._where] = here.numbers[self._where]
+            frames[i, self._where] = self._format.read(messages[i])[1]

@@ -19,6 +19,7 @@ from ev_sim.verdicts.sources.shchur2019.assumptions import (
     SET_ANGLE,
     SET_SPEED,
     SIGN_OF_RADIUS,
+    five_times_and_drives,
 )
 from ev_sim.verdicts.sources.shchur2019.holding import ASSISTED
 from ev_sim.verdicts.tolerance import absolute, relative
@@ -101,7 +102,7 @@ def _turn(side: str, angle: float, window: tuple[float, float]) -> tuple[Declara
                 relative(0.01, "the angle is at rest, but for ripple of the drives"),
                 _mean_while_held(derived.differential_torque, angle, window),
             ),
-            assumption=FIVE_TIMES,
+            assumption=five_times_and_drives,
         ),
     )
 

@@ -1,0 +1,72 @@
+"""Commands of the graph for the gateway: wheel torques for the drives, torques or speeds for the load machines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isfinite
+from typing import Any
+
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from ev_control.inverter_gateway.parameters import GatewayParameters
+from ev_control.inverter_gateway.publishing import NAMES
+from ev_control.inverter_gateway.station import LOADS, SPEED_MODE, TORQUE_MODE, GatewayStation
+from ev_msgs_py.contract.frame import PLACES, Frame
+from ev_msgs_py.contract.signals import WheelTorqueCommand
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.nodes.signal_io import SignalReader
+from ev_msgs_py.wire.layout import MessageError
+from ev_msgs_py.wire.message_format import format_of
+
+LOAD_COMMAND = "load_command"
+_QUEUE = 10
+
+
+class Commands:
+    """Hands the newest command of each topic to the station; what is refused is said to `warn`."""
+
+    def __init__(
+        self, node: Node, station: GatewayStation, parameters: Callable[[], GatewayParameters],
+        warn: Callable[[str], None],
+    ) -> None:  # fmt: skip
+        self._station, self._parameters, self._warn = station, parameters, warn
+        self._frame = Frame()
+        self._torques = SignalReader(node, TOPICS[WheelTorqueCommand], self._take_torques)
+        self._loads: Any = node.create_subscription(JointState, LOAD_COMMAND, self._take_loads, _QUEUE)
+
+    def take(self) -> bool:
+        """Take all that has come; False if there was nothing."""
+        progressed = False
+        while self._torques.take():
+            progressed = True
+        while (taken := self._loads.handle.take_message(JointState, False)) is not None:
+            self._take_loads(taken[0])
+            progressed = True
+        return progressed
+
+    def _take_torques(self, message: bytes) -> None:
+        """Torque at the shaft is torque at the wheel over the gear ratio."""
+        try:
+            format_of(WheelTorqueCommand).unpack(format_of(WheelTorqueCommand).canonical(message), self._frame)
+        except MessageError as error:
+            self._warn(f"torque_command ignored: {error}")
+            return
+        p, at = self._parameters(), PLACES[WheelTorqueCommand].start
+        for name, wheel in (("Drive11", p.wheel_11), ("Drive12", p.wheel_12)):
+            torque = self._frame.numbers[at + WHEEL_NAMES.index(wheel)]
+            self._station.command(name, TORQUE_MODE, torque / p.gear_ratio)
+
+    def _take_loads(self, message: JointState) -> None:
+        """One array is filled: effort [N m] for torque mode, or velocity [rad/s] for speed mode, at the shaft."""
+        mode, values = (SPEED_MODE, message.velocity) if message.velocity else (TORQUE_MODE, message.effort)
+        ours = {NAMES[name]: name for name in LOADS}
+        wrong = set(message.name) - set(ours) or len(values) != len(message.name) or not all(map(isfinite, values))
+        if wrong or (message.velocity and message.effort):
+            self._warn(
+                f"{LOAD_COMMAND} ignored: needed are the names {', '.join(ours)} and either efforts or velocities"
+            )
+            return
+        for name, value in zip(message.name, values, strict=True):
+            self._station.command(ours[name], mode, value)

@@ -1,0 +1,76 @@
+"""Leading an inverter through its states: enable, stop at the first fault, reset in sequence."""
+
+from __future__ import annotations
+
+from ev_control.inverter_gateway.parameters import GatewayParameters
+from ev_control.inverter_gateway.state import Device
+from ev_msgs_py.can.drive_states import (
+    DISABLE_VOLTAGE,
+    FAULT,
+    FAULT_REACTION_ACTIVE,
+    FAULT_RESET,
+    OPERATION_ENABLED,
+    SWITCH_ON_DISABLED,
+    controlword_towards_operation,
+)
+from ev_msgs_py.compiling.compilable import compilable
+
+_QUIET = 0.005  # s without torque, command or reset bit, with which a reset begins: its bit shall be seen to rise
+
+
+@compilable
+def advance_device(p: GatewayParameters, s: Device, period: float) -> None:
+    """Note what is wrong and how a reset goes on, after the frames of this cycle; everything gets older by `period`."""
+    state = int(s.feedback.state)
+    if s.reset_time >= 0.0:
+        _advance_reset(p, s, state, period)
+    elif s.enable != 0.0:
+        if s.feedback.age >= p.feedback_timeout - 0.5 * period:  # not to hang on how the age was rounded
+            s.stale = 1.0
+        elif state in (FAULT, FAULT_REACTION_ACTIVE):
+            s.tripped = 1.0
+        if s.command_age >= p.command_timeout - 0.5 * period:
+            s.command_stale = 1.0
+        if is_faulty(s):
+            s.enable = 0.0
+    s.feedback.age += period
+    s.command_age += period
+
+
+@compilable
+def is_faulty(s: Device) -> bool:
+    """Whether a fault is latched here; only a reset clears it."""
+    return s.tripped != 0.0 or s.stale != 0.0 or s.command_stale != 0.0
+
+
+@compilable
+def _advance_reset(p: GatewayParameters, s: Device, state: int, period: float) -> None:
+    """It has succeeded when the inverter says, freshly and after the bit was sent, that it is without fault."""
+    fresh = s.feedback.age <= p.feedback_timeout
+    s.reset_time += period
+    if s.reset_time > 2.0 * _QUIET and fresh and state == SWITCH_ON_DISABLED:
+        s.tripped = s.stale = s.command_stale = 0.0
+        s.reset_time = -1.0
+    elif s.reset_time > p.reset_timeout:
+        s.reset_time = -1.0
+
+
+@compilable
+def begin_reset(s: Device) -> None:
+    """Begin the reset sequence: nothing is enabled, then the reset bit."""
+    s.enable = 0.0
+    s.reset_time = 0.0
+
+
+@compilable
+def controlword(s: Device) -> int:
+    """The controlword of the next set-point."""
+    if s.reset_time >= 0.0:
+        return FAULT_RESET if s.reset_time > _QUIET else DISABLE_VOLTAGE
+    return controlword_towards_operation(int(s.feedback.state)) if s.enable != 0.0 else DISABLE_VOLTAGE
+
+
+@compilable
+def may_turn(s: Device) -> bool:
+    """Whether its command may go out: it is enabled, and says so."""
+    return s.enable != 0.0 and int(s.feedback.state) == OPERATION_ENABLED

@@ -1,0 +1,31 @@
+"""Pass CAN frames on between processes of this machine, where there is no multicast."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from ev_msgs_py.can.socketcand_hub import HOST, SocketcandHub
+from ev_msgs_py.nodes.stop_request import StopRequest
+
+_PATIENCE = 0.2  # s between looks whether it shall end
+
+
+def main(argv: list[str] | None = None) -> None:
+    """ros2 run ev_sim can_hub --port 29536"""
+    parser = argparse.ArgumentParser(prog="can_hub", description=f"{__doc__} socketcand's raw mode over TCP on {HOST}.")
+    parser.add_argument("--port", type=int, default=29536, help="default 29536; 0 takes any free one")
+    given = parser.parse_args(argv)
+    with StopRequest() as stop:
+        try:
+            hub = SocketcandHub(given.port)
+        except (OSError, OverflowError) as error:
+            sys.exit(f"can_hub: port {given.port}: {getattr(error, 'strerror', None) or error}")
+        print(f"can_hub: {HOST}:{hub.port}", flush=True)
+        while not stop.received:
+            hub.serve(_PATIENCE)
+        hub.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,127 @@
+"""One cycle of an inverter: what is wrong, which state follows, which torque."""
+
+from __future__ import annotations
+
+from ev_msgs_py.can.drive_states import (
+    INTERNAL_LIMIT,
+    OPERATION_ENABLED,
+    QUICK_STOP_ACTIVE,
+    READY_TO_SWITCH_ON,
+    REMOTE,
+    STATE_BITS,
+    SWITCH_ON_DISABLED,
+    VOLTAGE_ENABLED,
+    WARNING,
+    next_state,
+)
+from ev_msgs_py.can.faults import (
+    DC_LINK_LOW,
+    DERATING,
+    DIRECTION_CHANGED,
+    FAULTS,
+    FRAME_REFUSED,
+    FRAMES_LOST,
+    MODE_REFUSED,
+    OVER_CURRENT,
+    OVER_SPEED,
+    TRIP,
+    WARM,
+)
+from ev_msgs_py.compiling.compilable import compilable
+from ev_sim.inverter.dc_link import advance_dc_link, dc_link_faults
+from ev_sim.inverter.parameters import InverterParameters
+from ev_sim.inverter.set_points import (
+    NO_MODE,
+    SPEED_MODE,
+    TORQUE_MODE,
+    begin_cycle,
+    end_cycle,
+    missing_set_point,
+)
+from ev_sim.inverter.state import Inverter
+from ev_sim.inverter.temperatures import advance_temperatures, derating, temperature_faults
+from ev_sim.inverter.torque import advance_torque
+
+_NO_TORQUE = 1.0  # N m, the error of the torque transducer: below it a quick stop is over
+_CODES = tuple(float(fault.code) for fault in FAULTS)
+
+
+@compilable
+def advance_inverter(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
+    """Advance over `period` [s] at a shaft speed [rad/s], after the frames of this cycle were received.
+
+    A fault takes the torque away in the cycle in which it is found.
+    """
+    begin_cycle(s)
+    advance_dc_link(p.dc_link, s, period)
+    causes = _causes(p, s, speed, period)
+    _latch(s, causes)
+    control, torque_gone = int(s.command.controlword), abs(s.torque) < _NO_TORQUE
+    silent = missing_set_point(s, p.command_timeout, period) != 0
+    before, charged = int(s.state), s.dc_link.contactor != 0.0
+    reset, faulty = s.command.reset != 0.0 and not silent, causes != 0
+    s.state = float(next_state(before, control, reset, faulty, charged, torque_gone))
+    if s.state == SWITCH_ON_DISABLED and not faulty:
+        s.faults = s.error_code = 0.0
+    if s.state != OPERATION_ENABLED:
+        s.direction = s.command.direction
+    advance_torque(p, s, speed, period)
+    advance_temperatures(p.thermal, p.machine, s, period)
+    s.warnings = float(_warnings(p, s))
+    end_cycle(s, period)
+
+
+@compilable
+def _causes(p: InverterParameters, s: Inverter, speed: float, period: float) -> int:
+    """The bits of everything that is wrong now."""
+    state, mode = int(s.state), int(s.command.mode)
+    bits = temperature_faults(p.thermal, s) | dc_link_faults(p.dc_link, s)
+    if s.injected.trip != 0.0:
+        bits |= TRIP
+    if abs(speed) > p.over_speed * p.machine.maximum_speed:
+        bits |= OVER_SPEED
+    if s.phase_current + s.injected.current_rise > p.largest_current:
+        bits |= OVER_CURRENT
+    if READY_TO_SWITCH_ON <= state <= QUICK_STOP_ACTIVE:
+        bits |= missing_set_point(s, p.command_timeout, period)
+        offered = mode in (NO_MODE, TORQUE_MODE) or (mode == SPEED_MODE and p.offers_speed_mode != 0.0)
+        if not offered:
+            bits |= MODE_REFUSED
+    if state == OPERATION_ENABLED and s.command.direction != s.direction:
+        bits |= DIRECTION_CHANGED
+    return bits
+
+
+@compilable
+def _latch(s: Inverter, causes: int) -> None:
+    if causes != 0 and s.faults == 0.0:
+        place = 0
+        while (causes >> place) & 1 == 0:
+            place += 1
+        s.error_code = _CODES[place]
+    s.faults = float(int(s.faults) | causes)
+
+
+@compilable
+def _warnings(p: InverterParameters, s: Inverter) -> int:
+    bits = 0
+    if derating(p.thermal, s) < 1.0:
+        bits |= DERATING | WARM
+    if s.supervision.refused_age <= p.command_timeout:
+        bits |= FRAME_REFUSED
+    if s.supervision.lost_age <= p.command_timeout:
+        bits |= FRAMES_LOST
+    if s.dc_link.contactor != 0.0 and s.dc_link.voltage < 0.9 * p.dc_link.supply_voltage:
+        bits |= DC_LINK_LOW
+    return bits
+
+
+@compilable
+def statusword(s: Inverter) -> int:
+    """Bits 0 to 11 of the statusword."""
+    word = STATE_BITS[int(s.state)] | REMOTE
+    if s.dc_link.contactor != 0.0:
+        word |= VOLTAGE_ENABLED
+    if s.warnings != 0.0:
+        word |= WARNING
+    return word | (INTERNAL_LIMIT if s.limited != 0.0 else 0)

@@ -1,0 +1,143 @@
+"""The devices of the bench, as parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.can.bus_parameters import BusParameters
+from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
+from ev_sim.inverter.injection import INJECTIONS
+from ev_sim.inverter.machine import LoadMachine, Machine
+
+_CELLS = "103 cells in series at 3.2 V; the voltage is not printed: assumption"
+
+
+@dataclass(frozen=True, slots=True)
+class DcLinkParameters:
+    """Supply, capacitor and pre-charge of an inverter."""
+
+    supply_voltage: float = parameter(329.6, unit="V", low=10.0, high=1000.0, about="of the supply", source=_CELLS)
+    capacitance: float = parameter(
+        440e-6, unit="F", low=1e-6, high=0.1, about="of the DC link", source="assumption for an inverter of 150 kW"
+    )
+    precharge_resistance: float = parameter(
+        600.0, unit="ohm", low=1.0, high=1e4, about="pre-charge resistor", source="dissertation, section 4.2: at most"
+    )
+    charged_share: float = parameter(
+        0.95, unit="1", low=0.5, high=0.999, about="of the supply voltage, at which the contactor closes"
+    )
+    precharge_timeout: float = parameter(2.0, unit="s", low=0.01, high=60.0, about="longest pre-charge")
+    discharge_time: float = parameter(
+        0.5, unit="s", low=1e-3, high=600.0, about="time constant of the discharge", source="assumption"
+    )
+    least_share: float = parameter(
+        0.7, unit="1", low=0.1, high=0.99, about="of the supply voltage, below which the DC link is lost"
+    )
+    highest_share: float = parameter(
+        1.25, unit="1", low=1.01, high=3.0, about="of the supply voltage, above which there is over-voltage"
+    )
+
+    def __post_init__(self) -> None:
+        if self.least_share >= 0.9 * self.charged_share:
+            raise ParameterError("least_share must be below nine tenths of charged_share")
+
+
+@dataclass(frozen=True, slots=True)
+class ThermalParameters:
+    """One heat capacity each for winding and inverter, cooled by one coolant."""
+
+    coolant: float = parameter(40.0, unit="degC", low=-40.0, high=120.0, about="coolant inlet", source="assumption")
+    coolant_flow: float = parameter(8.0, unit="l/min", low=0.1, high=31.0, about="of the coolant", source="assumption")
+    winding_capacity: float = parameter(
+        4000.0, unit="J/K", low=1.0, high=1e6, about="heat capacity of the winding", source="assumption"
+    )
+    winding_resistance: float = parameter(
+        0.015, unit="K/W", low=1e-4, high=10.0, about="from winding to coolant", source="assumption"
+    )
+    inverter_capacity: float = parameter(
+        1500.0, unit="J/K", low=1.0, high=1e6, about="heat capacity of the power stage", source="assumption"
+    )
+    inverter_resistance: float = parameter(
+        0.02, unit="K/W", low=1e-4, high=10.0, about="from power stage to coolant", source="assumption"
+    )
+    winding_warm: float = parameter(
+        120.0, unit="degC", low=-40.0, high=215.0, about="from here on the torque is derated", source="assumption"
+    )
+    winding_limit: float = parameter(
+        140.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here", source="assumption"
+    )
+    inverter_warm: float = parameter(
+        75.0, unit="degC", low=-40.0, high=215.0, about="from here on the torque is derated", source="assumption"
+    )
+    inverter_limit: float = parameter(
+        90.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here", source="assumption"
+    )
+
+    def __post_init__(self) -> None:
+        if self.winding_warm >= self.winding_limit or self.inverter_warm >= self.inverter_limit:
+            raise ParameterError("winding_warm and inverter_warm must be below their limits")
+
+
+@dataclass(frozen=True, slots=True)
+class InverterParameters:
+    """One inverter and its machine; torque control only, as those of the machines under test in the source."""
+
+    command_timeout: float = parameter(
+        0.01, unit="s", low=0.001, high=1.0, about="without a valid set-point for longer than this: fault"
+    )
+    machine: Machine = group(Machine)
+    torque_constant: float = parameter(
+        0.8, unit="N m/A", low=0.01, high=10.0, about="torque over the rms phase current", source="assumption"
+    )
+    largest_current: float = parameter(
+        600.0, unit="A", low=1.0, high=1000.0, about="rms phase current, above it over-current", source="assumption"
+    )
+    over_speed: float = parameter(
+        1.05, unit="1", low=1.0, high=2.0, about="of the machine's maximum speed, above it a fault", source="assumption"
+    )
+    offers_speed_mode: bool = parameter(False, about="whether its speed can be controlled, not only its torque")
+    speed_gain: float = parameter(
+        1.0, unit="N m s/rad", low=0.0, high=1000.0, about="speed mode: proportional gain", source="assumption"
+    )
+    speed_integral_time: float = parameter(
+        0.2, unit="s", low=1e-3, high=1e3, about="speed mode: integral time", source="assumption"
+    )
+    dc_link: DcLinkParameters = group(DcLinkParameters)
+    thermal: ThermalParameters = group(ThermalParameters)
+
+
+@dataclass(frozen=True, slots=True)
+class LoadInverter(InverterParameters):
+    """The inverter of a load machine: torque or speed."""
+
+    machine: LoadMachine = group(LoadMachine)
+    offers_speed_mode: bool = parameter(True, about="whether its speed can be controlled, not only its torque")
+
+
+@dataclass(frozen=True, slots=True)
+class CircuitParameters:
+    """One circuit: a machine under test and a load machine on one shaft."""
+
+    drive: InverterParameters = group(InverterParameters)
+    load: LoadInverter = group(LoadInverter)
+    friction: float = parameter(
+        0.002, unit="N m s/rad", low=0.0, high=10.0, about="of the shaft, per speed", source="assumption"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class InjectedFaults:
+    """Faults that are put into the inverters, as long as they stand here."""
+
+    drive_11: tuple[str, ...] = parameter((), choices=tuple(INJECTIONS), about="into the right drive")
+    drive_12: tuple[str, ...] = parameter((), choices=tuple(INJECTIONS), about="into the left drive")
+    load_11: tuple[str, ...] = parameter((), choices=tuple(INJECTIONS), about="into the right load machine")
+    load_12: tuple[str, ...] = parameter((), choices=tuple(INJECTIONS), about="into the left load machine")
+
+
+@dataclass(frozen=True, slots=True)
+class InverterNodeParameters(CircuitParameters):
+    """Both circuits, their faults and their bus."""
+
+    inject: InjectedFaults = group(InjectedFaults)
+    bus: BusParameters = group(BusParameters)

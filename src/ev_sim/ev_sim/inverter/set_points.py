@@ -1,0 +1,112 @@
+"""Set-points from the bus: judged, taken over, and watched while none comes."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import NamedTuple
+
+from ev_msgs_py.can.checking import (
+    OK_SOME_LOST,
+    REPEATED,
+    TOLERANCES,
+    WRONG_CRC,
+    WRONG_SEQUENCE,
+    check,
+    is_valid,
+    no_new_data,
+)
+from ev_msgs_py.can.codec import BitField, extracted
+from ev_msgs_py.can.drive_states import ENABLE_OPERATION, FAULT_RESET
+from ev_msgs_py.can.faults import COMMAND_TIMEOUT, WRONG_COUNTER, WRONG_CRC_FAULT
+from ev_msgs_py.can.frame_layout import FrameLayout
+from ev_msgs_py.compiling.compilable import compilable
+from ev_sim.inverter.state import Inverter
+
+RPM = pi / 30.0  # rad/s
+NO_MODE, TORQUE_MODE, SPEED_MODE = range(3)
+
+
+class SetPointLayout(NamedTuple):
+    """Where everything stands in a set-point frame."""
+
+    length: float  # bytes
+    data_id: float
+    mode: BitField
+    direction: BitField
+    controlword: BitField
+    torque: BitField
+    speed: BitField
+    torque_limit: BitField
+
+
+def set_point_layout(frame: FrameLayout) -> SetPointLayout:
+    """The layout of a set-point frame of the database."""
+    names = ("Mode", "Direction", "Controlword", "Torque", "Speed", "TorqueLimit")
+    return SetPointLayout(float(frame.length), float(frame.data_id), *(frame.signals[name] for name in names))
+
+
+@compilable
+def receive_set_point(c: SetPointLayout, s: Inverter, payload: int) -> int:
+    """Judge a set-point frame, and take its content over if it is valid; the status of the check."""
+    s.supervision.heard = 1.0
+    status = check(TOLERANCES, s.check, payload, int(c.length), int(c.data_id))
+    if is_valid(status):
+        _take_over(c, s, payload)
+        s.supervision.age = s.supervision.wrong_crc = s.supervision.wrong_counter = 0.0
+        if status == OK_SOME_LOST:
+            s.supervision.lost_age = 0.0
+        return status
+    if status == WRONG_CRC:
+        s.supervision.wrong_crc += 1.0
+        s.supervision.refused_age = 0.0
+    elif status in (REPEATED, WRONG_SEQUENCE):
+        s.supervision.wrong_counter += 1.0
+        s.supervision.refused_age = 0.0
+    return status
+
+
+@compilable
+def _take_over(c: SetPointLayout, s: Inverter, payload: int) -> None:
+    """A reset counts where its bit rises, without a torque set-point and with operation disabled."""
+    before = int(s.command.controlword)
+    control = int(extracted(payload, c.controlword))
+    torque = extracted(payload, c.torque)
+    risen = control & FAULT_RESET != 0 and before & FAULT_RESET == 0
+    if risen and torque == 0.0 and control & ENABLE_OPERATION == 0:
+        s.command.reset = 1.0
+    s.command.controlword = float(control)
+    s.command.mode = extracted(payload, c.mode)
+    s.command.direction = extracted(payload, c.direction)
+    s.command.torque = torque
+    s.command.speed = RPM * extracted(payload, c.speed)
+    s.command.torque_limit = extracted(payload, c.torque_limit)
+
+
+@compilable
+def begin_cycle(s: Inverter) -> None:
+    """Tell the check when no frame has come since the last cycle."""
+    if s.supervision.heard == 0.0:
+        no_new_data(s.check)
+    s.supervision.heard = 0.0
+
+
+@compilable
+def end_cycle(s: Inverter, period: float) -> None:
+    """What has come gets older by one cycle [s]."""
+    s.supervision.age += period
+    s.supervision.refused_age += period
+    s.supervision.lost_age += period
+    s.command.reset = 0.0
+
+
+@compilable
+def missing_set_point(s: Inverter, timeout: float, period: float) -> int:
+    """The bit of the fault that names why there has been no valid set-point for `timeout` [s]; 0 if there has been.
+
+    To half a period, so that it does not hang on how the age was rounded.
+    """
+    if s.supervision.age < timeout - 0.5 * period:
+        return 0
+    if s.supervision.wrong_crc > 0.0:
+        return WRONG_CRC_FAULT
+    return WRONG_COUNTER if s.supervision.wrong_counter > 0.0 else COMMAND_TIMEOUT

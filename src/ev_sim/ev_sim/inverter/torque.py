@@ -1,0 +1,80 @@
+"""The torque of a machine: what is asked for, what the limits leave, and how it follows."""
+
+from __future__ import annotations
+
+from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.elementary import exp
+from ev_sim.drives.losses import loss_power
+from ev_sim.drives.torque_controlled import limited_torque
+from ev_sim.inverter.parameters import InverterParameters
+from ev_sim.inverter.set_points import SPEED_MODE, TORQUE_MODE
+from ev_sim.inverter.state import Inverter
+from ev_sim.inverter.temperatures import derating
+
+_SPEED_FADE = 0.02  # of the maximum speed: over it the torque fades before the speed limit; it softens a corner
+_COLD = 0.0  # heat of `limited_torque`: derating is by our own temperatures
+_HALF_STEP = 1.0 / 64.0  # N m
+
+
+@compilable
+def advance_torque(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
+    """Let the torque follow its reference over `period` [s]; without an active power stage it is zero at once.
+
+    First order: T' = (T_ref - T)/tau.
+    """
+    state = int(s.state)
+    if state not in (OPERATION_ENABLED, QUICK_STOP_ACTIVE):
+        s.torque = s.speed_integral = s.limited = 0.0
+    else:
+        reference = 0.0
+        if state == OPERATION_ENABLED:
+            asked = _asked(p, s, speed, period)
+            reference = _limited(p, s, asked, speed)
+            s.limited = 1.0 if abs(asked - reference) > _HALF_STEP else 0.0
+        s.torque += (1.0 - exp(-period / p.machine.torque_lag)) * (reference - s.torque)
+    _electrical(p, s, speed, state)
+
+
+@compilable
+def _asked(p: InverterParameters, s: Inverter, speed: float, period: float) -> float:
+    """The torque [N m] that the set-point asks for, forwards positive."""
+    sense = -1.0 if s.direction != 0.0 else 1.0
+    if int(s.command.mode) == TORQUE_MODE:
+        return _below_speed_limit(p, sense * s.command.torque, speed, abs(s.command.speed))
+    if int(s.command.mode) == SPEED_MODE and p.offers_speed_mode != 0.0:
+        error = sense * s.command.speed - speed
+        most = _most(p, s)
+        integral = s.speed_integral + p.speed_gain * error * period / p.speed_integral_time
+        s.speed_integral = min(max(integral, -most), most)
+        return p.speed_gain * error + s.speed_integral
+    return 0.0
+
+
+@compilable
+def _below_speed_limit(p: InverterParameters, asked: float, speed: float, limit: float) -> float:
+    """Without torque [N m] that would drive the shaft beyond the speed limit [rad/s]."""
+    if asked * speed < 0.0:
+        return asked
+    return asked * min(max((limit - abs(speed)) / (_SPEED_FADE * p.machine.maximum_speed), 0.0), 1.0)
+
+
+@compilable
+def _most(p: InverterParameters, s: Inverter) -> float:
+    return min(s.command.torque_limit, p.machine.peak_torque) * derating(p.thermal, s)
+
+
+@compilable
+def _limited(p: InverterParameters, s: Inverter, asked: float, speed: float) -> float:
+    most = _most(p, s)
+    return limited_torque(p.machine, min(max(asked, -most), most), speed, _COLD)
+
+
+@compilable
+def _electrical(p: InverterParameters, s: Inverter, speed: float, state: int) -> None:
+    """Currents [A] of this torque; a power stage that is off takes none."""
+    s.phase_current = abs(s.torque) / p.torque_constant
+    s.dc_current = 0.0
+    if state in (OPERATION_ENABLED, QUICK_STOP_ACTIVE) and s.dc_link.voltage > 1.0:
+        power = s.torque * speed + loss_power(p.machine, s.torque, speed)
+        s.dc_current = power / s.dc_link.voltage

@@ -1,0 +1,45 @@
+"""The inverters of both circuits with their machines, on a CAN bus."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ev_msgs_py.can.bus_parameters import CIRCUITS
+from ev_msgs_py.can.channel import Frame
+from ev_msgs_py.nodes.bus_node import BusNode
+from ev_msgs_py.nodes.run_role import run_node
+from ev_sim.inverter.injection import inject
+from ev_sim.inverter.parameters import InverterNodeParameters
+from ev_sim.inverter.station import CircuitStation
+
+
+class InverterNode(BusNode):
+    """Answers set-points with torque, speed and the rest; the parameters inject.* put faults in."""
+
+    def __init__(self, **node_arguments: Any) -> None:
+        super().__init__("inverter", InverterNodeParameters, **node_arguments)
+
+    def prepare(self) -> None:
+        """The two circuits, at rest."""
+        self.circuits = {name: CircuitStation(self.database, name, self.parameters) for name in CIRCUITS}
+        self.changed()
+
+    def changed(self) -> None:
+        """Go on with other parameters; the state lasts."""
+        for name, circuit in self.circuits.items():
+            circuit.change(self.parameters)
+            inject(circuit.s.drive.injected, getattr(self.parameters.inject, f"drive_{name}"))
+            inject(circuit.s.load.injected, getattr(self.parameters.inject, f"load_{name}"))
+
+    def take(self, circuit: str, frame: Frame) -> None:
+        """Set-points, or frames for others."""
+        self.circuits[circuit].receive(frame)
+
+    def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
+        """Advance everything; what the inverters have to say."""
+        return [(name, frame) for name, circuit in self.circuits.items() for frame in circuit.step(ticks)]
+
+
+def main() -> None:
+    """ros2 run ev_sim inverter"""
+    run_node("inverter", InverterNode)

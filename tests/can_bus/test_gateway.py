@@ -1,0 +1,206 @@
+"""The gateway: what it sends, what it believes, and how it leads an inverter."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from can_bus.databases import ours
+
+from ev_control.inverter_gateway.diagnosis import FAULTY, GOOD, SILENT, WARNED, diagnosis
+from ev_control.inverter_gateway.parameters import GatewayParameters
+from ev_control.inverter_gateway.station import DEVICES, SPEED_MODE, TORQUE_MODE, GatewayStation
+from ev_msgs_py.can.channel import Frame
+from ev_msgs_py.can.drive_states import (
+    ENABLE_COMMAND,
+    FAULT,
+    FAULT_RESET,
+    OPERATION_ENABLED,
+    READY_TO_SWITCH_ON,
+    SHUTDOWN,
+    STATE_BITS,
+    SWITCH_ON_COMMAND,
+    SWITCH_ON_DISABLED,
+    SWITCHED_ON,
+)
+from ev_msgs_py.can.protection import checksum, counter_of, next_counter
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import build
+
+RPM = math.pi / 30.0
+
+
+class Told:
+    """A gateway, and feedback for it as a test wants it."""
+
+    def __init__(self, **values) -> None:
+        self.station = GatewayStation(ours(), build(GatewayParameters, values))
+        self.state = dict.fromkeys(DEVICES, SWITCH_ON_DISABLED)
+        self.counters = dict.fromkeys(DEVICES, 0)
+        self.sent: dict[str, dict[str, float]] = {}
+        self.silent: set[str] = set()
+
+    def motion(self, name: str) -> Frame:
+        layout = ours()[f"{name}_Motion"]
+        values = {
+            "CommandCheck": 0.0,
+            "Torque": 10.0,
+            "Speed": 600.0,
+            "Statusword": float(STATE_BITS[self.state[name]]),
+        }
+        self.counters[name] = next_counter(self.counters[name])
+        return Frame(layout.identifier, layout.pack(values, self.counters[name]))
+
+    def cycle(self, ticks: int = 1, commanded: bool = True) -> None:
+        by_identifier = {layout.identifier: layout for layout in ours()}
+        for _ in range(ticks):
+            for name in DEVICES:
+                if name not in self.silent:
+                    self.station.receive(name[-2:], self.motion(name))
+            if commanded:
+                self.station.command("Drive11", TORQUE_MODE, 100.0)
+                self.station.command("Drive12", TORQUE_MODE, -1000.0)
+                self.station.command("Load11", SPEED_MODE, 50.0)
+                self.station.command("Load12", TORQUE_MODE, 5.0)
+            for _, frame in self.station.step():
+                layout = by_identifier[frame.identifier]
+                self.sent[layout.name] = layout.values(int.from_bytes(frame.data, "little"))
+
+
+def test_everything_it_sends_is_protected_and_counted():
+    station, counters = GatewayStation(ours(), GatewayParameters()), {}
+    by_identifier = {layout.identifier: layout for layout in ours()}
+    for _ in range(40):
+        for circuit, frame in station.step():
+            layout, payload = by_identifier[frame.identifier], int.from_bytes(frame.data, "little")
+            assert payload & 0xFF == checksum(payload, layout.length, layout.data_id)
+            assert counters.get((circuit, layout.name), 14) == (counter_of(payload) - 1) % 15
+            counters[circuit, layout.name] = counter_of(payload)
+    assert len(counters) == 6  # a set-point for each device, a heartbeat on each channel
+
+
+def test_it_leads_a_drive_by_its_states_and_commands_no_torque_on_the_way():
+    told = Told()
+    told.cycle(3)
+    assert told.sent["Drive11_SetPoint"]["Controlword"] == 0.0
+    assert told.station.enable(("Drive11",)) == ""
+    for state, word in (
+        (SWITCH_ON_DISABLED, SHUTDOWN),
+        (READY_TO_SWITCH_ON, SWITCH_ON_COMMAND),
+        (SWITCHED_ON, ENABLE_COMMAND),
+    ):
+        told.state["Drive11"] = state
+        told.cycle()
+        assert told.sent["Drive11_SetPoint"]["Controlword"] == word
+        assert told.sent["Drive11_SetPoint"]["Torque"] == 0.0
+    told.state["Drive11"] = OPERATION_ENABLED
+    told.cycle()
+    assert told.sent["Drive11_SetPoint"] == {
+        "Mode": 1.0, "Direction": 0.0, "Controlword": ENABLE_COMMAND, "Torque": 100.0, "Speed": 7500.0,
+        "TorqueLimit": 360.0,
+    }  # fmt: skip
+    assert told.sent["Drive12_SetPoint"]["Torque"] == 0.0  # it was not enabled
+
+
+def test_torque_is_limited_and_a_load_machine_gets_its_speed():
+    told = Told()
+    told.cycle(3)
+    told.state = dict.fromkeys(DEVICES, OPERATION_ENABLED)
+    assert told.station.enable(DEVICES) == ""
+    told.cycle(2)
+    assert told.sent["Drive12_SetPoint"]["Torque"] == -360.0
+    assert told.sent["Load11_SetPoint"]["Mode"] == 2.0
+    assert told.sent["Load11_SetPoint"]["Speed"] * RPM == pytest.approx(50.0, abs=0.25 * RPM)
+
+
+def test_feedback_is_taken_in_si_units():
+    told = Told()
+    told.cycle(3)
+    feedback = told.station.devices["Drive11"].feedback
+    assert feedback.torque == 10.0
+    assert feedback.speed == pytest.approx(600.0 * RPM)
+
+
+def test_enabling_is_refused_with_the_reason():
+    told = Told()
+    assert told.station.enable(("Drive11",)) == "Drive11 says nothing: no valid feedback within 0.01 s"
+    told.cycle(3, commanded=False)
+    assert told.station.enable(("Drive11",)) == "Drive11 has no command: none came within 0.1 s"
+    told.cycle(3)
+    assert told.station.enable(("Drive11",)) == ""
+    told.state["Drive11"] = FAULT
+    told.cycle(2)
+    assert told.station.enable(("Drive11",)) == "Drive11 has a latched fault: reset it first"
+
+
+def test_damaged_feedback_is_not_believed():
+    told = Told()
+    told.cycle(3)
+    told.silent = set(DEVICES)
+    wrong = told.motion("Drive11")
+    told.station.receive("11", Frame(wrong.identifier, bytes([wrong.data[0] ^ 1]) + wrong.data[1:]))
+    told.station.receive("11", Frame(wrong.identifier, wrong.data[:7]))
+    told.station.receive("12", told.motion("Drive11"))  # not its channel
+    feedback = told.station.devices["Drive11"].feedback
+    assert feedback.refused == 2.0
+    told.cycle()
+    assert feedback.age > 0.001
+
+
+@pytest.mark.parametrize(("stops", "other"), [("drive", 1.0), ("both", 0.0)])
+def test_a_fault_stops_its_drive_and_if_asked_for_the_other(stops: str, other: float):
+    told = Told(fault_stops=stops)
+    told.cycle(3)
+    told.state = dict.fromkeys(DEVICES, OPERATION_ENABLED)
+    assert told.station.enable(("Drive11", "Drive12")) == ""
+    told.cycle(2)
+    told.silent = {"Drive11"}
+    told.cycle(15)
+    assert told.station.devices["Drive11"].enable == 0.0
+    assert told.station.devices["Drive12"].enable == other
+    assert told.sent["Ecu_Heartbeat"]["StaleDrive11"] == 1.0
+
+
+def test_the_reset_begins_without_its_bit_so_that_it_can_rise_and_ends_in_time():
+    told = Told()
+    told.cycle(3)
+    told.state["Drive11"] = FAULT
+    told.station.devices["Drive11"].tripped = 1.0
+    told.station.reset()
+    words = []
+    for _ in range(250):
+        told.cycle()
+        words.append(told.sent["Drive11_SetPoint"]["Controlword"])
+    assert words[:4] == [0.0] * 4
+    assert words[10] == FAULT_RESET
+    assert words[-1] == 0.0  # it gave up after 0.2 s, as the inverter stays in its fault
+    assert told.station.devices["Drive11"].tripped == 1.0
+    told.station.reset()
+    told.cycle(12)
+    told.state["Drive11"] = SWITCH_ON_DISABLED
+    told.cycle(3)
+    assert told.station.devices["Drive11"].tripped == 0.0
+
+
+def test_diagnosis_by_level():
+    told = Told()
+    device = told.station.devices["Drive11"]
+    assert diagnosis(device, 0.01)[:2] == (SILENT, "no valid feedback")
+    told.cycle(3)
+    assert diagnosis(device, 0.01)[:2] == (GOOD, "switch on disabled")
+    device.feedback.warning_bits = 1.0
+    assert diagnosis(device, 0.01)[:2] == (WARNED, "switch on disabled: Derating")
+    device.feedback.fault_bits = 32.0
+    device.stale = 1.0
+    assert diagnosis(device, 0.01)[:2] == (FAULTY, "switch on disabled: Trip, StaleFeedback")
+
+
+def test_commands_that_are_no_numbers_are_refused():
+    station = GatewayStation(ours(), GatewayParameters())
+    with pytest.raises(ValueError, match="command of Drive11: nan is refused"):
+        station.command("Drive11", TORQUE_MODE, math.nan)
+
+
+def test_one_wheel_cannot_have_both_circuits():
+    with pytest.raises(ParameterError, match="'front_left' is refused, it is the wheel of the other circuit"):
+        build(GatewayParameters, {"wheel_11": "front_left"})

@@ -1,0 +1,52 @@
+"""The verdicts on Ge & Ni (2005), and what makes them fail."""
+
+from __future__ import annotations
+
+import pytest
+from judging import verdict_on
+
+from ev_sim.verdicts.all_verdicts import declarations
+
+# A finding each: the radius comes from infinity, `increment` spins with u free, its layer is passed within one period,
+# and no reading is faster to its own final yaw rate.
+NOT_REPRODUCED = {"ge.fig4b.axis", "ge.claim.speed", "ge.claim.chatter", "ge.claim.response"}
+
+
+@pytest.mark.parametrize("id", declarations("ge_ni2005"))
+def test_verdict_is_the_expected_one(id: str):
+    judgement = verdict_on(id).judgement
+    assert (judgement == "not reproduced") == (id in NOT_REPRODUCED)
+    assert judgement != "not measured"
+
+
+@pytest.mark.parametrize(
+    ("id", "changed"),
+    [
+        ("ge.eq.yaw_rate", ("*", "vehicle.tyre.front_cornering_stiffness", 11000.0)),
+        ("ge.eq.beta", ("*", "vehicle.tyre.rear_cornering_stiffness", 12500.0)),
+        ("ge.eq.v", ("plant", "initial_speed", 5.1)),
+        ("ge.eq.radius", ("*", "vehicle.wheelbase", 1.76)),
+        ("ge.eq.centripetal", ("plant", "speed", "free")),
+        ("ge.eq.loads", ("*", "vehicle.load_transfer", "none")),
+        ("ge.eq.slips", ("plant", "initial_drive_torque", (0.0, 0.0, 0.0, 0.0))),
+        ("ge.eq.speeds", ("plant", "initial_speed", 5.1)),
+        ("ge.fig4c.axis", ("plant", "initial_speed", 6.0)),
+        ("ge.claim.beta", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.radius", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.centripetal", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.yaw_rate", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.v", ("electronic_differential", "target_slip", 0.06)),
+        ("ge.claim.slip_use", ("electronic_differential", "target_slip", 0.088)),
+        ("ge.claim.outer_slip_low", ("driver", "pedals.drive_torque", (2800.0,))),
+        ("ge.target", ("electronic_differential", "target_slip", 0.12)),
+        ("ge.turn_in", ("electronic_differential", "yaw_gain", 0.12)),
+    ],
+)
+def test_another_parameter_is_noticed(id: str, changed):
+    assert verdict_on(id, changed).judgement == "not reproduced"
+
+
+def test_full_car_in_place_of_the_sources_own_is_noticed():
+    """With u free the source's car spins with `increment`, the full one drives off."""
+    changed = (("*", "vehicle.load_transfer", "both"), ("*", "vehicle.tyre.lateral_curve", "linear"))
+    assert verdict_on("ge.claim.speed", *changed).judgement == "reproduced"
