@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class SecondOrder:
-    """J d'' + b d' + k d = torque, with inertia J [kg m^2], damping b [N m s/rad] and stiffness k [N m/rad], underdamped."""
+    """J d'' + b d' + k d = torque, with J [kg m^2], b [N m s/rad] and k [N m/rad]; underdamped."""
 
     inertia: float
     damping: float
