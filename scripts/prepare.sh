@@ -31,6 +31,15 @@ is_environment_ready() {
     [[ -x .venv/bin/python && "$(cat .venv/.complete 2>/dev/null)" == "$(environment_fingerprint)" ]]
 }
 
+# A whole .venv for this folder, beside ROS 2 or without it: other requirements can be installed into it.
+can_be_updated() {
+    local beside=false
+    [[ -z "$distribution" ]] || beside=true
+    [[ -z "${PYTHON:-}" && -x .venv/bin/python && -f .venv/.complete ]] &&
+        grep -q "^command = .* $root/\.venv\$" .venv/pyvenv.cfg &&
+        grep -qx "include-system-site-packages = $beside" .venv/pyvenv.cfg
+}
+
 is_build_ready() {
     [[ "$(cat install/.complete 2>/dev/null)" == "$(build_fingerprint)" ]]
 }
@@ -59,7 +68,22 @@ check_python() {
 install_beside_distribution() {
     sed -E 's/[[:space:]]*#.*//; s/(\[|==).*//; /^ros-/d; /^$/d' requirements.txt >.venv/missing.txt
     .venv/bin/python -c 'import numpy; print("numpy==" + numpy.__version__)' >.venv/constraints.txt
-    .venv/bin/python -m pip install --requirement .venv/missing.txt --constraint .venv/constraints.txt
+    install_packages --requirement .venv/missing.txt --constraint .venv/constraints.txt
+}
+
+# Python compiles what it imports when it does; pip would compile everything, which takes as long as the rest.
+install_packages() {
+    .venv/bin/python -m pip install --no-compile "$@"
+}
+
+update_environment() {
+    rm -f .venv/.complete # whoever interrupts this gets a new .venv
+    if [[ -n "$distribution" ]]; then
+        step "updating .venv" install_beside_distribution
+    else
+        step "updating .venv" install_packages --requirement requirements.txt
+    fi
+    environment_fingerprint >.venv/.complete
 }
 
 make_environment() {
@@ -73,7 +97,7 @@ make_environment() {
         check_python "$python"
         step "making .venv" "$python" -m venv .venv
         step "installing ROS 2 and the tools of requirements.txt (once, about a minute)" \
-            .venv/bin/python -m pip install --requirement requirements.txt
+            install_packages --requirement requirements.txt
     fi
     environment_fingerprint >.venv/.complete
     trap - EXIT
@@ -117,5 +141,11 @@ fi
 exec {lock}<"$root/scripts"
 flock --nonblock "$lock" || { echo "waiting for another set-up to finish ..." >&2 && flock "$lock"; }
 mkdir -p log
-is_environment_ready || make_environment
+if ! is_environment_ready; then
+    if can_be_updated; then
+        update_environment
+    else
+        make_environment
+    fi
+fi
 is_build_ready || build_workspace

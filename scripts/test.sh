@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Set up and run the test suite.
+# Set up and run the test suite, on all cores unless files or folders are named.
 #
 #     scripts/test.sh                    all tests
 #     scripts/test.sh -m "not slow"      the quick ones: no processes, no studies, no long runs
@@ -15,4 +15,10 @@ fi
 # shellcheck source=scripts/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 cd "$EV_STACK_ROOT"
-exec python -m pytest "$@"
+on_all_cores=(--numprocesses auto --dist worksteal)
+for word in "$@"; do
+    if [[ -e "${word%%::*}" ]]; then
+        on_all_cores=() # a few tests have ended before more processes have started
+    fi
+done
+exec python -m pytest "${on_all_cores[@]}" "$@"

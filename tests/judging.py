@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -20,8 +20,13 @@ from ev_sim.verdicts.verdict import Verdict, verdict
 
 def verdict_on(id: str, *changed: Value) -> Verdict:
     """The verdict on an id from runs whose parameters (node, name, value) are changed; slow needs are driven, too."""
+    return verdict_from(id, lambda need: _with(need, changed))
+
+
+def verdict_from(id: str, changed: Callable[[Need], Need]) -> Verdict:
+    """The verdict on an id from what is driven for its changed needs, such as a study with other options."""
     source, declaration = _find(id)
-    given = [driven(_with(need, changed)) for need in declaration.needs]
+    given = [driven(changed(need)) for need in declaration.needs]
     return verdict(published(source)[id], declaration, given)
 
 

@@ -19,12 +19,12 @@ class Running:
 
     def __init__(self, folder: Path, *arguments: str) -> None:
         self.folder = folder
+        before = set(os.listdir("/dev/shm"))
         self.output = folder.with_suffix(".txt").open("w+")
         words = [RUN, *LONG, "--out", str(folder), *arguments]
         self.script = subprocess.Popen(
             words, env=ENVIRONMENT, stdout=self.output, stderr=subprocess.STDOUT, start_new_session=True
         )
-        self.shared_memory = set(os.listdir("/dev/shm"))
         bag = folder / "bag" / "metadata.yaml"
         deadline = time.monotonic() + 60
         # Some hundred messages in the bag say that the graph steps; a bag exists as soon as the recorder does.
@@ -32,6 +32,7 @@ class Running:
             assert self.script.poll() is None, self.text()
             assert time.monotonic() < deadline, self.text()
             time.sleep(0.05)
+        self.shared_memory = set().union(*map(_shared_memory_of, self.processes())) - before
 
     def processes(self) -> dict[int, str]:
         """Process ids and command lines of everything that works for this run."""
@@ -61,4 +62,12 @@ class Running:
 
     def left_behind(self) -> tuple[dict[int, str], set[str]]:
         """Processes and shared memory of this run that are still there."""
-        return self.processes(), set(os.listdir("/dev/shm")) - self.shared_memory
+        return self.processes(), self.shared_memory & set(os.listdir("/dev/shm"))
+
+
+def _shared_memory_of(pid: int) -> set[str]:
+    """Names in /dev/shm of what a process has mapped or open."""
+    place = Path("/proc") / str(pid)
+    mapped = re.findall(r"/dev/shm/(\S+)", (place / "maps").read_text())
+    opened = (os.readlink(link) for link in (place / "fd").iterdir())
+    return {*mapped, *(name.removeprefix("/dev/shm/") for name in opened if name.startswith("/dev/shm/"))}

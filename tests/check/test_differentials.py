@@ -46,6 +46,7 @@ CHOICES: dict[str, tuple[dict, ...]] = {
         {"source": "estimated"},
         {"reading": "offset", "boundary_layer": False},
         {"reading": "increment", "layer_width": 0.5, "largest_correction": 1.0},
+        {"road.target": "fitted", "road.peak.window": 0.05, "road.share": 0.5},
     ),
     "steer_by_wire": ({"disturbance_rate": 0.0}, {"max_torque_difference": 5.0, "damping_ratio": 0.3}),
     "steering_correction": ({"axle": "rear", **ALL_DRIVEN}, REAR_DRIVEN, {"gain": 10.0, "largest_correction": 0.2}),

@@ -72,7 +72,7 @@ def test_pedal_release_forgets_the_correction():
     law.step(left_turn(0.05, 0.05))
     assert law.state["left"] > 0.0
     assert law.step(dataclasses.replace(left_turn(0.05, 0.05), torque=0.0)).drive == NO_WHEELS
-    assert law.state == {"left": 0.0, "right": 0.0}
+    assert law.state["left"] == law.state["right"] == 0.0
 
 
 @settings(deadline=None, max_examples=60)

@@ -186,6 +186,15 @@ def test_a_law_that_requires_a_column_is_refused_with_another():
     )
 
 
+def test_a_driver_that_requires_an_imposed_speed_is_refused_with_a_free_one():
+    """Also with a plant that cannot impose one."""
+    foot = {"method": "imposed_speed"}
+    check_graph(graph(driver=foot, plant={"method": "planar", "speed": "imposed"}))
+    for plant, chosen in (({"method": "planar"}, "free"), ({"method": "kinematic"}, None)):
+        text = refused_graph(graph(driver=foot, plant=plant))
+        assert text == f"driver method imposed_speed requires plant.speed imposed, but {chosen} is chosen"
+
+
 @pytest.mark.parametrize(("role", "name"), [(role, name) for role, of in all_methods().items() for name in of])
 def test_no_parameter_of_a_method_hides_one_that_every_node_has(role, name):
     """Both would be declared under one name, and the node would take the one for the other."""

@@ -10,6 +10,7 @@ from printed_ge_ni2005 import equal_torques
 from source_runs import driven, metrics_of, value
 
 from ev_sim.report.papers import ge_ni2005 as paper
+from ev_sim.report.quantities.understeer import understeer_gradient
 from ev_sim.verdicts.sources.ge_ni2005.claims import ORDERINGS
 from ev_sim.verdicts.sources.ge_ni2005.runs import READINGS
 
@@ -64,6 +65,13 @@ def test_the_sources_car_moves_as_the_printed_equations_say(run, free, rear, tol
         n = round(time / 0.001)
         assert channels["twist.longitudinal"][n] == pytest.approx(u, rel=1e-3), time
         assert channels["twist.yaw_rate"][n] == pytest.approx(yaw_rate, rel=tolerance), time
+
+
+def test_understeer_gradient_is_that_of_the_printed_stiffnesses():
+    """K = m (b/C_f - a/C_r)/L = 0.002249, also with C that do not follow the load."""
+    vehicle = driven("ge_ni2005").scenario.runs[0].configurations["plant"].common.vehicle
+    assert vehicle.tyre.lateral_curve == "constant_stiffness"
+    assert understeer_gradient(vehicle) == pytest.approx(0.002249, rel=1e-3)
 
 
 def test_turn_begins_in_the_equilibrium_of_straight_running():

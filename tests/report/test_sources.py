@@ -10,8 +10,6 @@ from ros_graph import graph
 from source_runs import differing, driven, metrics_of, mirrored, value
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.report.claim import LARGER, SMALLER, comparison
-from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities.torque_shares import turn_arounds
 from ev_sim.run.offline import run_offline
 from ev_sim.run.recording.recording import load, signal_hash
@@ -30,31 +28,6 @@ def short_run(scenario: str, duration: float | None = None, values: dict | None 
     changed = [("steering_column", key, list(value)) for key, value in (values or {}).items()]
     runs = load_scenario(scenario, Overrides(values=changed, duration=duration or seconds)).runs
     return next(run for run in runs if run.name == name)
-
-
-# Claims
-
-
-def test_comparison_of_magnitudes():
-    def claim(band, a, b):
-        return comparison("smaller radius", band, lambda: a, lambda: b, "m", "x")
-
-    assert claim(SMALLER, -1.0, 2.0).value == 0.5
-    assert claim(SMALLER, -1.0, 2.0).verdict == "reproduced with assumption x"
-    assert claim(SMALLER, 2.0, 1.0).verdict == claim(LARGER, 1.0, 2.0).verdict == "not reproduced"
-    assert claim(LARGER, 1.0, 1.0).judgement == claim(SMALLER, 1.0, 1.0).judgement == "not reproduced"
-    assert claim(LARGER, 2.0, 1.0).reference.source == "printed in words: smaller radius; measured 2 against 1 m"
-
-
-def test_comparison_without_a_run_says_so():
-    def missing() -> float:
-        raise NotMeasured("there is no run x")
-
-    assert comparison("larger", LARGER, lambda: 1.0, missing, "m").verdict == "not measured: there is no run x"
-
-
-def test_open_bands_are_valid_json():
-    assert comparison("larger", LARGER, lambda: 2.0, lambda: 1.0, "m").as_json()["band"] == [LARGER[0], None]
 
 
 # Zhileykin 2018

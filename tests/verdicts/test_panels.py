@@ -31,14 +31,22 @@ def test_no_panel_is_missing(source: str, count: int):
     assert len(panels(source)) == count
 
 
-def test_page_shows_what_was_drawn_and_why_something_was_not(tmp_path):
-    shown = panels("shchur2019")
+@pytest.mark.parametrize(
+    ("source", "count", "lost"),
+    [
+        ("shchur2019", 10, "a scheme of the turn"),
+        ("ge_ni2005", 12, "a scheme of the law"),
+        ("tatar_chudzik", 12, "a scheme of the forces"),
+    ],
+)
+def test_page_shows_what_was_drawn_and_why_something_was_not(tmp_path, source: str, count: int, lost: str):
+    shown = panels(source)
     needs: list[Need] = [need for panel in shown for need in panel.needs]
-    drawn = draw_panels("shchur2019", shown, {need: driven(need) for need in needs}, tmp_path)
-    page = write_page({"shchur2019": shown}, tmp_path).read_text()
-    assert len(drawn) == 10
+    drawn = draw_panels(source, shown, {need: driven(need) for need in needs}, tmp_path)
+    page = write_page({source: shown}, tmp_path).read_text()
+    assert len(drawn) == count
     assert all(path.stat().st_size > 5_000 and path.name in page for path in drawn)
-    assert "not drawn: a scheme of the turn" in page
+    assert f"not drawn: {lost}" in page
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from plant.planar.car import drive, outputs, plant
 
-from ev_msgs_py.contract.signals import BatteryCondition
+from ev_msgs_py.contract.signals import BatteryCondition, TireForces
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.vehicle.battery import Battery
 from ev_msgs_py.vehicle.description import Vehicle
@@ -46,3 +46,15 @@ def test_blended_braking_stops_the_car_alike_and_gains_energy():
         energy[blended] = moved.state[index("battery_work")]
     assert distance[True] == pytest.approx(distance[False], rel=5e-3)
     assert energy[True] < energy[False] - 1e4
+
+
+@pytest.mark.parametrize("pedal", [0.0, 60.0, -60.0])
+@pytest.mark.parametrize("speed", [15.0, -5.0])
+def test_blended_brakes_are_exactly_as_strong_as_asked(speed, pedal):
+    """At held speed, when the lag of the motors is over, each tyre has the force that friction brakes alone give it."""
+    forces = []
+    for blended in (False, True):
+        held = plant(Vehicle(blend_brakes=blended), initial_speed=speed, speed="held")
+        forces.append(drive(held, 2.0, Wheels.front(pedal, pedal), brake=200.0)[TireForces].longitudinal_force)
+    assert held.state[index("motor_torque")] * speed < 0.0
+    assert forces[1] == pytest.approx(forces[0], rel=1e-9)

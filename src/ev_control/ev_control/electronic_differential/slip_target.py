@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.estimation.free_wheel_speed import free_wheel_speed
+from ev_control.estimation.road_target import RoadTargetParameters, RoadTargetState, forget_road, target_by_road
 from ev_control.shared.slip_ratio import slip_ratio
 from ev_control.shared.sources import SOURCES, TRUTH
 from ev_control.shared.switching_control import SwitchingControlParameters, corrected
 from ev_control.shared.torque_split import BrakeSplitParameters, split
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.motion import speed_along_path
-from ev_msgs_py.contract.record import entry
+from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
@@ -40,6 +41,7 @@ class SlipTargetParameters(SwitchingControlParameters):
     target_slip: float = parameter(
         0.19, unit="1", low=0.0, high=1.0, about="target slip ratio of the inner wheel, l3*", source="Ge & Ni 2005"
     )
+    road: RoadTargetParameters = group(RoadTargetParameters)
     yaw_gain: float = parameter(
         0.11,
         unit="s/rad",
@@ -60,6 +62,7 @@ class SlipTargetState:
 
     left: float = entry(unit="N m", about="what the control has added to the equal torque of the left rear wheel")
     right: float = entry(unit="N m", about="the same of the right one")
+    road: RoadTargetState = part(RoadTargetState)
 
 
 @method(
@@ -93,6 +96,7 @@ def slip_target(
     equal, delta = split(p.brake, car, driver, 0.0), column.road_wheel_angle
     if driver.drive_torque <= 0.0 or driver.brake_torque > 0.0:
         s.left, s.right = 0.0, 0.0
+        forget_road(s.road)
         return equal
     if p.source == TRUTH:
         u, speed, yaw_rate = body.longitudinal, speed_along_path(body), body.yaw_rate
@@ -107,8 +111,9 @@ def slip_target(
     limit = p.largest_correction * share
     turn = delta if delta != 0.0 else yaw_rate
     outer_left, outer_right = turn < 0.0, turn > 0.0
-    target_left = p.target_slip + difference if outer_left else p.target_slip
-    target_right = p.target_slip - difference if outer_right else p.target_slip
+    target = target_by_road(p.road, car, s.road, period, wheels, slip_left, slip_right, p.target_slip)
+    target_left = target + difference if outer_left else target
+    target_right = target - difference if outer_right else target
     s.left = corrected(p, period, s.left, outer_left, target_left - slip_left, limit)
     s.right = corrected(p, period, s.right, outer_right, target_right - slip_right, limit)
     return WheelTorqueRequest(Wheels(0.0, 0.0, share + s.left, share + s.right), equal.brake)

@@ -72,4 +72,3 @@ class CompiledPart:
         fill(self.given.values["s"], self._state)
         notes: tuple[str, ...] = self._notes()
         return notes
-

@@ -158,7 +158,7 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
     """ParameterError if the configured nodes do not fit together.
 
     Nodes share one control period, one mode and one vehicle, what a method reads must be written by the others, and
-    the methods that it requires must be chosen.
+    the methods and values that it requires must be chosen.
     """
     common = {role: flatten(configuration.common) for role, configuration in configurations.items()}
     for name in flatten(CommonParameters()):
@@ -175,10 +175,12 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
                     f"{configuration.role} method {configuration.method.name} reads {signal.__name__}, "
                     f"which none of the chosen methods writes ({names})"
                 )
-        for role, name in configuration.method.requires.items():
-            chosen = configurations[role].method.name
-            if chosen != name:
+        for what, needed in configuration.method.requires.items():
+            role, _, parameter = what.partition(".")
+            other = configurations[role]
+            chosen = other.values().get(parameter) if parameter else other.method.name
+            if chosen != needed:
                 raise ParameterError(
-                    f"{configuration.role} method {configuration.method.name} requires {role} method {name}, "
-                    f"but {chosen} is chosen"
+                    f"{configuration.role} method {configuration.method.name} requires "
+                    f"{what if parameter else f'{role} method'} {needed}, but {chosen} is chosen"
                 )

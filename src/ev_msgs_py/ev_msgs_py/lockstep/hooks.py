@@ -73,7 +73,7 @@ class Declaring(Protocol):
     """The part of its role's signals that it can know; without it all."""
 
     requires: dict[str, str]
-    """By role the method without which this one makes no sense."""
+    """By role the method, or by ROLE.PARAMETER its value, without which this one makes no sense."""
 
     needs: tuple[Any, ...]
     """What the vehicle must have (`vehicle.layout.Need`)."""

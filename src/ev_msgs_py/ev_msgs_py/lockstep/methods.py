@@ -57,7 +57,7 @@ class Method:
 
     @property
     def requires(self) -> dict[str, str]:
-        """By role the method without which this one makes no sense."""
+        """By role the method, or by ROLE.PARAMETER its value, without which this one makes no sense."""
         return getattr(self.factory, "requires", {})
 
     @property

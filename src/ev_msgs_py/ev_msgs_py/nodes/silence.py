@@ -19,13 +19,15 @@ class Silence:
         self.answered()
 
     def answered(self) -> None:
-        """A step was taken."""
-        self._since = self._named = time.monotonic()
-        self._said = ""
+        """A step was taken; the clock is read when nothing comes after it."""
+        self._since: float | None = None
+        self._said: tuple[object, ...] = ()
 
     def name_after(self, timeout: float, missing: tuple[type, ...], now: int) -> None:
         """Say who is missing at a stamp, once every `timeout` seconds of wall time."""
         wall = time.monotonic()
+        if self._since is None:
+            self._since = self._named = wall
         if wall - self._named <= timeout:
             return
         self._named = wall
@@ -33,8 +35,8 @@ class Silence:
         there = {name for name, where in self._node.get_node_names_and_namespaces() if where == space}
         gone = [role for role in ROLES if role not in there]
         where = f"not in the graph: {', '.join(gone)}" if gone else "all nodes are in the graph, one does not answer"
-        if where != self._said:
-            self._said = where
+        if (where, missing) != self._said:
+            self._said = where, missing
             waits = ", ".join([f"{kind.__name__} of {WRITERS[kind]}" for kind in missing] or ["the recorder"])
             at = stamps.to_seconds(now)
             self._node.get_logger().error(f"waiting for {waits} at {at} s for {wall - self._since:.1f} s; {where}")

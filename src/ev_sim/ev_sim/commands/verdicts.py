@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.report.metric_table import WIDTH_OF_A_PIPE
 from ev_sim.run.progress_bar import bar_of_runs
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.workers import drive_cases
@@ -15,6 +17,7 @@ from ev_sim.verdicts.all_verdicts import SOURCES, needs_of, verdicts, wanted
 from ev_sim.verdicts.driving import drive
 from ev_sim.verdicts.kept import Kept
 from ev_sim.verdicts.need import Driven, Need
+from ev_sim.verdicts.panels_page import images_by_id
 from ev_sim.verdicts.table import counts, plain_table, write
 from ev_sim.verdicts.verdict import Verdict
 
@@ -31,8 +34,8 @@ def run_verdicts(argv: Sequence[str]) -> None:
     found, _ = judge_driven(given.only, given.quick)
     folder = (given.out or Path("results") / "verdicts").absolute()
     folder.mkdir(parents=True, exist_ok=True)
-    write(found, folder)
-    print(plain_table(found))
+    write(found, folder, {id: names for source in SOURCES for id, names in images_by_id(source).items()})
+    print(plain_table(found, shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns))
     for source in SOURCES:
         of_source = [each for (name, _), each in zip(chosen, found, strict=True) if name == source]
         if of_source:

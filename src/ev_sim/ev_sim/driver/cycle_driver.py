@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
 from ev_msgs_py.compiling.compilable import compilable
@@ -18,6 +19,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.layout import Need
 from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
 from ev_sim.driver.path import Path, path_of
+from ev_sim.driver.road_edge import edge_notes
 from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
 from ev_sim.profiles.cycle_modes import TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.profile import Profile, value_at
@@ -79,7 +81,7 @@ def drive_cycle(
     driven where the road slows it down more than it should (snow does); one that is to stand is held.
     """
     speed = speed_along_path(body)
-    hand_torque = keep_lane(p, car, c.path, s.hands, period, pose, speed, column)
+    hand_torque = keep_lane(p, car, c.path, s.hands, period, now.time, pose, speed, column)
     wanted = value_at(c.speed, now.time)
     if mode_at(c.modes, c.speed, now.time, period) == TRACTION:
         return DriverCommand(drive_torque(p, car, s, period, wanted, speed, wheels), 0.0, hand_torque)
@@ -88,7 +90,14 @@ def drive_cycle(
     return DriverCommand(drive, brake, hand_torque)
 
 
-def cycle_driver(name: str, parameters: type, needs: tuple[Need, ...] = ()) -> Callable[[D], D]:
+def notes(p: CycleDriverParameters, s: CycleDriverState) -> tuple[str, ...]:
+    """Whether the car has left its road."""
+    return edge_notes(s.hands.edge, p.path.width)
+
+
+def cycle_driver(
+    name: str, parameters: type, needs: tuple[Need, ...] = (), requires: Mapping[str, str] = MappingProxyType({})
+) -> Callable[[D], D]:
     """Register what a driver does in windows of traction as a driver of the whole cycle, under its docstring.
 
     It is `(p, car, s, period, wanted, speed, wheels)`, with the wanted and the present speed [m/s], and gives the drive
@@ -117,7 +126,9 @@ def cycle_driver(name: str, parameters: type, needs: tuple[Need, ...] = ()) -> C
             state=CycleDriverState,
             prepare=cycle_of,
             load_files=with_speed_profile_from_file,
+            notes=notes,
             needs=needs,
+            requires=requires,
             mirrored=True,
         )(compilable(named_after(driver, drive_torque)))
         return drive_torque

@@ -20,7 +20,8 @@ class ImposedSpeedParameters(CycleDriverParameters):
     level: PowerLevelParameters = group(PowerLevelParameters)
 
 
-@cycle_driver("imposed_speed", ImposedSpeedParameters, needs=(any_driven,))
+# A free car would run away from a foot that does not know its speed.
+@cycle_driver("imposed_speed", ImposedSpeedParameters, needs=(any_driven,), requires={"plant.speed": "imposed"})
 @compilable
 def imposed_speed(
     p: ImposedSpeedParameters,

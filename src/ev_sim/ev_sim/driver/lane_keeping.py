@@ -11,7 +11,12 @@ from ev_msgs_py.parameters.declaration import group
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.driver.path import Path, PathParameters
 from ev_sim.driver.pure_pursuit import PurePursuitParameters, pure_pursuit
+from ev_sim.driver.road_edge import RoadEdgeState, watch_edge
 from ev_sim.driver.steering import AngleControlParameters, AngleControlState, turn_to_angle
+
+# Below it [m/s] a car does not drive anywhere, it rocks on its tyres or is pressed against its brakes: the eyes stay
+# where they were, instead of following the sign of a velocity that is next to nothing.
+STANDING = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +48,8 @@ class LaneKeepingState:
 
     hands: AngleControlState = part(AngleControlState)
     leg: float = entry(unit="1", about="place of the leg of the path that is reached")
+    edge: RoadEdgeState = part(RoadEdgeState)
+    direction: float = entry(1.0, unit="1", about="to which the eyes look: 1 ahead, -1 back")
 
 
 @compilable
@@ -52,11 +59,15 @@ def keep_lane(
     path: Path,
     s: LaneKeepingState,
     period: float,
+    time: float,
     pose: BodyPose,
     speed: float,
     column: SteeringColumnState,
 ) -> float:
-    """Hand torque [N m] that leads the car along its path by pure pursuit, at a speed along the path [m/s]."""
-    angle, leg = pure_pursuit(p.pursuit, car, path, pose, speed, int(s.leg))
+    """Hand torque [N m] that leads the car along its path by pure pursuit, at a speed along it [m/s] and a time [s]."""
+    if abs(speed) > STANDING:
+        s.direction = 1.0 if speed > 0.0 else -1.0
+    angle, leg = pure_pursuit(p.pursuit, car, path, pose, s.direction * abs(speed), int(s.leg))
     s.leg = float(leg)
+    watch_edge(path, p.path.width, s.edge, time, pose, leg)
     return turn_to_angle(p.hands.angle_control, s.hands, period, car.steering_ratio * angle, column)

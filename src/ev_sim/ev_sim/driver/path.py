@@ -38,6 +38,13 @@ class PathParameters:
     start_heading: float = parameter(
         0.0, unit="rad", low=-10.0, high=10.0, about="direction of the first arc", lateral=True
     )
+    width: float = parameter(
+        7.0,
+        unit="m",
+        low=0.5,
+        high=1e4,
+        about="of the road, in whose middle the path lies; a run that leaves it says so",
+    )
 
     def __post_init__(self) -> None:
         if len(self.x) != len(self.y) or len(self.x) < 2:

@@ -15,6 +15,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
 from ev_sim.driver.path import Path, path_of
 from ev_sim.driver.pedal_profile import FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
+from ev_sim.driver.road_edge import edge_notes
 from ev_sim.profiles.profile_file import with_speed_profile_from_file
 
 
@@ -43,6 +44,11 @@ def course_of(parameters: PathFollowerParameters, vehicle: Vehicle, period: floa
     return Course(feet_profiles(parameters, vehicle, period), path_of(parameters.path))
 
 
+def notes(p: PathFollowerParameters, s: PathFollowerState) -> tuple[str, ...]:
+    """Whether the car has left its road."""
+    return edge_notes(s.hands.edge, p.path.width)
+
+
 @method(
     "driver",
     "path_follower",
@@ -50,6 +56,7 @@ def course_of(parameters: PathFollowerParameters, vehicle: Vehicle, period: floa
     state=PathFollowerState,
     prepare=course_of,
     load_files=with_speed_profile_from_file,
+    notes=notes,
     mirrored=True,
 )
 @compilable
@@ -67,4 +74,4 @@ def path_follower(
     """Steer along a path by pure pursuit through the hand torque, forwards and in reverse."""
     speed = speed_along_path(body)
     drive, brake = work_pedals(p, c.feet, s.feet, period, now.time, speed)
-    return DriverCommand(drive, brake, keep_lane(p, car, c.path, s.hands, period, pose, speed, column))
+    return DriverCommand(drive, brake, keep_lane(p, car, c.path, s.hands, period, now.time, pose, speed, column))

@@ -34,7 +34,7 @@ class Case:
 class CaseResult:
     """What a study has measured on a case, or in `refused` one line on why the case cannot be driven.
 
-    `simulated_time` and `wall_time` [s] are those of driving.
+    `simulated_time` and `wall_time` [s] are those of driving, `notes` what its nodes noted.
     """
 
     name: str
@@ -43,6 +43,7 @@ class CaseResult:
     simulated_time: float = 0.0
     wall_time: float = 0.0
     refused: str = ""
+    notes: tuple[str, ...] = ()
 
 
 def drive_case(case: Case, measure: Measure) -> CaseResult:
@@ -55,11 +56,17 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     try:
         run = run_of(case)
         start = time.monotonic()
-        recording = run_offline(run.configurations, run.duration)
+        notes: list[str] = []
+        recording = run_offline(
+            run.configurations, run.duration, note=lambda role, text: notes.append(f"{role}: {text}")
+        )
     except ValueError as error:  # a ParameterError or SignalError, or what a law says to its vehicle
         return CaseResult(case.name, {}, refused=str(error))
     wall_time = time.monotonic() - start
-    return CaseResult(case.name, measure(recording, run), signal_hash(recording), run.duration, wall_time)
+    measured = measure(recording, run)
+    return CaseResult(
+        case.name, measured, signal_hash(recording), run.duration, wall_time, notes=tuple(dict.fromkeys(notes))
+    )
 
 
 def run_of(case: Case) -> Run:

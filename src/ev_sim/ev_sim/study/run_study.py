@@ -16,7 +16,7 @@ from ev_sim.report.summary import versions, write_summary
 from ev_sim.run.output_folder import OutputFolder
 from ev_sim.run.progress_bar import bar_of_runs
 from ev_sim.study.case import Case
-from ev_sim.study.study import Results, study_named
+from ev_sim.study.study import Results, Study, study_named
 from ev_sim.study.workers import drive_cases
 
 
@@ -32,11 +32,10 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def run_study(name: str, argv: Sequence[str]) -> None:
-    """Drive all cases of a study and report; raises what `ev_sim.commands.run_scenario.main` catches."""
-    study, given = study_named(name), arguments(name, argv)
+def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
+    """The cases of a study with what the command line changes in all of them."""
     common = overrides(given)
-    cases = [
+    return [
         Case(
             case.name,
             case.scenario,
@@ -47,6 +46,12 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         )
         for case in study.cases(given)
     ]
+
+
+def run_study(name: str, argv: Sequence[str]) -> None:
+    """Drive all cases of a study and report; raises what `ev_sim.commands.run_scenario.main` catches."""
+    study, given = study_named(name), arguments(name, argv)
+    cases = study_cases(study, given)
     folder = OutputFolder(given.out or Path("results") / name, ())
     start = time.monotonic()
     with bar_of_runs(name, len(cases)) as bar:
@@ -65,6 +70,8 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     for result in driven:
         if result.refused:
             print(f"not driven: {result.name}: {result.refused}")
+        for note in result.notes:
+            print(f"note: {result.name}: {note}")
     print(f"signal hash {content['signal_hash']}")
     print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s")
     print(f"figures and summary: {folder.directory}")
@@ -98,6 +105,7 @@ def _summary(
                 "values": [list(value) for value in case.values],
                 "signal_hash": results[case.name].signal_hash,
                 "refused": results[case.name].refused,
+                "notes": list(results[case.name].notes),
                 "measured": {
                     key: value
                     for key, value in results[case.name].measured.items()

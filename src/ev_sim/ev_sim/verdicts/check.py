@@ -105,7 +105,28 @@ class Comparison:
         return f"{100 * (value - 1):+.3g} %" if math.isfinite(value) else "from nothing"
 
 
-Check = Number | Comparison
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A number that stands beside the judged ones: another reading, or what our own runs have."""
+
+    unit: str
+    measure: Measure
+    name: str
+
+    def metric(self, of: Basis, driven: tuple[Any, ...]) -> Metric:
+        """The number without a reference."""
+        return metric(lambda: self.measure(*driven), self.unit)
+
+    def tolerance_for(self, driven: tuple[Any, ...]) -> Tolerance:
+        """None that could fail."""
+        return between(-math.inf, math.inf, "shown, not judged")
+
+    def text(self, value: float) -> str:
+        """A value with its unit."""
+        return f"{value:.5g} {self.unit}".removesuffix(" 1")
+
+
+Check = Number | Comparison | Shown
 
 
 def larger(unit: str, measure: Measure, against: Measure, margin: float, why: str, name: str = "") -> Comparison:

@@ -6,7 +6,7 @@ import hashlib
 import pickle
 import shutil
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
@@ -17,7 +17,7 @@ from ev_sim.report.summary import versions
 from ev_sim.run.recording.atomic import atomic_file
 from ev_sim.run.recording.recording import Recording, load, save
 from ev_sim.run.scenarios.scenario import Run
-from ev_sim.study.case import Case, CaseResult
+from ev_sim.study.case import Case, CaseResult, Measure
 
 _PACKAGES = ("ev_msgs_py", "ev_control", "ev_sim")
 _NEVER_DRIVES = ("ev_sim/commands", "ev_sim/verdicts", "ev_sim/report/figures", "ev_sim/report/scenarios")
@@ -33,6 +33,25 @@ class Keep:
     def __call__(self, recording: Recording, run: Run) -> Mapping[str, Any]:
         save(recording, self.path)
         return {}
+
+
+@dataclass(frozen=True, slots=True)
+class KeepMeasured:
+    """What a worker does with the case of a study: it measures and writes, so that what is done outlives a stop."""
+
+    path: Path
+    measure: Measure
+
+    def __call__(self, recording: Recording, run: Run) -> Mapping[str, Any]:
+        measured = self.measure(recording, run)
+        keep(CaseResult("", measured), self.path)
+        return measured
+
+
+def keep(result: CaseResult, path: Path) -> None:
+    """Write what a study has measured on a case, or why it was refused."""
+    with atomic_file(path) as file:
+        pickle.dump(result, file)
 
 
 class Kept:
@@ -53,17 +72,16 @@ class Kept:
 
     def recording(self, case: Case) -> Path:
         """Where the signals of a case are, or have to be written."""
-        return self._recordings / f"{_key(case)}.npz"
+        return self._recordings / f"{case_key(case)}.npz"
 
-    def measured(self, study: str, case: Case) -> CaseResult | None:
-        """What a study has measured on a case, None if that is not known yet."""
-        path = self._measured / f"{study}_{_key(case)}.pickle"
-        return pickle.loads(path.read_bytes()) if path.exists() else None
+    def measured(self, study: str, case: Case) -> Path:
+        """Where what a study has measured on a case is, or has to be written."""
+        return self._measured / f"{study}_{case_key(case)}.pickle"
 
-    def keep(self, study: str, case: Case, result: CaseResult) -> None:
-        """Write what a study has measured on a case."""
-        with atomic_file(self._measured / f"{study}_{_key(case)}.pickle") as file:
-            pickle.dump(result, file)
+
+def measured_at(path: Path, name: str) -> CaseResult:
+    """What a study has measured on a case of this name."""
+    return replace(pickle.loads(path.read_bytes()), name=name)
 
 
 @lru_cache(maxsize=6)  # one of a whole cycle has 80 MB
@@ -72,7 +90,8 @@ def recording_at(path: Path) -> Recording:
     return load(path)
 
 
-def _key(case: Case) -> str:
+def case_key(case: Case) -> str:
+    """A digest of what a case drives, whatever its name."""
     said = repr((case.scenario, case.values, case.run, [str(file) for file in case.files], case.duration))
     return hashlib.sha256(said.encode()).hexdigest()[:24]
 
@@ -89,7 +108,8 @@ def _files(without: tuple[str, ...]) -> Iterable[tuple[str, Path]]:
         top = Path(import_module(package).__file__ or "").parent.parent
         for path in (top / package).rglob("*.py"):
             name = path.relative_to(top).as_posix()
-            if not name.startswith(tuple(f"{each}/" for each in without)):
+            # What the compiler leaves beside the sources says nothing that they do not.
+            if "__pycache__" not in path.parts and not name.startswith(tuple(f"{each}/" for each in without)):
                 yield name, path
     config = config_directory()
     for path in config.rglob("*"):

@@ -12,6 +12,7 @@ from ev_sim.verdicts.need import Need
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+WIDTH = 6.2  # of a panel with its labels [inch]
 Draw = Callable[..., "Figure"]  # takes what was driven, one argument for each of the needs
 
 
@@ -56,7 +57,7 @@ def over_time(
     def draw(*driven: object) -> Figure:
         from ev_sim.report.figures.drawing import sheet
 
-        figure = sheet([panel(*driven)], xlabel, columns=1, start=start)
+        figure = sheet([panel(*driven)], xlabel, columns=1, start=start, panel_width=WIDTH)
         if ends:
             figure.axes[0].set_ylim(*ends)
         return figure

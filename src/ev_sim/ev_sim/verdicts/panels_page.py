@@ -29,6 +29,15 @@ def file_name(source: str, panel: PublishedPanel) -> str:
     return f"{source}_{panel.name}.png"
 
 
+def images_by_id(source: str) -> dict[str, list[str]]:
+    """The images that show an id, of all ids of a source that are drawn."""
+    found: dict[str, list[str]] = {}
+    for panel in panels(source):
+        for id in panel.ids if panel.draw else ():
+            found.setdefault(id, []).append(file_name(source, panel))
+    return found
+
+
 def draw_panels(
     source: str, shown: Sequence[PublishedPanel], driven: Mapping[Need, Driven], folder: Path
 ) -> list[Path]:

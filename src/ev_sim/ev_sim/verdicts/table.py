@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ev_sim.report.text_table import text_table
@@ -12,12 +12,16 @@ from ev_sim.run.recording.atomic import atomic_file
 from ev_sim.verdicts.verdict import SORTS, Verdict, sort_of
 
 COLUMNS = ("id", "kind", "what", "printed", "ours", "tolerance", "verdict", "driven")
-_SHORT = ("id", "ours", "verdict")
+_SHORT = ("id", "verdict", "ours")
 
 
-def plain_table(verdicts: Sequence[Verdict]) -> str:
-    """Id, number and verdict, for the terminal."""
-    return text_table(_SHORT, [(each.published.id, each.ours, each.text) for each in verdicts], left=_SHORT)
+def plain_table(verdicts: Sequence[Verdict], width: int) -> str:
+    """Id, sort of verdict and numbers, cut to `width` characters; the files have the rest."""
+    rows = [(each.published.id, sort_of(each.text), each.ours) for each in verdicts]
+    return "\n".join(
+        line if len(line) <= width else f"{line[: width - 1].rstrip()}…"
+        for line in (line.rstrip() for line in text_table(_SHORT, rows, left=_SHORT).splitlines())
+    )
 
 
 def counts(verdicts: Sequence[Verdict]) -> str:
@@ -37,9 +41,10 @@ def markdown_row(of: Verdict) -> str:
     return _line((f"`{what.id}`", what.kind, what.quantity, what.printed, of.ours, of.tolerance, of.text, of.run))
 
 
-def write(verdicts: Sequence[Verdict], folder: Path) -> None:
-    """Write verdicts.json and verdicts.md."""
-    content = json.dumps([each.as_json() for each in verdicts], indent=2, allow_nan=False, ensure_ascii=False)
+def write(verdicts: Sequence[Verdict], folder: Path, images: Mapping[str, Sequence[str]]) -> None:
+    """Write verdicts.json and verdicts.md; `images` are those of scripts/run.sh figures that show an id."""
+    entries = [{**each.as_json(), "figures": list(images.get(each.published.id, ()))} for each in verdicts]
+    content = json.dumps(entries, indent=2, allow_nan=False, ensure_ascii=False)
     for name, text in (("verdicts.json", content + "\n"), ("verdicts.md", markdown_table(verdicts))):
         with atomic_file(folder / name) as file:
             file.write(text.encode())

@@ -26,6 +26,8 @@ class Tolerance:
 
     def text(self, unit: str) -> str:
         """Width and reason, for a table."""
+        if self.ends == (-math.inf, math.inf):
+            return self.why
         if self.ends:
             low, high = self.ends
             inside = f"{low:.6g} .. {high:.6g}" if math.isfinite(high) and math.isfinite(low) else _open(low, high)

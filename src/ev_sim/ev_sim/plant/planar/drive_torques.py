@@ -37,8 +37,10 @@ def apply_drives(
     wheel_speed = s.motion[WHEEL_SPEED : WHEEL_SPEED + 4]
     for i in range(4):
         asked[i] = step.drive_command[i]
-        if car.blend_brakes == 1.0:
-            asked[i] -= _blended(car, wheel_speed[i], step.brake_command[i]) * car.driven[i]
+        if car.blend_brakes == 1.0 and car.driven[i] == 1.0 and step.brake_command[i] > 0.0:
+            wanted = behind_gear(car, asked[i], wheel_speed[i])
+            wanted -= _blended(car, wheel_speed[i], step.brake_command[i])
+            asked[i] = before_gear(car, wanted, wheel_speed[i])
     shaft_speeds(car, wheel_speed, shaft)
     motor_commands(car, asked, target)
     if car.driveline.coupling == CLUTCH:
@@ -64,17 +66,29 @@ def apply_drives(
             advance_drive(drive, p, scale * target[i], shaft[i] * gear, voltage, h)
             motor[i] = drive.mean_torque
             s.motor_torque[i] = drive.torque
-        behind = motor[i] * gear
-        efficiency = car.motor.gear_efficiency
-        target[i] = behind * efficiency if motor[i] * shaft[i] >= 0.0 else behind / efficiency
+        target[i] = behind_gear(car, motor[i] * gear, shaft[i])
     wheel_torques(car, target, wheel_speed, s.torque_share, step.drive)
     for i in range(4):
         step.brake[i] = step.brake_command[i]
-        if car.blend_brakes == 1.0 and asked[i] != step.drive_command[i]:
+        if car.blend_brakes == 1.0 and car.driven[i] == 1.0 and step.brake_command[i] > 0.0:
             # The friction brake fills up what the motor does not deliver, because of its limits or its lag.
-            delivered = step.drive_command[i] - step.drive[i]
+            delivered = behind_gear(car, step.drive_command[i], wheel_speed[i]) - step.drive[i]
             delivered = delivered if wheel_speed[i] > 0.0 else -delivered
             step.brake[i] -= min(max(delivered, 0.0), step.brake_command[i])
+
+
+@inlined
+def behind_gear(car: Car, torque: float, speed: float) -> float:
+    """The torque behind a gear [N m] that turns at a speed [rad/s], from what it would be without losses."""
+    efficiency = car.motor.gear_efficiency
+    return torque * efficiency if torque * speed >= 0.0 else torque / efficiency
+
+
+@inlined
+def before_gear(car: Car, torque: float, speed: float) -> float:
+    """The inverse of `behind_gear`."""
+    efficiency = car.motor.gear_efficiency
+    return torque / efficiency if torque * speed >= 0.0 else torque * efficiency
 
 
 @inlined

@@ -38,7 +38,8 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     friction; without tyres there is no such limit. After Rajamani, Vehicle Dynamics and Control, 2012, chapter 8.
     """
     speed, angle = channel(run, "twist.longitudinal"), channel(run, derived.ROAD_WHEEL_ANGLE)
-    wanted = speed * angle / (vehicle.wheelbase + understeer_gradient(vehicle) * speed**2)
+    turned = angle * (1.0 - vehicle.rear_steering_ratio)
+    wanted = speed * turned / (vehicle.wheelbase + understeer_gradient(vehicle) * speed**2)
     if f"tire_forces.friction_coefficient.{WHEEL_NAMES[0]}" in run.channels:
         friction = np.mean(_of_wheels(run, "tire_forces.friction_coefficient"), axis=0)
         limit = friction * GRAVITY / np.maximum(np.abs(speed), SLOWEST)

@@ -13,11 +13,11 @@ from ev_sim.tyres.curve import CURVES, SLIP_FLOOR, secant
 def axle_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tuple[float, float]:
     """Cornering stiffnesses C_1, C_2 of the front and the rear axle [N/rad] at static load, small slip and no drive.
 
-    That of the linear lateral curve, or else the slope of the friction curve at zero slip on the surface, stretched by
+    Those of a lateral line, or else the slope of the friction curve at zero slip on the surface, stretched by
     `lateral_ratio`, times the load of the axle.
     """
     tyre = vehicle.tyre
-    if tyre.lateral_curve == "linear":
+    if tyre.lateral_curve != "same":
         return 2 * tyre.front_cornering_stiffness, 2 * tyre.rear_cornering_stiffness
     on_road = tyre_on_road(tyre.curve, tyre.coefficients, surface)
     slope = tyre.lateral_ratio * secant(CURVES.index(tyre.curve), SLIP_FLOOR, on_road)

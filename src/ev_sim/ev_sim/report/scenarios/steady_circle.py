@@ -122,7 +122,10 @@ def steady(run: Recording) -> slice:
         start = motion.first(angle == angle[-1], "the fixed steering-wheel angle") + SETTLING
     else:
         start = motion.first(acceleration >= RANGE[0], f"{RANGE[0]:g} m/s^2")
-    return slice(start, int(acceleration.argmax()) + 1)
+    part = slice(start, int(acceleration.argmax()) + 1)
+    if not acceleration[part].size:
+        raise NotMeasured("the lateral acceleration does not rise once the car follows the steering wheel")
+    return part
 
 
 def _curve(name: str, run: Recording, values: np.ndarray) -> Curve:
@@ -151,6 +154,8 @@ def _gradient(run: Recording, values: np.ndarray) -> float:
     inside = (acceleration >= RANGE[0]) & (acceleration <= RANGE[1])
     if acceleration.max() < RANGE[1]:
         raise NotMeasured(f"the lateral acceleration stays below {RANGE[1]:g} m/s^2")
+    if np.count_nonzero(inside) < 2:
+        raise NotMeasured(f"the lateral acceleration jumps over {RANGE[0]:g} to {RANGE[1]:g} m/s^2")
     return float(np.polyfit(acceleration[inside], values[inside], 1)[0])
 
 

@@ -144,7 +144,8 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
     for role in ROLES:
         try:
             for other, needed in chosen_method(role, values[role]).requires.items():
-                values[other].setdefault("method", needed)
+                if other in ROLES:
+                    values[other].setdefault("method", needed)
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}") from None
     for role in ROLES:

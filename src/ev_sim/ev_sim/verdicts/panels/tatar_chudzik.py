@@ -1,33 +1,62 @@
-"""The figures of Tatar & Chudzik."""
+"""The figures of Tatar & Chudzik: forces in the axes of the car and wheel speeds over time, for each layout."""
 
 from __future__ import annotations
 
-from ev_sim.report.figures.panels import Panel
-from ev_sim.report.scenarios import tatar_chudzik as report
+from collections.abc import Callable
+
+import numpy as np
+
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.panels import Curve, Panel, panel
+from ev_sim.report.quantities.car_axes import tyre_force
+from ev_sim.report.samples import channel, run_named
+from ev_sim.run.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.panel import PublishedPanel, cannot_be_drawn, over_time
-from ev_sim.verdicts.sources.tatar_chudzik.runs import RUNS
+from ev_sim.verdicts.sources.tatar_chudzik.runs import CORRECTED, EQUAL, LAYOUTS, RUNS, WHEELS
 
-_ROWS = {
-    "F_y with equal torques": (3, 6, 9),
-    "F_x with equal torques": (4, 7, 10),
-    "Wheel speeds with equal torques": (5, 8, 11),
-    "F_y with corrected torques": (12, 13, 14),
-}
+_OfWheel = Callable[[Recording, str, Vehicle], np.ndarray]
 
 
-def _panel(number: int, row: str) -> PublishedPanel:
-    def panel(driven: ScenarioRuns) -> Panel:
-        return report.panels(driven.runs, driven.vehicle)[number]
+def _force_x(run: Recording, wheel: str, vehicle: Vehicle) -> np.ndarray:
+    return tyre_force(run, wheel, vehicle).x
 
-    wheels = ("FL", "FR", "RL", "RR") if number >= 12 else ()
-    ids = tuple(f"tatar.fig{number}.{wheel}" for wheel in wheels) or (f"tatar.fig{number}",)
-    shown = (*ids, "tatar.fig12_14.curves") if wheels else ids
-    return PublishedPanel(str(number), "", row, shown, (RUNS,), over_time(panel))
+
+def _force_y(run: Recording, wheel: str, vehicle: Vehicle) -> np.ndarray:
+    return tyre_force(run, wheel, vehicle).y
+
+
+def _speed(run: Recording, wheel: str, vehicle: Vehicle) -> np.ndarray:
+    return channel(run, f"wheel_states.velocity.{wheel}")
+
+
+def _row(
+    title: str, ylabel: str, first: int, step: int, control: str, of: _OfWheel, split: bool = False
+) -> tuple[PublishedPanel, ...]:
+    """The same panel for the three layouts; `first` and `step` number the figures, `split` ids go wheel by wheel."""
+
+    def shown(layout: str, number: int) -> Callable[[ScenarioRuns], Panel]:
+        def curves(driven: ScenarioRuns) -> list[Curve]:
+            run = run_named(driven.runs, f"{layout}_{control}")
+            return [
+                Curve(run.time, of(run, wheel, driven.vehicle), wheel.replace("_", " ")) for wheel in WHEELS.values()
+            ]
+
+        return lambda driven: panel(f"{title}, {layout}-wheel drive", ylabel, lambda: curves(driven))
+
+    panels = []
+    for place, layout in enumerate(LAYOUTS):
+        number = first + step * place
+        ids = tuple(f"tatar.fig{number}.{wheel}" for wheel in WHEELS) if split else (f"tatar.fig{number}",)
+        panels.append(PublishedPanel(str(number), "", title, ids, (RUNS,), over_time(shown(layout, number))))
+    return tuple(panels)
 
 
 PANELS = (
     cannot_be_drawn("1", "", "Schemes", "a scheme of the forces, no quantity over another one", "tatar.fig1"),
     cannot_be_drawn("2", "", "Schemes", "a scheme of inputs and outputs, no quantity over another one", "tatar.fig2"),
-    *(_panel(number, row) for row, numbers in _ROWS.items() for number in numbers),
+    *_row("Forces along y of the car, equal torques", "force [N]", 3, 3, EQUAL, _force_y),
+    *_row("Forces along x of the car, equal torques", "force [N]", 4, 3, EQUAL, _force_x),
+    *_row("Wheel speeds, equal torques", "speed [rad/s]", 5, 3, EQUAL, _speed),
+    *_row("Forces along y of the car, corrected torques", "force [N]", 12, 1, CORRECTED, _force_y, split=True),
 )

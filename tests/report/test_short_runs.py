@@ -1,0 +1,28 @@
+"""Reports of runs that end before anything has happened: not measured, and never an error."""
+
+from __future__ import annotations
+
+import pytest
+
+from ev_sim.report.reports import report_for
+from ev_sim.run.offline import run_offline
+from ev_sim.run.scenarios.scenario import Overrides, load_scenario, scenario_names
+
+BEGIN = (("driver", "pedals.begin", True),)  # pedals from the start instead of the speed profile
+
+
+@pytest.mark.parametrize(
+    ("name", "duration", "values"),
+    [*((name, 0.5, ()) for name in scenario_names()), ("steady_circle", 4.0, ()), ("steady_circle", None, BEGIN)],
+)
+def test_a_report_bears_any_run(name, duration, values):
+    scenario = load_scenario(name, Overrides(values=values, duration=duration))
+    runs = {run.name: run_offline(run.configurations, run.duration) for run in scenario.runs}
+    first = scenario.runs[0].configurations
+    parameters = {role: configuration.values() for role, configuration in first.items()}
+    report, vehicle = report_for(name), first["plant"].common.vehicle
+    metrics = report.metrics(runs, vehicle, parameters)
+    assert metrics
+    assert report.figures(runs, vehicle, parameters) is not None
+    if name == "steady_circle":
+        assert all(metric.value is None for key, metric in metrics.items() if key.endswith("_gradient"))

@@ -1,0 +1,145 @@
+"""What verdicts need is driven once, and again only where something has changed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from judging import drive_here
+
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.commands.run_scenario import main
+from ev_sim.run.outcome import RunFailed
+from ev_sim.study.case import CaseResult, drive_case
+from ev_sim.verdicts.driving import cases_of, drive
+from ev_sim.verdicts.kept import Kept
+from ev_sim.verdicts.need import ScenarioNeed, StudyNeed
+
+HOLDING = ScenarioNeed("shchur2019_steps", runs=("hold_manual",), duration=0.1)
+SHORT_STUDY = StudyNeed("five_methods", ("--seeds", "1", "--drivers", "pulse"))
+CHEAP = cases_of(HOLDING)[0]
+
+
+def counting(driven: list[str]):
+    def drive_cases(cases, measures):
+        driven.extend(case.run for case in cases)
+        return drive_here(cases, measures)
+
+    return drive_cases
+
+
+def test_a_run_is_driven_once(tmp_path: Path):
+    driven: list[str] = []
+    first = drive([HOLDING, HOLDING], Kept(tmp_path), counting(driven))[HOLDING]
+    again = drive([HOLDING], Kept(tmp_path), counting(driven))[HOLDING]
+    assert driven == ["hold_manual"]
+    assert list(again.runs) == ["hold_manual"]
+    assert np.array_equal(first.runs["hold_manual"].time, again.runs["hold_manual"].time)
+    assert again.vehicle.name == "audi_a2"
+
+
+def test_another_parameter_is_another_run(tmp_path: Path):
+    driven: list[str] = []
+    changed = ScenarioNeed("shchur2019_steps", (("steering_column", "damping", 8.0),), ("hold_manual",), 0.1)
+    drive([HOLDING, changed], Kept(tmp_path), counting(driven))
+    assert driven == ["hold_manual", "hold_manual"]
+    assert changed.command == "shchur2019_steps --set steering_column.damping=8.0 --duration 0.1"
+
+
+def measuring(cases, measures):
+    """A case that every study can measure, in place of its own."""
+    measures = [replace(measure, measure=lambda recording, run: {"x": 1.0}) for measure in measures]
+    return [replace(drive_case(CHEAP, measure), name=case.name) for case, measure in zip(cases, measures, strict=True)]
+
+
+def test_what_a_study_has_measured_is_kept(tmp_path: Path):
+    drive([SHORT_STUDY], Kept(tmp_path), measuring)
+    again = drive([SHORT_STUDY], Kept(tmp_path), lambda *jobs: pytest.fail("nothing is left to drive"))[SHORT_STUDY]
+    assert list(again.results) == [case.name for case in cases_of(SHORT_STUDY)]
+    assert all(result.measured == {"x": 1.0} for result in again.results.values())
+
+
+def test_what_was_measured_before_a_stop_is_not_driven_again(tmp_path: Path):
+    def stopped(cases, measures):
+        measuring(cases[:2], measures[:2])
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        drive([SHORT_STUDY], Kept(tmp_path), stopped)
+    left: list[str] = []
+    drive(
+        [SHORT_STUDY],
+        Kept(tmp_path),
+        lambda cases, measures: left.extend(c.name for c in cases) or measuring(cases, measures),
+    )
+    assert left == [case.name for case in cases_of(SHORT_STUDY)][2:]
+
+
+def test_a_refused_case_of_a_study_stays_refused(tmp_path: Path):
+    drive([SHORT_STUDY], Kept(tmp_path), lambda cases, measures: [CaseResult(c.name, {}, refused="no") for c in cases])
+    again = drive([SHORT_STUDY], Kept(tmp_path), drive_here)[SHORT_STUDY]
+    assert {result.refused for result in again.results.values()} == {"no"}
+
+
+def test_what_other_sources_have_left_is_removed(tmp_path: Path):
+    (tmp_path / "recordings_of_old").mkdir()
+    (tmp_path / "mine").mkdir()
+    Kept(tmp_path)
+    assert not (tmp_path / "recordings_of_old").exists()
+    assert (tmp_path / "mine").exists()
+
+
+def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    from ev_sim.verdicts import kept
+
+    Kept(tmp_path)
+    before = {path.name for path in tmp_path.iterdir()}
+    files = [*kept._files(())]
+    other = tmp_path / "other.yaml"
+    other.write_text("x: 1\n")
+    monkeypatch.setattr(kept, "_files", lambda without: [*files, ("config/other.yaml", other)])
+    Kept(tmp_path)
+    assert before.isdisjoint(path.name for path in tmp_path.iterdir())
+
+
+def test_a_run_that_cannot_be_driven_is_one_line(tmp_path: Path):
+    refusing = lambda cases, measures: [CaseResult(case.name, {}, refused="no") for case in cases]  # noqa: E731
+    with pytest.raises(RunFailed, match=r"^shchur2019_steps --duration 0\.1 hold_manual: no$"):
+        drive([HOLDING], Kept(tmp_path), refusing)
+
+
+def test_command_writes_one_object_for_each_id(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    main(["verdicts", "--only", "shchur.hold30", "shchur.fig2", "shchur.fig4.transients", "shchur.fig1b.end"])
+    said = capsys.readouterr().out
+    written = json.loads((tmp_path / "results" / "verdicts" / "verdicts.json").read_text())
+    assert [each["id"] for each in written] == [
+        "shchur.fig1b.end",
+        "shchur.hold30.manual",
+        "shchur.hold30.assisted",
+        "shchur.hold30.dm",
+        "shchur.fig4.transients",
+        "shchur.fig2",
+    ]
+    end, manual, assisted, *_ = written
+    assert (end["figures"], manual["figures"]) == (["shchur2019_fig_1_b.png"], [])
+    assert all({"id", "printed", "ours", "verdict", "assumption", "run"} <= each.keys() for each in written)
+    assert manual["verdict"] == "reproduced"
+    assert assisted["verdict"] == f"reproduced with assumption {assisted['assumption']}"
+    assert manual["run"] == "shchur2019_steps"
+    assert "all: 6 ids, 3 reproduced with assumption, 1 reproduced, 1 not judgeable, 1 no verdict" in said
+    assert "shchur.hold30.manual" in (tmp_path / "results" / "verdicts" / "verdicts.md").read_text()
+
+
+@pytest.mark.parametrize("command", ["verdicts", "figures"])
+def test_unknown_source_is_one_line(command: str):
+    with pytest.raises(SystemExit, match=r"^error: --only nobody"):
+        main([command, "--only", "nobody"])
+
+
+def test_a_misspelt_parameter_is_refused(tmp_path: Path):
+    with pytest.raises(ParameterError, match="dampling"):
+        drive([ScenarioNeed("shchur2019_steps", (("steering_column", "dampling", 8.0),))], Kept(tmp_path), drive_here)
