@@ -29,7 +29,8 @@ def _share(letter: str) -> PublishedPanel:
     def panel(driven: ScenarioRuns) -> Panel:
         return bend.panels(driven.runs)[letter]
 
-    return PublishedPanel("5", letter, _SHARES, (f"zhil.fig5{letter}",), (BEND,), over_time(panel))
+    ends = (0.0, 0.5) if letter == "a" else (0.0, 1.0)
+    return PublishedPanel("5", letter, _SHARES, (f"zhil.fig5{letter}",), (BEND,), over_time(panel, ends=ends))
 
 
 PANELS = (
