@@ -4,7 +4,9 @@
 
 Each run has 10 s with a speed and a seed of its own, and noise in what the driver reads: driver, steering column, laws
 and sensors every 10 ms, the plant every 1 ms. The plant alone is one object that is advanced over
-seconds at a time, with fixed torques and wheels: nothing but its fused loop, on one core.
+seconds at a time, with fixed torques and wheels: nothing but its fused loop, on one core. Cores that share caches or
+execution units do not do as much together as each of them alone: the loop is measured on all cores at once, too, and
+`share_of_loops_at_once` is what the batch reaches of that.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import json
 import os
 import platform
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +58,12 @@ def fused_loop_rate(plant: Configuration) -> float:
     return best
 
 
+def loops_at_once_rate(plant: Configuration, cores: int) -> float:
+    """Steps per second of as many plants as cores, together."""
+    with ThreadPoolExecutor(cores) as pool:
+        return sum(pool.map(fused_loop_rate, [plant] * cores))
+
+
 def main() -> None:
     """Print both rates and their ratio and, if asked for, write them as JSON."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -72,17 +81,18 @@ def main() -> None:
         assert not failed, failed
 
     drive(cores)  # compiles
-    alone = fused_loop_rate(plant)
+    alone, at_once = fused_loop_rate(plant), loops_at_once_rate(plant, cores)
     begin = time.perf_counter()
     drive(given.runs)
     seconds = time.perf_counter() - begin
-    alone = max(alone, fused_loop_rate(plant))
+    alone, at_once = max(alone, fused_loop_rate(plant)), max(at_once, loops_at_once_rate(plant, cores))
     rate = given.runs * DURATION / plant.parameters.step / seconds
     share = rate / (cores * alone)
     print(f"{given.runs} double lane changes of {DURATION:g} s on {cores} cores   {seconds:.2f} s")
     print(f"whole graph   {rate:12.0f} car steps of 1 ms per second")
     print(f"plant alone   {alone:12.0f} on one core")
-    print(f"share of the fused loop {share:.2f}")
+    print(f"plants        {at_once:12.0f} on all cores at once")
+    print(f"share of the fused loop {share:.2f}, of the loops at once {rate / at_once:.2f}")
     if given.json:
         document = {
             "machine": platform.processor() or platform.machine(),
@@ -93,6 +103,8 @@ def main() -> None:
             "car_steps_per_second": rate,
             "fused_loop_steps_per_second": alone,
             "share_of_fused_loop": share,
+            "loops_at_once_steps_per_second": at_once,
+            "share_of_loops_at_once": rate / at_once,
         }
         given.json.write_text(json.dumps(document, indent=2) + "\n")
 

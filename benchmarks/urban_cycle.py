@@ -25,7 +25,7 @@ from ev_msgs_py.lockstep.run import GraphRun
 from ev_sim.run.offline import run_offline
 from ev_sim.run.scenarios.scenario import Run
 from ev_sim.study.case import run_of
-from ev_sim.study.urban_cases import METHODS, TITLES, case
+from ev_sim.study.urban_cases import FIVE, METHODS, case
 
 DRIVER, SEED = "pulse", 1
 PLANT = "plant alone"
@@ -34,7 +34,7 @@ COMMAND = WheelTorqueCommand(Wheels.front(100.0, 100.0), NO_WHEELS)
 
 def runs() -> dict[str, Run]:
     """The cycle by the name of its row."""
-    return {f"method {n}, {TITLES[n]}": run_of(case(n, DRIVER, SEED)) for n in METHODS}
+    return {f"method {n}, {METHODS[n].title}": run_of(case(n, DRIVER, SEED)) for n in FIVE}
 
 
 def steps_of(run: Run) -> int:
@@ -79,7 +79,7 @@ def main() -> None:
     if arguments.json:
         rows = [{"name": name, "seconds": seconds, "ratio": seconds / best[PLANT]} for name, seconds in best.items()]
         machine = platform.processor() or platform.machine()
-        ratios = {f"ratio_method_{n}": best[name] / best[PLANT] for n, name in zip(METHODS, cycles, strict=True)}
+        ratios = {f"ratio_method_{n}": best[name] / best[PLANT] for n, name in zip(FIVE, cycles, strict=True)}
         document = {
             "machine": machine, "python": platform.python_version(), "seconds per": "cycle", **ratios, "rows": rows
         }  # fmt: skip

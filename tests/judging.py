@@ -1,13 +1,13 @@
-"""Verdicts from runs with some parameters changed, driven in this process."""
+"""Verdicts from runs with some parameters changed, driven in this process where they are not kept yet."""
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+from ev_sim.commands.verdicts import CACHE
 from ev_sim.study.case import Case, CaseResult, Measure, drive_case
 from ev_sim.verdicts.all_verdicts import SOURCES, declarations
 from ev_sim.verdicts.declaration import Declaration
@@ -52,9 +52,5 @@ def _with(need: Need, changed: Sequence[Value]) -> Need:
 
 @cache
 def _kept() -> Kept:
-    folder = tempfile.TemporaryDirectory(prefix="ev_stack_verdicts_")
-    _FOLDERS.append(folder)  # lives as long as the process
-    return Kept(Path(folder.name))
-
-
-_FOLDERS: list[tempfile.TemporaryDirectory[str]] = []
+    """Where scripts/run.sh verdicts keeps what it has driven; it stands under a digest of everything it depends on."""
+    return Kept(Path(__file__).parents[1] / CACHE)

@@ -10,6 +10,7 @@ from typing import Any
 
 import can
 import pytest
+from can_bus.benches import TORQUE, Bench
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -18,7 +19,8 @@ from sensor_msgs.msg import BatteryState, JointState
 from std_srvs.srv import SetBool, Trigger
 
 from ev_control.nodes.inverter_gateway import InverterGatewayNode
-from ev_msgs_py.can.drive_states import FAULT, OPERATION_ENABLED
+from ev_msgs_py.can.channel import Channel
+from ev_msgs_py.can.drive_states import ENABLE_COMMAND, FAULT, FAULT_REACTION_ACTIVE, OPERATION_ENABLED
 from ev_msgs_py.nodes.spinning import spin
 from ev_sim.nodes.inverter import InverterNode
 
@@ -64,7 +66,7 @@ class Rig:
     def __init__(self, context: Any, name: str, gateway: dict[str, Any], inverter: dict[str, Any]) -> None:
         bus = {"bus.interface": "virtual", "bus.channel_11": f"{name}_11", "bus.channel_12": f"{name}_12"}
         self.world = World(context)
-        patient = {"feedback_timeout": 1.0, "command_timeout": 1.0}
+        patient = {"feedback_timeout": 1.0, "command_timeout": 10.0, "reset_timeout": 10.0}
         self.gateway = made(InverterGatewayNode, context, {**bus, **patient, **gateway})
         self.inverter = made(InverterNode, context, {**bus, **QUICK_CHARGE, **PATIENT, **inverter})
         self.torque: tuple[float, float] | None = (0.0, 0.0)
@@ -172,12 +174,16 @@ def test_a_silent_controller_ends_the_torque_of_both_drives():
 
 
 def test_load_machines_follow_load_command():
+    """To 0.5 rad/s, in speed mode."""
     with rig("load") as r:
         command = JointState(name=["right_load"], velocity=[50.0])
-        r.run(lambda: r.gateway.station.devices["Load11"].command_age < 1.0 or r.world.loads.publish(command))
-        r.run(lambda: r.states("Load11") == {1.0})
-        assert r.gateway.station.enable(("Load11",)) == ""
-        r.run(lambda: abs(r.world.states.get("right_load", (0, 0))[0] - 50.0) < 0.5 or r.world.loads.publish(command))
+
+        def run(holds: Callable[[], bool]) -> None:
+            r.run(lambda: r.world.loads.publish(command) or holds())
+
+        run(lambda: not r.gateway.station.enable(("Load11",)))
+        run(lambda: r.states("Load11") == {float(OPERATION_ENABLED)})
+        run(lambda: abs(r.world.states.get("right_load", (0, 0))[0] - 50.0) < 0.5)
 
 
 def test_commands_that_cannot_be_meant_are_ignored_and_reported():
@@ -259,3 +265,33 @@ def test_a_log_is_written(tmp_path: Path):
         r.run(lambda: r.states() == {1.0})
     identifiers = {message.arbitration_id for message in can.LogReader(file)}
     assert {0x20B, 0x20C, 0x18B, 0x18C} <= identifiers
+
+
+def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_in_time():
+    """Held up for 50 ms under torque, with a time-out of 10 ms: the torque ends, though frames came all the time."""
+    name = "held_up"
+    bus = {"bus.interface": "virtual", "bus.channel_11": f"{name}_11", "bus.channel_12": f"{name}_12"}
+    with ros_domain() as context:
+        node = made(InverterNode, context, {**bus, **QUICK_CHARGE})
+        drive, ecu = node.circuits["11"].s.drive, Bench()
+        channel = Channel("virtual", f"{name}_11")
+        drive.state, drive.dc_link.contactor = float(OPERATION_ENABLED), 1.0
+
+        def send() -> None:
+            values = TORQUE | {"Torque": 50.0, "Controlword": float(ENABLE_COMMAND)}
+            channel.send(ecu.frame("Drive11", values))
+
+        for _ in range(20):  # faster than cycles, so that no time-out can have passed
+            send()
+            node.take("11", node.channels["11"].receive())
+        drive.state = float(OPERATION_ENABLED)
+        node.cycle(5)
+        assert drive.torque > 40.0
+        for _ in range(50):
+            send()
+        time.sleep(0.05)
+        node.poll()
+        assert drive.torque == 0.0
+        assert drive.state in (FAULT, FAULT_REACTION_ACTIVE)
+        channel.close()
+        node.close()

@@ -203,3 +203,18 @@ def test_mf4_says_what_it_needs(tmp_path: Path):
         return
     with pytest.raises(ValueError, match="needs the Python package asammdf, which is missing"):
         BusLog(str(tmp_path / "bus.mf4"))
+
+
+def test_a_client_that_takes_nothing_holds_nobody_up():
+    """10 000 frames are far more than a socket keeps for a client; the others get all of them."""
+    with hub() as port:
+        idle, sender, taker = (Channel("socketcand", f"a@127.0.0.1:{port}") for _ in range(3))
+        taken = 0
+        for _ in range(100):
+            for _ in range(100):
+                sender.send(FRAMES[0])
+            taken += len(received(taker, 100))
+        assert taken == 10_000
+        assert received(idle, 1) == FRAMES[:1]
+        for channel in (idle, sender, taker):
+            channel.close()

@@ -179,3 +179,12 @@ def test_bad_words_on_the_command_line_name_node_and_parameter(scenario, value, 
 def test_a_missing_further_file_is_named(scenario, tmp_path):
     path = tmp_path / "nowhere.yaml"
     assert refused(scenario(HEAD), Overrides([path])) == f"{path}: No such file or directory"
+
+
+def test_runs_that_are_not_named_are_not_resolved():
+    assert [run.name for run in load_scenario("shchur2019_steps", only=("hold_manual", "object")).runs] == [
+        "object",
+        "hold_manual",
+    ]
+    with pytest.raises(ParameterError, match=r"^unknown run of shchur2019_steps 'nobody'; known: "):
+        load_scenario("shchur2019_steps", only=("nobody",))

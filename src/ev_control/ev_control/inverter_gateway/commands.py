@@ -12,7 +12,6 @@ from sensor_msgs.msg import JointState
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.publishing import NAMES
 from ev_control.inverter_gateway.station import LOADS, SPEED_MODE, TORQUE_MODE, GatewayStation
-from ev_msgs_py.contract.frame import PLACES, Frame
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
@@ -32,14 +31,14 @@ class Commands:
         warn: Callable[[str], None],
     ) -> None:  # fmt: skip
         self._station, self._parameters, self._warn = station, parameters, warn
-        self._frame = Frame()
         self._torques = SignalReader(node, TOPICS[WheelTorqueCommand], self._take_torques)
         self._loads: Any = node.create_subscription(JointState, LOAD_COMMAND, self._take_loads, _QUEUE)
 
     def take(self) -> bool:
         """Take all that has come; False if there was nothing."""
         progressed = False
-        while self._torques.take():
+        while (taken := self._torques.take()) is not None:
+            self._torques.receive(taken[0])
             progressed = True
         while (taken := self._loads.handle.take_message(JointState, False)) is not None:
             self._take_loads(taken[0])
@@ -49,14 +48,13 @@ class Commands:
     def _take_torques(self, message: bytes) -> None:
         """Torque at the shaft is torque at the wheel over the gear ratio."""
         try:
-            format_of(WheelTorqueCommand).unpack(format_of(WheelTorqueCommand).canonical(message), self._frame)
+            _, torques = format_of(WheelTorqueCommand).read(message)
         except MessageError as error:
             self._warn(f"torque_command ignored: {error}")
             return
-        p, at = self._parameters(), PLACES[WheelTorqueCommand].start
+        p = self._parameters()
         for name, wheel in (("Drive11", p.wheel_11), ("Drive12", p.wheel_12)):
-            torque = self._frame.numbers[at + WHEEL_NAMES.index(wheel)]
-            self._station.command(name, TORQUE_MODE, torque / p.gear_ratio)
+            self._station.command(name, TORQUE_MODE, torques[WHEEL_NAMES.index(wheel)] / p.gear_ratio)
 
     def _take_loads(self, message: JointState) -> None:
         """One array is filled: effort [N m] for torque mode, or velocity [rad/s] for speed mode, at the shaft."""

@@ -70,6 +70,10 @@ class Channel:
                 return Frame(message.arbitration_id, bytes(message.data))
             self.refused += 1
 
+    def fileno(self) -> int:
+        """What `select` can wait for, of udp_multicast and socketcan; NotImplementedError for the others."""
+        return self._bus.fileno()
+
     def close(self) -> None:
         """Leave the bus."""
         self._bus.shutdown()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import logging
 import os
 import socket
 from typing import Any
@@ -38,6 +39,8 @@ def _open(interface: str, channel: str) -> can.BusABC:
     if interface == "socketcand":
         name, place = _split(channel, "@", "NAME@HOST:PORT")
         host, port = _split(place, ":", "NAME@HOST:PORT")
+        # It would warn of every message that comes in two pieces, which is how streams are.
+        logging.getLogger("can.interfaces.socketcand").setLevel(logging.ERROR)
         # python-can would try for 10 s, at full speed
         socket.create_connection((host, _port(port)), _PATIENCE).close()
         return _bus(interface, name, host=host, port=_port(port), tcp_tune=True)

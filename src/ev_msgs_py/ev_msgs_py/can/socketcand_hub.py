@@ -13,6 +13,7 @@ from contextlib import suppress
 
 HOST = "127.0.0.1"  # frames never leave this machine
 _LONGEST_TEXT = 200  # characters of an unfinished command
+_MOST_WAITING = 1 << 20  # bytes for a client that does not take them, some seconds of a full bus; the rest is lost
 
 
 class _Client:
@@ -20,6 +21,7 @@ class _Client:
         self.connection = connection
         self.bus = ""
         self.text = ""
+        self.waiting = b""
 
 
 class SocketcandHub:
@@ -35,10 +37,13 @@ class SocketcandHub:
 
     def serve(self, timeout: float) -> None:
         """Deal with what comes within `timeout` [s]."""
-        for key, _ in self._selector.select(timeout):
+        for key, events in self._selector.select(timeout):
             if key.data is None:
                 self._accept()
-            else:
+                continue
+            if events & selectors.EVENT_WRITE:
+                self._write(key.data)
+            if events & selectors.EVENT_READ and key.data in self._clients:
                 self._read(key.data)
 
     def close(self) -> None:
@@ -87,11 +92,22 @@ class SocketcandHub:
             self._say(client, "< error unknown command >")
 
     def _say(self, client: _Client, text: str) -> None:
-        """A client that does not take what it is told is sent away: others shall not wait for it."""
+        """What a client does not take at once waits for it, so that others do not."""
+        if client in self._clients and len(client.waiting) < _MOST_WAITING:
+            client.waiting += text.encode()
+            self._write(client)
+
+    def _write(self, client: _Client) -> None:
         try:
-            client.connection.sendall(text.encode())
+            sent = client.connection.send(client.waiting)
+        except BlockingIOError:
+            sent = 0
         except OSError:
             self._drop(client)
+            return
+        client.waiting = client.waiting[sent:]
+        events = selectors.EVENT_READ | (selectors.EVENT_WRITE if client.waiting else 0)
+        self._selector.modify(client.connection, events, client)
 
     def _drop(self, client: _Client) -> None:
         if client in self._clients:

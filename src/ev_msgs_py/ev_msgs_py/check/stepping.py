@@ -69,7 +69,7 @@ def frame_of(reads: Sequence[type], signals: Sequence[Any]) -> Frame:
 def stepped(part: Part, here: Frame) -> bytes:
     """All that a part says in one step."""
     given, there = Frame(), Frame()
-    given.raw[:] = here.raw
+    given.numbers[:] = here.numbers
     part.step(given, there)
     return there.numbers.tobytes()
 

@@ -14,6 +14,8 @@ from ev_msgs_py.contract.frame import SIZE, TIME
 
 FINISHED, NOT_FINITE, FAILED = range(3)
 
+_EXPONENT = 0x7FF0000000000000  # of a float64: all ones in what is infinite or no number
+
 use_cache()
 
 
@@ -38,10 +40,11 @@ def call_part(address: int, now: int, next: int, state: int, constants: int) -> 
 
 @njit(cache=True, **OPTIONS)
 def _is_finite(frame: np.ndarray, begin: int, end: int) -> bool:
-    for i in range(begin, end):  # noqa: SIM110 (the compiler makes a generator of `all`)
-        if not np.isfinite(frame[i]):
-            return False
-    return True
+    """Without a way out of the loop, and on integers, so that many numbers are looked at in one instruction."""
+    bits, found = frame.view(np.int64), 0
+    for i in range(begin, end):
+        found |= (bits[i] & _EXPONENT) == _EXPONENT
+    return found == 0
 
 
 @njit(cache=True, nogil=True, **OPTIONS)

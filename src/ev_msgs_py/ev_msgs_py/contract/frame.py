@@ -58,7 +58,7 @@ class Frame:
 
     def __init__(self) -> None:
         self._memory = _EMPTY[:]
-        self.numbers = memoryview(self._memory)
+        self.numbers: memoryview[float] = memoryview(self._memory)
 
     @property
     def address(self) -> int:

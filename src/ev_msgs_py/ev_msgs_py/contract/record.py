@@ -6,8 +6,9 @@ A record is a dataclass with slots whose fields are made by `entry`, `per_wheel`
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, fields, is_dataclass
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -82,14 +83,18 @@ def _with_attributes(kind: np.dtype) -> np.dtype:
     return np.dtype((np.record, [(name, _with_attributes(kind[name])) for name in kind.names]))
 
 
-def _items(values: Any) -> Iterator[tuple[str, Any]]:
-    if isinstance(values, Mapping):
-        yield from values.items()
-    elif is_dataclass(values):
-        for f in fields(values):
-            yield f.name, getattr(values, f.name)
-    else:
-        yield from vars(values).items()
+def _items(values: Any) -> Iterable[tuple[str, Any]]:
+    kind: type = type(values)
+    declared = _declared(kind)
+    if declared is not None:
+        return [(name, getattr(values, name)) for name in declared]
+    return values.items() if isinstance(values, (dict, Mapping)) else vars(values).items()
+
+
+@cache
+def _declared(kind: type) -> tuple[str, ...] | None:
+    """The names of the entries of a declared record, None for other types."""
+    return tuple(f.name for f in fields(kind)) if is_dataclass(kind) else None
 
 
 def _fields(values: Any) -> tuple[Any, ...]:
@@ -118,9 +123,11 @@ def numbers(values: Any) -> list[float]:
 
 
 def _append(found: list[float], value: Any) -> None:
-    if _is_number(value):
+    if type(value) is float:  # nearly all are
+        found.append(value)
+    elif _is_number(value):
         found.append(float(value))
-    elif isinstance(value, (Sequence, np.ndarray)):
+    elif isinstance(value, (list, tuple, np.ndarray)):
         for element in value:
             _append(found, element)
     else:

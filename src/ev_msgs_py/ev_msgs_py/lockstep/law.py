@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cache, partial
 from types import MappingProxyType, SimpleNamespace
 from typing import Any, TypeVar
 
@@ -77,6 +77,7 @@ def named_after(function: F, law: Callable[..., Any]) -> F:
     return function
 
 
+@cache
 def given_names(function: Callable[..., Any]) -> tuple[str, ...]:
     """Which of `GIVEN` a function asks for, in its order; TypeError unless they come first."""
     asked = tuple(inspect.signature(function).parameters)

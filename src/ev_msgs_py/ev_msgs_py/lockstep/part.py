@@ -46,9 +46,9 @@ class PythonPart:
     def __init__(self, method: Method, made: Any) -> None:
         self.made = made
         self.error: BaseException | None = None
-        self._integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
         self._reads = tuple(_reader(signal) for signal in method.reads)
         self._writes = tuple(_writer(signal) for signal in method.writes)
+        self._answer = self._writes[0] if ROLES[method.role].kind is RoleKind.ANSWERS else None
         self._shapes = tuple((shape_of(signal), frame.PLACES[signal]) for signal in method.writes)
         self._reports = made.reports if isinstance(made, Reporting) else None
         self._function = FUNCTION(self._called_back)
@@ -72,11 +72,11 @@ class PythonPart:
 
     def _step(self, here: Any, there: Any) -> None:
         signals = [read(here) for read in self._reads]
-        if self._integrates:
+        if self._answer is not None:
+            self._answer(there, self.made.step(*signals))
+        else:
             self.made.advance(*signals)
             self._write(self.made.outputs(), there)
-        else:
-            self._write((self.made.step(*signals),), there)
 
     def _write(self, said: tuple[Any, ...], there: Any) -> None:
         for write, signal in zip(self._writes, said, strict=True):

@@ -125,15 +125,15 @@ class Stepper:
             return None
         last = self.inbox.last
         inputs = self.inbox.take(stamp)
-        # More than one period only where steps may be skipped: the inputs are held, so that time does not slip.
-        periods = 1 if last is None or not self.integrates else (stamp - last) // self.period
-        for _ in range(periods):
-            answer = self.step_with(stamp, inputs)
-        return answer
+        if self.integrates and last is not None:
+            # More than one period only where steps may be skipped: the inputs are held, so that time does not slip.
+            for _ in range((stamp - last) // self.period - 1):
+                self.step_with(stamp, inputs)
+        return self.step_with(stamp, inputs)
 
     def step_with(self, stamp: int, here: Frame) -> Answer:
         """One step with the inputs in a frame."""
-        here.numbers[TIME] = stamps.to_seconds(stamp)
+        here.numbers[TIME] = stamp / stamps.NANOSECONDS
         self._at_rest = False
         if self.integrates:
             self._before = self.answer

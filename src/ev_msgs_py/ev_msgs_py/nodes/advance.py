@@ -17,7 +17,7 @@ class Advance:
     ) -> None:
         self._stepper, self._schedule, self._stepped, self._warn = stepper, schedule, stepped, warn
         self.ended = False
-        self.overruns = 0  # realtime steps that came more than one period late
+        self._overruns = 0  # realtime steps that came more than one period late
 
     def where_due(self) -> None:
         """Take all steps that may be taken now."""
@@ -43,7 +43,13 @@ class Advance:
     def _note_overrun(self) -> None:
         """Time that is lost stays lost: a burst of late steps would be no real time."""
         self._schedule.pace_from_here()
-        self.overruns += 1
-        if self.overruns == 1:
+        self._overruns += 1
+        if self._overruns == 1:
             at = stamps.to_seconds(self._schedule.now)
             self._warn(f"realtime: the step to {at} s came more than a period late")
+
+    @property
+    def summary(self) -> str:
+        """What was simulated, how fast, and how often too late."""
+        late = f", {self._overruns} steps came more than a period late" if self._overruns else ""
+        return self._schedule.summary + late

@@ -66,15 +66,19 @@ class BusNode(Node):
         """Take all frames, and make a cycle if one is due; False if there was nothing to do."""
         if self.channels is None:
             return False
-        progressed = False
+        ticks, progressed = self._ticks.passed(), False
+        if ticks > 1:  # it was held up: what waits on the bus came late, and shall not count as if it had not
+            self._make(self.channels, ticks)
         for circuit, frame in self.channels.received():
             self.take(circuit, frame)
             progressed = True
-        ticks = self._ticks.passed()
-        if ticks > 0:
-            for circuit, frame in self.cycle(ticks):
-                self.channels.send(circuit, frame)
+        if ticks == 1:
+            self._make(self.channels, ticks)
         return progressed
+
+    def _make(self, channels: Channels, ticks: int) -> None:
+        for circuit, frame in self.cycle(ticks):
+            channels.send(circuit, frame)
 
     def sweep(self) -> None:
         """Nothing more to take: `poll` takes everything."""

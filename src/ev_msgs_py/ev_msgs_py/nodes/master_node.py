@@ -8,7 +8,6 @@ from typing import Any
 
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
-from rclpy.subscription import Subscription
 
 from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES
 from ev_msgs_py.contract.topics import Topic
@@ -67,15 +66,9 @@ class MasterNode(SteppedNode):
         missing = super().wanted()
         return missing if missing or self.schedule.recorder_keeps_up else (RECORDER_WRITES,)
 
-    def awaits(self) -> Subscription:
-        """The input that arrives last, also while the next step is only waiting for its time."""
-        wanted = self.wanted() or self.stepper.reads
-        return self.readers[wanted[-1]].subscription
-
     def wake_up_within(self) -> float:
-        """Seconds until the next instant is due if nothing else holds it back, at most the period of retries."""
-        late = self.schedule.lateness
-        return min(-late, _RETRY_PERIOD) if late < 0.0 and self.schedule.has_inputs else _RETRY_PERIOD
+        """Seconds until the next instant is due, at most the period of retries."""
+        return min(self.schedule.due_within, _RETRY_PERIOD)
 
     def idle(self) -> None:
         """Advance if time is due, publish the state again if answers are late, and name the nodes that are silent."""
@@ -92,6 +85,9 @@ class MasterNode(SteppedNode):
         self.schedule.follow(self.configuration.extra)
 
     def _begin(self) -> None:
+        recorder = self.readers.get(RECORDER_WRITES)
+        while recorder is not None and recorder.take() is not None:
+            pass  # what it has said of a run before would be taken for this one's
         self._stepped(self.stepper.begin_run())
         self.schedule.begin()
 
@@ -106,6 +102,4 @@ class MasterNode(SteppedNode):
         if self._advance.ended and not self.done:
             self.done = True
             self.reports.pass_on(self.stepper.part)
-            self.get_logger().info(self.schedule.summary)
-            if self._advance.overruns:
-                self.get_logger().warning(f"{self._advance.overruns} steps came more than a period late")
+            self.get_logger().info(self._advance.summary)

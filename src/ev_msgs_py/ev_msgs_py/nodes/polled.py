@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy.subscription import Subscription
-
-from ev_msgs_py.nodes.signal_io import SignalReader
+from ev_msgs_py.nodes.signal_io import SignalReader, SubscriptionHandle
 
 _LOOK_PERIOD = 0.02  # s of wall time between looks for what nobody waits for: repetitions of messages
 
@@ -35,9 +33,9 @@ class Polled:
             while (taken := reader.take()) is not None:
                 reader.receive(taken[0])
 
-    def awaits(self) -> Subscription:
-        """The subscription to wake up for: of the inputs that are missing the one that arrives last."""
-        return self.readers[self.wanted()[-1]].subscription
+    def awaits(self) -> SubscriptionHandle:
+        """The subscription to wake up for: of the inputs that are missing, or of all, the one that arrives last."""
+        return self.readers[(self.wanted() or tuple(self.readers))[-1]].handle
 
     def wake_up_within(self) -> float:
         """Seconds after which the node wants to be polled though no message has come."""

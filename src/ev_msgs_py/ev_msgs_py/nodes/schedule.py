@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 
@@ -83,6 +84,12 @@ class Schedule:
         if self._factor == 0.0:
             return 0.0
         return time.monotonic() - self._pace.due(self.now + self._stepper.period, self._factor)
+
+    @property
+    def due_within(self) -> float:
+        """Seconds until the next instant if it only waits for its time, else infinity."""
+        late = self.lateness
+        return -late if late < 0.0 and self.has_inputs else math.inf
 
     @property
     def summary(self) -> str:

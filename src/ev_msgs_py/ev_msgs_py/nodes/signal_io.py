@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
@@ -13,6 +14,7 @@ from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
 from ev_msgs_py.wire.message_format import format_of
 
+SubscriptionHandle = rclpy_implementation.Subscription  # what rclpy's Subscription wraps
 QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last
 
 
@@ -38,6 +40,7 @@ class SignalReader:
     def __init__(self, node: Node, topic: Topic, receive: Callable[[bytes], None]) -> None:
         message_class = format_of(topic.signal).message_class
         self.receive = receive
-        self.subscription = node.create_subscription(message_class, topic.name, receive, QUALITY, raw=True)
+        self._subscription = node.create_subscription(message_class, topic.name, receive, QUALITY, raw=True)
+        self.handle: SubscriptionHandle = self._subscription.handle
         # Gives a message and what is known of it, or None.
-        self.take = partial(self.subscription.handle.take_message, message_class, True)
+        self.take = partial(self.handle.take_message, message_class, True)

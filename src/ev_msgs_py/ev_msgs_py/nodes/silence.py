@@ -19,13 +19,15 @@ class Silence:
         self.answered()
 
     def answered(self) -> None:
-        """A step was taken."""
-        self._since = self._named = time.monotonic()
+        """A step was taken; the clock is read when nothing comes after it."""
+        self._since: float | None = None
         self._said: tuple[object, ...] = ()
 
     def name_after(self, timeout: float, missing: tuple[type, ...], now: int) -> None:
         """Say who is missing at a stamp, once every `timeout` seconds of wall time."""
         wall = time.monotonic()
+        if self._since is None:
+            self._since = self._named = wall
         if wall - self._named <= timeout:
             return
         self._named = wall

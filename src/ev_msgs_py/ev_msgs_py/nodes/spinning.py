@@ -16,7 +16,8 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.service import Service
-from rclpy.subscription import Subscription
+
+from ev_msgs_py.nodes.signal_io import SubscriptionHandle
 
 _SERVICE_PERIOD = 0.05  # s between looks at services
 
@@ -32,7 +33,7 @@ class Spinnable(Protocol):
     def sweep(self) -> None:
         """Take everything else too."""
 
-    def awaits(self) -> Subscription | None:
+    def awaits(self) -> SubscriptionHandle | None:
         """The subscription to wake up for, None to sleep the whole time."""
 
     def wake_up_within(self) -> float:
@@ -61,14 +62,16 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
                 _answer(service)
             executor.spin_once(timeout_sec=0.0)
             next_look = time.monotonic() + _SERVICE_PERIOD
-        if alone or not came:
+        rested = alone or not came
+        if rested:
             rest.until_message()
         came = False
         for node in nodes:
             came |= node.poll()
         if not came:
             for node in nodes:
-                node.sweep()
+                if rested:
+                    node.sweep()
                 node.idle()
     executor.shutdown(timeout_sec=0.0)
 
@@ -99,7 +102,7 @@ class _Rest:
             timeout = min(timeout, node.wake_up_within())
             subscription = node.awaits()
             if subscription is not None:
-                wait_set.add_subscription(subscription.handle)
+                wait_set.add_subscription(subscription)
                 awaited = True
         if awaited:
             wait_set.wait(int(timeout * 1e9))

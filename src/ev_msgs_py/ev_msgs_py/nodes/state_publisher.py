@@ -18,15 +18,16 @@ class StatePublisher:
 
     def __init__(self, node: Node, writers: Iterable[SignalWriter]) -> None:
         self._writers = list(writers)
-        self._clock = node.create_publisher(Clock, "/clock", QUALITY)
+        clock = node.create_publisher(Clock, "/clock", QUALITY).handle
+        self._tell_time, self._clock_readers = clock.publish_raw, clock.get_subscription_count
         self._spoke = 0.0
 
     def publish(self, answer: Answer) -> None:
         """Publish the signals of an answer, and then its stamp as /clock."""
         for writer in self._writers:
             writer.write(answer.stamp, answer.frame)
-        if self._clock.handle.get_subscription_count():
-            self._clock.publish(stamp_alone(answer.stamp))
+        if self._clock_readers():
+            self._tell_time(stamp_alone(answer.stamp))
         self._spoke = time.monotonic()
 
     def repeat(self, answer: Answer) -> None:

@@ -6,8 +6,6 @@ import time
 
 from ev_msgs_py.can.schedule import TICK
 
-_LONGEST = 20  # ticks that are made good at once after the process was held up; what is beyond is lost
-
 
 class Ticks:
     """Begins to count when it is made; the clock is monotonic."""
@@ -16,10 +14,10 @@ class Ticks:
         self._start, self._counted = time.monotonic(), 0
 
     def passed(self) -> int:
-        """Ticks since the last call, at most what can be made good."""
+        """Ticks since the last call; many, if the process was held up."""
         passed = int((time.monotonic() - self._start) / TICK) - self._counted
         self._counted += passed
-        return min(passed, _LONGEST)
+        return passed
 
     def until_next(self) -> float:
         """Seconds until the next one."""

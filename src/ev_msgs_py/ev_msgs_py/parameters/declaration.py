@@ -131,14 +131,22 @@ def number_tree(instance: Any) -> dict[str, Any]:
     A choice is its place among the choices, a switch 0 or 1. Free text and arrays, which are no numbers, are left out.
     """
     tree: dict[str, Any] = {}
-    for f in fields(instance):
-        value = getattr(instance, f.name)
-        if is_dataclass(value):
-            tree[f.name] = number_tree(value)
+    kind: type = type(instance)
+    for name, choices in _names_and_choices(kind):
+        value = getattr(instance, name)
+        if type(value) is float:  # nearly all are
+            tree[name] = value
         elif isinstance(value, str):
-            choices = f.metadata[_SPEC].choices
             if choices:
-                tree[f.name] = float(choices.index(value))
+                tree[name] = float(choices.index(value))
+        elif is_dataclass(value):
+            tree[name] = number_tree(value)
         elif not isinstance(value, tuple):
-            tree[f.name] = float(value)
+            tree[name] = float(value)
     return tree
+
+
+@cache
+def _names_and_choices(of: type) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Names of the parameters of a dataclass, and what those that are texts may be."""
+    return tuple((f.name, f.metadata[_SPEC].choices if _SPEC in f.metadata else ()) for f in fields(of))

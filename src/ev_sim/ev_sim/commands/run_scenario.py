@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from importlib import import_module
@@ -18,7 +19,8 @@ REVIEWS = {  # commands of their own, in modules of their names
     "verdicts": "a verdict on every number, curve and claim of all sources, in one table",
     "figures": "every panel of the sources' figures, drawn from our runs, on one page",
 }
-_INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
+_INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended,
+_NOT_READ = 141  # and of one whose output nobody reads any more
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -42,6 +44,10 @@ def main(argv: list[str] | None = None) -> None:
             from ev_sim.commands.drive_scenario import drive_scenario
 
             drive_scenario(given)
+        sys.stdout.flush()
+    except BrokenPipeError:  # who reads, such as `head`, has seen enough; at its end Python would write the rest again
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(_NOT_READ)
     except (ParameterError, SignalError, RunFailed, FileNotFoundError) as error:
         sys.exit(f"error: {error}")
     except KeyboardInterrupt:

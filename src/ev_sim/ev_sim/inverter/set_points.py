@@ -93,10 +93,16 @@ def begin_cycle(s: Inverter) -> None:
 @compilable
 def end_cycle(s: Inverter, period: float) -> None:
     """What has come gets older by one cycle [s]."""
-    s.supervision.age += period
-    s.supervision.refused_age += period
-    s.supervision.lost_age += period
+    grow_older(s, period)
     s.command.reset = 0.0
+
+
+@compilable
+def grow_older(s: Inverter, duration: float) -> None:
+    """Time [s] has passed without a cycle, as in a process that was held up."""
+    s.supervision.age += duration
+    s.supervision.refused_age += duration
+    s.supervision.lost_age += duration
 
 
 @compilable

@@ -16,11 +16,12 @@ from ev_msgs_py.parameters.declaration import number_tree
 from ev_sim.inverter.circuit import advance_circuit
 from ev_sim.inverter.inverter import statusword
 from ev_sim.inverter.parameters import CircuitParameters
-from ev_sim.inverter.set_points import RPM, receive_set_point, set_point_layout
+from ev_sim.inverter.set_points import RPM, grow_older, receive_set_point, set_point_layout
 from ev_sim.inverter.state import Circuit, Inverter
 from ev_sim.inverter.temperatures import coolant_outlet, inverter_temperature, winding_temperature
 
 SENT = ("Motion", "Electrical", "Temperatures", "Faults")
+_MADE_GOOD = 5  # cycles that are made up for at once
 _WRONG = 0xFF  # what a corrupted checksum is changed by
 
 
@@ -131,8 +132,15 @@ class CircuitStation:
             inverter.receive(frame)
 
     def step(self, ticks: int = 1) -> list[Frame]:
-        """Advance by some cycles of 1 ms, after the frames of this cycle; what is to be sent then."""
-        before = int(self.s.tick)
-        advance_circuit(self.p, self.s, ticks * TICK)
+        """Advance by some cycles of 1 ms, after the frames of this cycle; what is to be sent then.
+
+        After more than a few the machines stand still for the rest, as a burst of late cycles would be no real time;
+        the set-points get older all the same.
+        """
+        before, lost = int(self.s.tick), max(ticks - _MADE_GOOD, 0)
+        for inverter in self.inverters:
+            grow_older(inverter.s, lost * TICK)
+        for _ in range(ticks - lost):
+            advance_circuit(self.p, self.s, TICK)
         self.s.tick += ticks
         return [f for inverter in self.inverters for f in inverter.due(before, before + ticks, self.s.speed)]

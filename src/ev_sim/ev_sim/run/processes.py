@@ -25,6 +25,7 @@ from ev_sim.run.observer import Observer
 from ev_sim.run.outcome import Outcome, Progress, RunFailed, not_reproducible
 from ev_sim.run.progress_bar import announce
 from ev_sim.run.recording.recording import load
+from ev_sim.run.same_addresses import same_addresses
 from ev_sim.run.scenarios.scenario import Run
 
 _LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
@@ -108,14 +109,15 @@ def _start(name: str, words: Sequence[str], run: Run, parameters: Path, logs: Pa
     environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
     with log.open("wb") as output:
         try:
-            process = subprocess.Popen(
-                [*words, *arguments],
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                env=environment,
-                start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
-            )
+            with same_addresses():
+                process = subprocess.Popen(
+                    [*words, *arguments],
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=subprocess.STDOUT,
+                    env=environment,
+                    start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
+                )
         except OSError as error:
             raise RunFailed(f"node {name} cannot be started: {words[0]}: {error.strerror}") from None
     return NodeProcess(name, process, log)

@@ -71,10 +71,8 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
 
 def run_of(case: Case) -> Run:
     """The configured graph of a case; ParameterError, in one line, if something in it is refused."""
-    scenario = load_scenario(case.scenario, Overrides(case.files, case.values, case.duration))
-    runs = {run.name: run for run in scenario.runs}
-    if len(runs) == 1 and not case.run:
-        return next(iter(runs.values()))
-    if case.run not in runs:
-        raise unknown_name(f"run of {case.scenario}", case.run, runs)
-    return runs[case.run]
+    overrides = Overrides(case.files, case.values, case.duration)
+    scenario = load_scenario(case.scenario, overrides, only=(case.run,) if case.run else ())
+    if len(scenario.runs) > 1:
+        raise unknown_name(f"run of {case.scenario}", case.run, [run.name for run in scenario.runs])
+    return scenario.runs[0]

@@ -20,7 +20,7 @@ from ev_sim.run.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult, Measure
 
 _PACKAGES = ("ev_msgs_py", "ev_control", "ev_sim")
-_NEVER_DRIVES = ("ev_sim/commands", "ev_sim/verdicts", "ev_sim/report/figures", "ev_sim/report/scenarios")
+_NEVER_DRIVES = ("ev_sim/commands", "ev_sim/verdicts", "ev_sim/report/figures")
 _ONLY_MEASURES = ("ev_sim/report", "ev_sim/study")
 
 

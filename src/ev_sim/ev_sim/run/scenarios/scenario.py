@@ -79,11 +79,11 @@ def scenario_names() -> list[str]:
     return sorted(path.stem for path in (config_directory() / "scenarios").glob("*.yaml"))
 
 
-def load_scenario(name: str, overrides: Overrides | None = None) -> Scenario:
-    """The scenario of a name, with everything resolved.
+def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[str] = ()) -> Scenario:
+    """The scenario of a name, with everything resolved; of its runs only those that are named, if any is.
 
-    Raises ParameterError, in one line, for unknown scenarios, vehicles, nodes, methods and parameters, and for values
-    that are refused.
+    Raises ParameterError, in one line, for unknown scenarios, runs, vehicles, nodes, methods and parameters, and for
+    values that are refused.
     """
     overrides = overrides or Overrides()
     if name not in scenario_names():
@@ -98,7 +98,14 @@ def load_scenario(name: str, overrides: Overrides | None = None) -> Scenario:
     duration = about.duration if overrides.duration is None else overrides.duration
     if not 0 < duration < 1e5:
         raise ParameterError(f"duration: {duration!r} is refused, allowed is more than 0 and less than 100000 s")
-    runs = tuple(_run(run, namespace, files, overrides, duration) for run, namespace in namespaces.items())
+    for run in only:
+        if run not in namespaces:
+            raise unknown_name(f"run of {name}", run, namespaces)
+    runs = tuple(
+        _run(run, namespace, files, overrides, duration)
+        for run, namespace in namespaces.items()
+        if not only or run in only
+    )
     return Scenario(name, about, runs)
 
 

@@ -1,0 +1,186 @@
+"""Between processes of this machine: both nodes, and a stranger's program at either end."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from can_bus.databases import FILE, ours
+from can_bus.test_bus_nodes import World
+from can_bus.test_channels import FRAMES, group, received
+from ros_graph import NAMESPACE, ros_domain
+
+from ev_control.inverter_gateway.parameters import GatewayParameters
+from ev_control.inverter_gateway.station import TORQUE_MODE, GatewayStation
+from ev_msgs_py.can.channel import Channel
+from ev_msgs_py.can.drive_states import FAULT, OPERATION_ENABLED, SWITCH_ON_DISABLED
+from ev_msgs_py.nodes.ticks import Ticks
+from ev_msgs_py.parameters.values import build
+
+pytestmark = pytest.mark.slow
+
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
+PATIENCE = 30.0  # s of wall time
+# A loaded machine holds processes up for longer than the time-outs of a real bus: here they are no subject.
+PATIENT = {"drive.command_timeout": 1.0, "load.command_timeout": 1.0, "drive.dc_link.precharge_resistance": 20.0}
+
+
+STARTED: list[subprocess.Popen] = []
+
+
+@pytest.fixture(autouse=True)
+def nothing_left_behind() -> Iterator[None]:
+    yield
+    for process in STARTED:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+    STARTED.clear()
+
+
+def started(words: list[str], **more: object) -> subprocess.Popen:
+    """A process that does not outlive its test."""
+    process = subprocess.Popen(words, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **more)
+    STARTED.append(process)
+    return process
+
+
+def launch(package: str, name: str, domain: int, values: dict[str, object]) -> subprocess.Popen:
+    """A node as it is started by `ros2 run`, or what that would start."""
+    for prefix in os.environ["AMENT_PREFIX_PATH"].split(os.pathsep):
+        path = Path(prefix) / "lib" / package / name
+        if path.exists():
+            break
+    words = [str(path), "--ros-args", "-r", f"__ns:={NAMESPACE}"]
+    for key, value in values.items():
+        words += ["-p", f"{key}:={value}"]
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    return started(words, env=environment)
+
+
+def channels() -> dict[str, str]:
+    """Parameters of a bus that nobody else uses."""
+    port = 20000 + os.getpid() % 20000
+    return {"bus.interface": "udp_multicast", "bus.channel_11": group(port), "bus.channel_12": group(port + 1)}
+
+
+def end(processes: list[subprocess.Popen]) -> list[str]:
+    """Ctrl-C; what they have said."""
+    for process in processes:
+        process.send_signal(signal.SIGINT)
+    return [process.communicate(timeout=PATIENCE)[0] for process in processes]
+
+
+def test_torque_goes_through_two_processes_and_a_bus():
+    """37 N m at the left wheel behind 7.4 are 5 N m at the left shaft."""
+    bus = channels()
+    with ros_domain() as context:
+        from rclpy.executors import SingleThreadedExecutor
+
+        domain, world = context.get_domain_id(), World(context)
+        gateway = {"feedback_timeout": 1.0, "command_timeout": 2.0, "auto_enable": True}
+        processes = [
+            launch("ev_sim", "inverter", domain, {**bus, **PATIENT}),
+            launch("ev_control", "inverter_gateway", domain, {**bus, **gateway}),
+        ]
+        executor, deadline = SingleThreadedExecutor(context=context), time.monotonic() + PATIENCE
+        executor.add_node(world)
+        try:
+            while abs(world.states.get("left_drive", (0.0, 0.0))[1] - 5.0) > 0.05:
+                world.command(37.0, 0.0)
+                executor.spin_once(timeout_sec=0.005)
+                assert time.monotonic() < deadline, world.diagnoses
+            assert world.states["right_drive"][1] == 0.0
+        finally:
+            said = end(processes)
+    assert [process.returncode for process in processes] == [0, 0], said
+
+
+def test_frames_go_through_a_hub_in_its_own_process():
+    """As nodes use it where there is no multicast; here by hand, because it takes a core of its own at full traffic."""
+    words = [sys.executable, "-m", "ev_sim.commands.can_hub", "--port", "0"]
+    running = started(words)
+    _, _, place = running.stdout.readline().strip().partition(" ")
+    one, other = Channel("socketcand", f"can11@{place}"), Channel("socketcand", f"can11@{place}")
+    stranger = Channel("socketcand", f"can12@{place}")
+    one.send(FRAMES[0])
+    assert received(other, 1) == FRAMES[:1]
+    assert stranger.receive() is None
+    for channel in (one, other, stranger):
+        channel.close()
+    end([running])
+    assert running.returncode == 0
+
+
+def test_an_interface_that_is_missing_is_one_line_and_status_1():
+    process = launch("ev_sim", "inverter", 0, {"bus.interface": "socketcan", "bus.channel_11": "can77"})
+    said = process.communicate(timeout=PATIENCE)[0]
+    assert process.returncode == 1
+    assert said.startswith("inverter: CAN interface socketcan, channel can77: ")
+    assert said.count("\n") == 1
+
+
+def script(name: str, channel: str, *more: str) -> subprocess.Popen:
+    address, _, port = channel.partition(":")
+    bus = f"interface=udp_multicast,channel={address},port={port},hop_limit=0"
+    words = [sys.executable, str(EXAMPLES / name), "--database", str(FILE), "--bus", bus, *more]
+    return started(words)
+
+
+def test_the_ecu_script_drives_our_inverter():
+    """In the place of the gateway: 20 N m within what the bus resolves, and speed that has grown."""
+    bus = channels()
+    with ros_domain() as context:
+        inverter = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT})
+        ecu = script("ecu_script.py", bus["bus.channel_11"], "--torque", "20", "--seconds", "0.5")
+        said = ecu.communicate(timeout=PATIENCE)[0]
+        end([inverter])
+    assert ecu.returncode == 0, said
+    torque, speed = (float(number) for number in re.findall(r"(\d+\.\d+) (?:N m|rpm)", said))
+    assert torque == pytest.approx(20.0, abs=1 / 16)
+    assert speed > 100.0
+
+
+def test_our_gateway_leads_the_inverter_script():
+    """In the place of ours: enabled, 10 N m, a fault of its own when the set-points stop, and a reset."""
+    bus = channels()
+    channel = Channel("udp_multicast", bus["bus.channel_11"])
+    drive = script("own_inverter.py", bus["bus.channel_11"], "--seconds", "20", "--timeout", "0.5")
+    patient = {"feedback_timeout": 1.0, "command_timeout": 10.0}
+    station, ticks = GatewayStation(ours(), build(GatewayParameters, patient)), Ticks()
+    feedback = station.devices["Drive11"].feedback
+
+    def run(until, sends: bool = True) -> None:
+        deadline = time.monotonic() + PATIENCE
+        while not until():
+            assert time.monotonic() < deadline, feedback
+            while (frame := channel.receive()) is not None:
+                station.receive("11", frame)
+            for circuit, frame in station.step(passed) if (passed := ticks.passed()) else ():
+                if sends and circuit == "11":
+                    channel.send(frame)
+            time.sleep(ticks.until_next())
+
+    def again() -> None:
+        station.command("Drive11", TORQUE_MODE, 10.0)
+        run(lambda: station.enable(("Drive11",)) == "")
+        run(lambda: feedback.state == OPERATION_ENABLED)
+        run(lambda: abs(feedback.torque - 10.0) < 0.05)
+
+    run(lambda: feedback.state == SWITCH_ON_DISABLED)
+    again()
+    run(lambda: feedback.state == FAULT and feedback.error_code == 0x8130, sends=False)
+    assert feedback.torque == 0.0
+    station.reset()
+    run(lambda: feedback.state == SWITCH_ON_DISABLED)
+    again()
+    channel.close()
+    drive.terminate()
+    drive.communicate(timeout=PATIENCE)
