@@ -10,6 +10,7 @@ from printed_ge_ni2005 import equal_torques
 from source_runs import driven, metrics_of, value
 
 from ev_sim.report.papers import ge_ni2005 as paper
+from ev_sim.report.quantities import motion
 from ev_sim.report.quantities.understeer import understeer_gradient
 from ev_sim.verdicts.sources.ge_ni2005.claims import ORDERINGS
 from ev_sim.verdicts.sources.ge_ni2005.runs import READINGS
@@ -82,6 +83,13 @@ def test_turn_begins_in_the_equilibrium_of_straight_running():
         assert slip[0] == pytest.approx(paper.slip_of(paper.REAR_LOAD), rel=1e-6)
         assert channels[f"tire_forces.longitudinal_force.rear_{side}"][0] == pytest.approx(paper.TORQUE / paper.RADIUS)
     assert channels["twist.lateral"][0] == channels["twist.yaw_rate"][0] == 0.0
+
+
+def test_radius_comes_into_the_axis_of_fig_4b_after_a_quarter_of_a_second():
+    """A step of the wheels begins at an infinite radius; 70 m are passed at 0.27 s, by eqs 1 and 2 alone at 0.25 s."""
+    run = driven("ge_ni2005").runs["equal_torque"]
+    radius = motion.radius_of_path(run)
+    assert run.time[np.flatnonzero((radius > 70.0) | (radius < 0.0))[-1]] == pytest.approx(0.268, abs=0.005)
 
 
 def failing(case: str) -> set[str]:
