@@ -31,7 +31,9 @@ CHOICES: dict[str, tuple[dict, ...]] = {
     "axle_redistribution": (
         {"source": "estimated", "k": 0.5, "first_branch": "rear"},
         {"source": "estimated", "observer.kinematic_share": 0.3, "slip_angle_deadband": 0.0},
-        {"acceleration_deadband": 5.0, "largest_front_share": 0.9},
+        {"acceleration_deadband": 5.0, "largest_front_share": 0.9, "rear_wheels": "by_geometry"},
+        {"factor": "equality", "second_branch": "rear_share", "braking": "command"},
+        {"factor": "inertia", "second_branch": "derived", "speed_deadband": 0.0},
     ),
     "drive_by_wire": ({"gain": 20.0, "brake.front_share": 0.3}, ALL_DRIVEN),
     "equal_torque": ({"vehicle.driven_wheels": ["rear_left"]}, ALL_DRIVEN),

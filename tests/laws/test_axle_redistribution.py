@@ -9,6 +9,7 @@ from differentials import REAR, ZHILEYKIN, Differential, Motion, on, sequences
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.parameters.declaration import ParameterError
 
 LAW = "axle_redistribution"
@@ -18,33 +19,99 @@ def made(**changed) -> Differential:
     return Differential(LAW, ZHILEYKIN, **changed)
 
 
+# 2 J_z/(m L^2) of the car [1], by hand.
+INERTIA = 2 * 4200.0 / (2400.0 * 2.7**2)
+RIGHT_IS_SLOWER = Wheels(20.0, 20.0, 20.0, 19.8)
+
+
+def front(drive: Wheels) -> float:
+    """Torque of the front axle [N m]."""
+    assert drive.front_left == drive.front_right
+    return drive.front_left + drive.front_right
+
+
 def test_front_slides_by_cos_phi():
     """With cos(phi) = 0.6 and k = 0.5, h = 0.3; q = 2.7*0.1*0.3/(2*1.55*0.7) = 0.0373, by hand."""
-    drive = made(k=0.5).step(Motion(torque=1000.0, a_x=0.6, a_y=0.8).steered(0.1)).drive
+    drive = made(k=0.5, rear_wheels="by_geometry").step(Motion(torque=1000.0, a_x=0.6, a_y=0.8).steered(0.1)).drive
     q = 2.7 * 0.1 * 0.3 / (2 * 1.55 * 0.7)
     assert drive == pytest.approx((150, 150, 350 * (1 + q), 350 * (1 - q)), rel=1e-12)
 
 
-def test_rear_slides_by_one_minus_cos_phi():
-    """Sliding to the right at 2 m/s puts 0.4 rad on the rear axle and 0.3 on the front: h = k (1 - 0.6) = 0.2."""
-    drive = made(k=0.5).step(Motion(torque=1000.0, v=-2.0, a_x=0.6, a_y=0.8).steered(-0.1)).drive
-    assert drive.front_left + drive.front_right == pytest.approx(200.0, rel=1e-12)
+SLIDING = Motion(torque=1000.0, v=-2.0, a_x=0.6, a_y=0.8).steered(-0.1)  # 0.4 rad at the rear axle, 0.3 at the front
+
+
+@pytest.mark.parametrize(("branch", "share"), [("printed", 0.2), ("derived", 0.3), ("rear_share", 0.5)])
+def test_rear_slides_by_three_readings(branch, share):
+    """With k = 0.5: k (1 - 0.6) as printed, k 0.6 as derived, 1 - k 0.6 = 0.7, limited to a half."""
+    assert front(made(k=0.5, second_branch=branch).step(SLIDING).drive) == pytest.approx(1000.0 * share, rel=1e-12)
+
+
+def test_rear_share_is_not_always_limited():
+    drive = made(k=1.0, second_branch="rear_share").step(SLIDING).drive
+    assert front(drive) == pytest.approx(400.0, rel=1e-12)  # 1 - 0.6
 
 
 @pytest.mark.parametrize(("branch", "share"), [("front", 0.3), ("rear", 0.2)])
 def test_equal_slip_angles_leave_the_first_branch(branch, share):
     """Straight ahead with cos(phi) = 0.6: k 0.6 = 0.3 in front, or k (1 - 0.6) = 0.2."""
     drive = made(k=0.5, first_branch=branch).step(Motion(torque=1000.0, a_x=0.6, a_y=0.8)).drive
-    assert drive.front_left + drive.front_right == pytest.approx(1000.0 * share, rel=1e-12)
+    assert front(drive) == pytest.approx(1000.0 * share, rel=1e-12)
 
 
 def test_front_share_ends_at_one_half():
     assert made().step(Motion(torque=1000.0, a_x=1.0)).drive == (250.0,) * 4
 
 
-@pytest.mark.parametrize("motion", [Motion(torque=-400.0, a_x=-2.0), Motion(torque=100.0, brake=50.0)])
-def test_braking_puts_all_torque_on_the_rear_axle(motion):
-    assert made().step(motion).drive == (0.0, 0.0, motion.torque / 2, motion.torque / 2)
+def test_factor_by_inertia_is_that_of_a_car_without_resistance():
+    """K = 2 J_z/(m L^2) = 0.48; the equality gives the same where X = m j: 1000 N m at 0.35 m and 2400 kg."""
+    motion = Motion(torque=1000.0, a_x=1000.0 / 0.35 / 2400.0)
+    assert front(made(factor="inertia").step(motion).drive) == pytest.approx(1000.0 * INERTIA, rel=1e-12)
+    assert front(made(factor="equality").step(motion).drive) == pytest.approx(1000.0 * INERTIA, rel=1e-12)
+
+
+@pytest.mark.parametrize("a_y", [0.0, 0.5, 3.0])
+def test_as_an_equality_eq_4_does_not_depend_on_the_lateral_acceleration(a_y):
+    """Eq 4, h X = 2 J_z j cos(phi)/L^2 has j cos(phi) = a_x: with X = 1000/0.35 N and a_x = 0.6, h = 0.242."""
+    share = 2 * 4200.0 * 0.6 / (2.7**2 * 1000.0 / 0.35)
+    drive = made(factor="equality").step(Motion(torque=1000.0, a_x=0.6, a_y=a_y)).drive
+    assert front(drive) == pytest.approx(1000.0 * share, rel=1e-12)
+
+
+def test_without_drive_force_the_equality_stays_finite():
+    assert made(factor="equality").step(Motion(torque=0.0, a_x=0.6, a_y=0.5)).drive == (0.0,) * 4
+
+
+def test_a_car_that_slows_down_has_all_torque_on_the_rear_axle():
+    """Zhileykin: phi = pi, j_x <= 0, whatever the driver does; also where eq 5 as printed would give a half."""
+    assert front(made().step(Motion(torque=400.0, a_x=-2.0)).drive) == 0.0
+    assert front(made(first_branch="rear").step(Motion(torque=400.0, a_x=-2.0)).drive) == 0.0
+    assert front(made().step(Motion(torque=-400.0, a_x=2.0)).drive) == pytest.approx(-200.0)
+
+
+@pytest.mark.parametrize("motion", [Motion(torque=-400.0, a_x=2.0), Motion(torque=100.0, brake=50.0, a_x=2.0)])
+def test_braking_by_command_puts_all_torque_on_the_rear_axle(motion):
+    assert made(braking="command").step(motion).drive == (0.0, 0.0, motion.torque / 2, motion.torque / 2)
+    slows_down = Motion(torque=400.0, a_x=-2.0)
+    assert front(made(braking="command", first_branch="rear").step(slows_down).drive) == pytest.approx(200.0)
+
+
+def test_the_slower_rear_wheel_gets_more_also_where_it_is_the_outer_one():
+    """In a left turn whose inner wheel spins the right wheel is the slower one: it gets (1 + q)/2, not (1 - q)/2."""
+    motion = Motion(torque=1000.0, a_x=0.3, a_y=0.4, speeds=RIGHT_IS_SLOWER).steered(0.1)
+    q = 2.7 * 0.1 * 0.5 / (2 * 1.55 * 0.5)
+    assert made().step(motion).drive[2:] == pytest.approx((250 * (1 - q), 250 * (1 + q)), rel=1e-12)
+    inner = made(rear_wheels="by_geometry").step(motion).drive
+    assert inner[2:] == pytest.approx((250 * (1 + q), 250 * (1 - q)), rel=1e-12)
+
+
+def test_rear_wheels_are_equal_until_one_is_the_slower_one_which_is_then_held():
+    law, motion = made(), Motion(torque=1000.0, a_x=0.3, a_y=0.4).steered(0.1)
+    first = law.step(motion).drive
+    assert first.rear_left == first.rear_right
+    slower = law.step(dataclasses.replace(motion, speeds=RIGHT_IS_SLOWER)).drive
+    assert slower.rear_right > slower.rear_left
+    within = RIGHT_IS_SLOWER._replace(rear_left=19.75)  # 0.05 rad/s slower, less than the deadband
+    assert law.step(dataclasses.replace(motion, speeds=within)).drive == slower
 
 
 def test_deadbands_hold_branch_and_direction():
@@ -57,18 +124,24 @@ def test_deadbands_hold_branch_and_direction():
 
 
 @settings(deadline=None, max_examples=60)
-@given(sequence=sequences, most=st.floats(0.0, 0.9), source=st.sampled_from(("truth", "estimated")))
-def test_no_wheel_works_against_the_others_and_the_front_share_is_limited(sequence, most, source):
-    law = made(largest_front_share=most, source=source)
+@given(
+    sequence=sequences,
+    most=st.floats(0.0, 0.9),
+    source=st.sampled_from(("truth", "estimated")),
+    factor=st.sampled_from(("given", "inertia", "equality")),
+    second_branch=st.sampled_from(("printed", "derived", "rear_share")),
+)
+def test_no_wheel_works_against_the_others_and_the_front_share_is_limited(sequence, most, **readings):
+    law = made(largest_front_share=most, **readings)
     for motion in sequence:
         drive = law.step(motion).drive
         assert all(torque * motion.torque >= 0.0 for torque in drive)
         assert sum(drive) == pytest.approx(motion.torque, rel=1e-12, abs=1e-300)
-        assert abs(drive.front_left + drive.front_right) <= most * abs(motion.torque) * (1 + 1e-14)
+        assert abs(drive.front_left + drive.front_right) <= most * abs(motion.torque) * (1 + 1e-14) + 1e-300
 
 
 def test_truth_needs_no_observer():
-    """What only the observer looks at, wheel speeds, changes nothing."""
+    """What only the observer looks at, the speeds of the front wheels, changes nothing."""
     motion = Motion(torque=1000.0, r=0.3, v=0.2, a_x=0.6, a_y=0.8).steered(0.1)
     spinning = dataclasses.replace(motion, speeds=motion.speeds._replace(front_left=90.0))
     assert made().step(motion) == made().step(spinning)

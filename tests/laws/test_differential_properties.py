@@ -25,7 +25,11 @@ CARS: dict[str, Vehicle] = dict.fromkeys(methods_of(ROLE), SHCHUR) | {
 CHOICES: dict[str, tuple[dict, ...]] = {
     "adaptive": ({"redistribute": True},),
     "adhesion_share": ({"friction": "estimated"},),
-    "axle_redistribution": ({"source": "estimated"}, {"first_branch": "rear"}),
+    "axle_redistribution": (
+        {"source": "estimated"},
+        {"first_branch": "rear", "second_branch": "derived"},
+        {"factor": "equality", "rear_wheels": "by_geometry"},
+    ),
     "slip_target": ({"source": "estimated"}, {"reading": "offset", "boundary_layer": False}, {"reading": "increment"}),
     "steering_correction": ({"axle": "rear"},),
 }

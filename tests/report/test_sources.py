@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,12 +10,10 @@ from ros_graph import graph
 from source_runs import differing, driven, metrics_of, mirrored, value
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.report.scenarios.zhileykin2018 import LIMIT, reversals
+from ev_sim.report.quantities.torque_shares import turn_arounds
 from ev_sim.run.offline import run_offline
 from ev_sim.run.recording.recording import load, signal_hash
 from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
-from ev_sim.study import zhileykin2018_sweep
-from ev_sim.study.case import CaseResult, drive_case
 
 # One run of each scenario with its law, and the steering that mirrors it.
 SHORT = {
@@ -37,49 +33,26 @@ def short_run(scenario: str, duration: float | None = None, values: dict | None 
 # Zhileykin 2018
 
 
-def test_reversals_count_turns_and_not_ways():
+def test_turn_arounds_count_turns_and_not_ways():
     wave = np.sin(np.linspace(0.0, 6 * math.pi, 301))  # three periods: six extremes
-    assert reversals(wave, 0.1) == 6
-    assert reversals(wave, 2.5) == 0  # no way is that long
-    assert reversals(np.linspace(1.0, 0.0, 50), 0.1) == reversals(np.ones(10), 0.0) == 0
-    assert reversals(np.array([0.0, 1.0, 0.95, 1.2, 1.0]), 0.1) == 1
+    assert turn_arounds(wave, 0.1) == 6
+    assert turn_arounds(wave, 2.5) == 0  # no way is that long
+    assert turn_arounds(np.linspace(1.0, 0.0, 50), 0.1) == turn_arounds(np.ones(10), 0.0) == 0
+    assert turn_arounds(np.array([0.0, 1.0, 0.95, 1.2, 1.0]), 0.1) == 1
 
 
 def test_rear_drive_spins_and_the_4x4_holds_with_and_without_the_law():
     """The published claim, k = 0.5 that contradicts it, and the control that needs no law."""
-    holds = {name: value("zhileykin2018", f"holds_{name}") for name in ("rear_drive", "k05", "k1", "fixed_split")}
-    assert holds == {"rear_drive": 0.0, "k05": 0.0, "k1": 1.0, "fixed_split": 1.0}
+    names = ("rear_drive", "k05", "k1", "equality", "fixed_split")
+    holds = {name: value("zhileykin2018", f"holds_{name}") for name in names}
+    assert holds == {"rear_drive": 0.0, "k05": 0.0, "k1": 1.0, "equality": 1.0, "fixed_split": 1.0}
     assert value("zhileykin2018", "peak_sideslip_fixed_split") < value("zhileykin2018", "peak_sideslip_k1")
-    assert metrics_of("zhileykin2018")["peak_sideslip_k05"].verdict == "not reproduced"
 
 
 def test_shares_of_the_law_do_not_oscillate_with_k_1():
     for share in ("h_n", "h_2", "h_4"):
-        assert value("zhileykin2018", f"reversals_{share}_k1") <= 1.0
-    assert value("zhileykin2018", "reversals_h_n_k05") > 1.0
-
-
-@pytest.mark.parametrize(("force", "angle"), [(2000.0, 3), (2500.0, 8), (3000.0, 6), (4000.0, 10)])
-def test_sweep_table_of_the_page_is_that_of_the_study(force, angle):
-    """Four of the forty rows, as printed; where the car has spun within a degree, rounding grows in a spin."""
-    named = {case.name: case for case in zhileykin2018_sweep.cases(argparse.Namespace())}
-    assert len(named) == 4 * 40
-    page = (Path(__file__).parents[2] / "docs" / "zhileykin2018.md").read_text()
-    row = next(line for line in page.splitlines() if line.startswith(f"| {force:g} | {angle} |"))
-    for control, cell in zip(zhileykin2018_sweep.CONTROLS, row.strip("| ").split(" | ")[2:], strict=True):
-        result = drive_case(named[zhileykin2018_sweep.name_of(control, force, angle)], zhileykin2018_sweep.measure)
-        peak = result.measured["peak_sideslip"]
-        assert math.degrees(peak) == pytest.approx(float(cell.strip("*")), abs=1.0 if "*" in cell else 0.06)
-        assert ("*" in cell) == (peak >= LIMIT)
-
-
-def test_sweep_counts_what_its_table_says():
-    peak = {"rear_drive": LIMIT, "k05": 0.9 * LIMIT, "k1": 0.1, "fixed_split": math.nan}
-    named = zhileykin2018_sweep.cases(argparse.Namespace())
-    results = {case.name: CaseResult(case.name, {"peak_sideslip": peak[case.name.split()[0]]}) for case in named}
-    counts = zhileykin2018_sweep.metrics(argparse.Namespace(), results)
-    assert [metric.value for metric in counts.values()] == [40, 40, 40, 40, 0]
-    assert zhileykin2018_sweep.rows(None, results)[0] == ("2000", "3", "**15.0**", "13.5", "5.7", "nan")
+        assert value("zhileykin2018", f"turn_arounds_{share}_k1") <= 1.0
+    assert value("zhileykin2018", "turn_arounds_h_n_k05") > 1.0
 
 
 # All scenarios

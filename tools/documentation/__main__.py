@@ -61,6 +61,7 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
         if name in wanted:
             run = results.drive(page.scenario)
             texts = {RESULTS: scenario_results.results_of(page, run)}
+            texts.update({part: table() for part, table in page.tables.items()})
             scenario_results.save_images(page, run, images)
             _write(root / name, {**texts, **_studied(root, page.studies, images)})
     for name, studies in scenario_results.STUDY_PAGES.items():

@@ -46,7 +46,7 @@ PAGES = {
     HASHES: (RESULTS,),
     SHCHUR: (RESULTS, CONTROL_PERIODS),
     verdict_tables.PAGE: verdict_tables.PARTS,  # made from runs, too
-    **{name: (RESULTS, *page.studies) for name, page in SCENARIO_PAGES.items()},
+    **{name: (RESULTS, *page.studies, *page.tables) for name, page in SCENARIO_PAGES.items()},
     **STUDY_PAGES,
 }
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from documentation.markdown import code, table
 from documentation.measured import is_long, write_measured
+from documentation.neutral_steer import neutral_steer_table, save_bode_plot
 from documentation.results import Driven
 from ev_sim.report.metric import Metric
 from ev_sim.study.run_study import arguments
@@ -23,14 +24,17 @@ from ev_sim.verdicts.sources.tatar_chudzik.runs import SPEEDS
 class Page:
     """Whose results a page shows: one table for each group of names with which metrics end, and figures.
 
-    `studies` are those whose tables stand on the page as parts of their names. Judged numbers whose names end with one
-    of the `cases` stand side by side, each case (its ending and its heading) in a column.
+    `studies` are those whose tables stand on the page as parts of their names, `tables` make further parts, and
+    `images` draw into a folder. Judged numbers whose names end with one of the `cases` stand side by side, each case
+    (its ending and its heading) in a column.
     """
 
     scenario: str
     columns: tuple[tuple[str, ...], ...]
     figures: tuple[str, ...]
     studies: tuple[str, ...] = ()
+    tables: Mapping[str, Callable[[], str]] = field(default_factory=dict)
+    images: tuple[Callable[[Path], None], ...] = ()
     cases: tuple[tuple[str, str], ...] = ()
 
 
@@ -58,9 +62,11 @@ SCENARIO_PAGES = {
     ),
     "docs/zhileykin2018.md": Page(
         "zhileykin2018",
-        (("rear_drive", "k05", "k1", "k1_estimated", "fixed_split"),),
+        (("rear_drive", "k05", "k1", "k1_estimated", "equality", "fixed_split"),),
         ("fig3_fig4", "fig5"),
-        studies=("zhileykin2018_sweep",),
+        studies=("zhileykin2018_sweep", "zhileykin2018_variants"),
+        tables={"neutral steer": neutral_steer_table},
+        images=(save_bode_plot,),
     ),
 }
 
@@ -114,6 +120,8 @@ def save_images(page: Page, driven: Driven, folder: Path) -> None:
 
     figures = driven.figures
     save_figures({f"{page.scenario}_{name}": figures[name] for name in page.figures}, folder)
+    for save in page.images:
+        save(folder)
 
 
 def _by_run(metrics: Mapping[str, Metric], columns: tuple[tuple[str, ...], ...]) -> list[str]:

@@ -12,6 +12,7 @@ from ev_control.estimation.friction_estimate import (
 )
 from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.estimation.wheel_loads import wheel_loads
+from ev_control.shared.sources import SOURCES, TRUTH
 from ev_control.shared.torque_split import BrakeSplitParameters, split_brake
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import part
@@ -28,9 +29,6 @@ from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.layout import any_driven
-
-SOURCES = ("truth", "estimated")
-TRUTH, ESTIMATED = range(len(SOURCES))
 
 
 @dataclass(frozen=True, slots=True)

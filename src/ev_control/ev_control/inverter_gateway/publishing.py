@@ -18,7 +18,7 @@ _QUEUE = 10
 
 
 class FeedbackPublisher:
-    """Publishes all four devices: motion often, the rest now and then, a diagnosis also at once when it changes."""
+    """Publishes all four devices: motion often, the rest now and then, a diagnosis also when it changes."""
 
     def __init__(self, node: Node, devices: Mapping[str, Device]) -> None:
         self._node, self._devices = node, devices

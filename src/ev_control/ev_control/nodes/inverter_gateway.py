@@ -51,12 +51,12 @@ class InverterGatewayNode(BusNode):
         if self._waits and not self.station.enable(DRIVES):
             self._waits = False
         frames = self.station.step(ticks)
-        if is_due(_MOTION_CYCLE, before, before + ticks):
-            self._feedback.publish_motion()
         rest = is_due(_REST_CYCLE, before, before + ticks)
         if rest:
             self._feedback.publish_rest()
-        self._feedback.diagnose(self.parameters.feedback_timeout, anyway=rest)
+        if is_due(_MOTION_CYCLE, before, before + ticks):
+            self._feedback.publish_motion()
+            self._feedback.diagnose(self.parameters.feedback_timeout, anyway=rest)
         return frames
 
     def _enable(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:

@@ -15,8 +15,8 @@ class Fault(NamedTuple):
 
 FAULTS = (
     Fault("CommandTimeout", 0x8130, "no valid set-point within the time-out"),
-    Fault("WrongCrc", 0xFF01, "only set-points with a wrong CRC within the time-out"),
-    Fault("WrongCounter", 0xFF02, "only set-points with a repeated or wrong counter within the time-out"),
+    Fault("WrongCrc", 0xFF01, "no valid set-point within the time-out, but some with a wrong CRC"),
+    Fault("WrongCounter", 0xFF02, "no valid set-point within the time-out, but some with a repeated or wrong counter"),
     Fault("WindingTemperature", 0x4310, "excess temperature of the winding"),
     Fault("InverterTemperature", 0x4210, "excess temperature of the inverter"),
     Fault("Trip", 0x5400, "the power stage tripped"),

@@ -16,7 +16,15 @@ from ev_sim.study.case import Case, CaseResult
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-STUDIES = ("asr_shootout", "compare", "five_methods", "ge_ni2005_periods", "urban_sensitivity", "zhileykin2018_sweep")
+STUDIES = (
+    "asr_shootout",
+    "compare",
+    "five_methods",
+    "ge_ni2005_periods",
+    "urban_sensitivity",
+    "zhileykin2018_sweep",
+    "zhileykin2018_variants",
+)
 
 Results = Mapping[str, CaseResult]  # name of the case -> what came out
 

@@ -1,34 +1,29 @@
-"""Drive force by steering angle for all four controls of the scenario zhileykin2018: who spins, who holds."""
+"""Drive force by steering angle for the controls of the scenario zhileykin2018: who spins, who holds."""
 
 from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ev_msgs_py.contract.roles import MASTER
 from ev_sim.report.metric import Metric, metric
-from ev_sim.report.quantities.handling import peak_sideslip
-from ev_sim.report.scenarios.zhileykin2018 import LIMIT
+from ev_sim.report.papers.zhileykin2018 import LIMIT
+from ev_sim.report.quantities.torque_shares import SHARES
 from ev_sim.report.text_table import text_table
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run, load_scenario
+from ev_sim.study import zhileykin2018_grid as grid
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
+from ev_sim.study.zhileykin2018_grid import ANGLES, BY_LAW, CONTROLS, FORCES, REAR_DRIVE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ABOUT = "Zhileykin 2018: drive force by steering angle on ice with snow, who spins with which control"
-SCENARIO = "zhileykin2018"
-CONTROLS = ("rear_drive", "k05", "k1", "fixed_split")
-FORCES = (2000.0, 2500.0, 3000.0, 3500.0, 4000.0)  # of all wheels together [N]
-ANGLES = tuple(range(3, 11))  # of the road wheels [deg]
 COLUMNS = ("force [N]", "angle [deg]", *CONTROLS)
-SUMS = ("cases", "rear_drive_spins", "holds_")
+SUMS = ("cases", "rear_drive_spins", "holds_", "calm_")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -37,51 +32,29 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every control at every force and angle."""
-    vehicle = load_scenario(SCENARIO).runs[0].configurations[MASTER].common.vehicle
-    return [
-        Case(
-            name_of(control, force, angle),
-            SCENARIO,
-            (
-                ("driver", "pedals.drive_torque", [force * vehicle.wheel_radius]),
-                ("steering_column", "profile.angle", [0.0, math.radians(angle) * vehicle.steering_ratio]),
-            ),
-            control,
-        )
-        for force in FORCES
-        for angle in ANGLES
-        for control in CONTROLS
-    ]
+    return grid.cases_of(CONTROLS)
 
 
-def name_of(control: str, force: float, angle: float) -> str:
-    """Name of a case; force [N], angle [deg]."""
-    return f"{control} {force:g} N {angle:g} deg"
-
-
-def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """Largest sideslip angle of the moving car [rad]."""
-    return {"peak_sideslip": peak_sideslip(recording)}
-
-
-def peaks(results: Results, control: str) -> np.ndarray:
-    """Largest sideslip angles of a control, (forces, angles) [rad]; NaN where a case was refused."""
-    return np.array(
-        [
-            [results[name_of(control, force, angle)].measured.get("peak_sideslip", math.nan) for angle in ANGLES]
-            for force in FORCES
-        ]
-    )
+measure = grid.measure
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """In how many cases rear drive spins, and each control of the 4x4 stays below 15 deg of sideslip."""
-    held = {control: metric(lambda c=control: (peaks(results, c) < LIMIT).sum(), "1") for control in CONTROLS[1:]}
-    return {
-        "cases": metric(lambda: len(FORCES) * len(ANGLES), "1"),
-        "rear_drive_spins": metric(lambda: (peaks(results, "rear_drive") >= LIMIT).sum(), "1"),
-        **{f"holds_{control}": value for control, value in held.items()},
+    """In how many cases rear drive spins, each other control holds, of those and of all, and all shares are calm."""
+    found = {
+        "cases": metric(lambda: grid.SIZE, "1"),
+        "rear_drive_spins": metric(lambda: grid.spins(results).sum(), "1"),
     }
+    for name in CONTROLS:
+        if name != REAR_DRIVE:
+            found[f"holds_where_rear_drive_spins_{name}"] = metric(
+                lambda name=name: (grid.holds(results, name) & grid.spins(results)).sum(), "1"
+            )
+        found[f"holds_{name}"] = metric(lambda name=name: grid.holds(results, name).sum(), "1")
+    for name in BY_LAW:
+        found[f"calm_{name}"] = metric(
+            lambda name=name: np.all([grid.is_calm(results, name, share) for share in SHARES], axis=0).sum(), "1"
+        )
+    return found
 
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
@@ -90,7 +63,7 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     def shown(peak: float) -> str:
         return f"**{math.degrees(peak):.1f}**" if peak >= LIMIT else f"{math.degrees(peak):.1f}"
 
-    found = {control: peaks(results, control) for control in CONTROLS}
+    found = {control: grid.of_all(results, control) for control in CONTROLS}
     return [
         (f"{force:g}", f"{angle:g}", *(shown(found[control][i, j]) for control in CONTROLS))
         for i, force in enumerate(FORCES)
@@ -108,7 +81,7 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """A map of the largest sideslip angle for each control."""
     from ev_sim.report.figures.heat_map import HeatMap, heat_maps
 
-    maps = [HeatMap(control.replace("_", " "), np.degrees(peaks(results, control))) for control in CONTROLS]
+    maps = [HeatMap(control.replace("_", " "), np.degrees(grid.of_all(results, control))) for control in CONTROLS]
     return {
         "who_spins": heat_maps(
             maps,

@@ -1,64 +1,49 @@
 """Report on Zhileykin & Eranosyan (2018), figs 3 to 5: who spins on the way into a bend on ice with snow.
 
-Runs: `rear_drive` with an open differential, the 4x4 by the law with `k05` and `k1`, `fixed_split` with a half for each
-axle, and `k1_estimated`, where the law observes the slip angles instead of knowing them.
+Runs: `rear_drive` with an open differential, the 4x4 by the law with `k05`, `k1` and, with eq 4 as an equality,
+`equality`, `fixed_split` with a half for each axle, and `k1_estimated`, where the law observes the slip angles instead
+of knowing them.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ev_sim.report.figures.panels import Curve, panel
-from ev_sim.report.metric import Metric, Reference, metric
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.panels import Curve, Panel, panel
+from ev_sim.report.metric import Metric, metric
+from ev_sim.report.papers.zhileykin2018 import LIMIT, SWING
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.quantities.handling import peak_sideslip
-from ev_sim.report.samples import Runs, channel, run_named
+from ev_sim.report.quantities.torque_shares import SHARES, turn_arounds
+from ev_sim.report.samples import Parameters, Runs, channel, run_named
 from ev_sim.run.recording.recording import Recording
+from ev_sim.verdicts.all_verdicts import metrics_at_hand
+from ev_sim.verdicts.need import ScenarioRuns
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-REAR_DRIVE = "rear_drive"
-BY_LAW = ("k05", "k1", "k1_estimated")
-LIMIT = math.radians(15.0)  # sideslip angle that a driver can still correct [rad]; assumed, the source gives none
-SWING = 0.005  # [1], least way of a share between two reversals; what moves less is no oscillation
-CALM = 1  # reversal of one share that entering the bend explains
-
-ASSUMPTION = "drive force, steering angle, car but for its mass, slopes of the tyre curve"
+SCENARIO = "zhileykin2018"
+BY_LAW = ("k05", "k1", "equality", "k1_estimated")
 
 
-def metrics(runs: Runs) -> dict[str, Metric]:
-    """Peak sideslip angle, whether it is held, speed in the end, and reversals of the shares of the law."""
-    result = {}
+def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+    """What is judged on these runs alone; sideslip angles, speeds in the end, and turn-arounds of the law's shares."""
+    result = metrics_at_hand(SCENARIO, SCENARIO, ScenarioRuns(runs, vehicle, parameters))
     for name in runs:
-        result[f"peak_sideslip_{name}"] = metric(
-            lambda name=name: peak_sideslip(run_named(runs, name)), "rad", _reference(name)
-        )
+        result[f"peak_sideslip_{name}"] = metric(lambda name=name: peak_sideslip(run_named(runs, name)), "rad")
         result[f"holds_{name}"] = metric(lambda name=name: peak_sideslip(run_named(runs, name)) < LIMIT, "1")
         result[f"final_speed_{name}"] = metric(lambda name=name: _speed(run_named(runs, name))[-1], "m/s")
     for name in BY_LAW:
         for share, values in SHARES.items():
-            result[f"reversals_{share}_{name}"] = metric(
-                lambda name=name, values=values: reversals(values(run_named(runs, name)), SWING),
-                "1",
-                Reference(0.0, (0.0, CALM), "printed in words: no self-oscillation (fig. 5)", ASSUMPTION),
+            result[f"turn_arounds_{share}_{name}"] = metric(
+                lambda name=name, values=values: turn_arounds(values(run_named(runs, name)), SWING), "1"
             )
     return result
-
-
-def _reference(name: str) -> Reference | None:
-    """What the source says about the sideslip angle of a run."""
-    if name == REAR_DRIVE:
-        return Reference(LIMIT, (LIMIT, math.inf), "printed in words: the rear axle skids (fig. 3)", ASSUMPTION)
-    if name in BY_LAW:
-        words = "printed in words: the car stays controllable, deviations are small (fig. 4)"
-        factor = "" if name == "k05" else "; factor of the law"
-        return Reference(LIMIT, (0.0, LIMIT), words, ASSUMPTION + factor)
-    return None
 
 
 def _speed(run: Recording) -> np.ndarray:
@@ -66,34 +51,20 @@ def _speed(run: Recording) -> np.ndarray:
     return np.abs(derived.speed(run))
 
 
-def reversals(values: np.ndarray, swing: float) -> int:
-    """How often a series turns around after a way of more than `swing`, in its unit."""
-    count, direction = 0, 0
-    low = high = values[0]
-    for value in values:
-        low, high = min(low, value), max(high, value)
-        if direction >= 0 and value < high - swing:
-            count, direction, low = count + (direction > 0), -1, value
-        elif direction <= 0 and value > low + swing:
-            count, direction, high = count + (direction < 0), 1, value
-    return count
+def panels(runs: Runs) -> dict[str, Panel]:
+    """The panels of fig. 5 by their letter, for the runs by the law."""
+    by_law = {name: run for name, run in runs.items() if name in BY_LAW and name != "k1_estimated"}
+    titles = {"h_n": "Front axle, h_n", "h_2": "Rear left, h_2", "h_4": "Rear right, h_4"}
+    return {
+        letter: panel(titles[name], "share [1]", lambda share=share: motion.curve_of_each_run(by_law, share))
+        for letter, (name, share) in zip("abc", SHARES.items(), strict=True)
+    }
 
 
-def _request(run: Recording, wheel: str) -> np.ndarray:
-    return channel(run, f"torque_request.drive.{wheel}")
-
-
-def _front_share(run: Recording) -> np.ndarray:
-    front = _request(run, "front_left") + _request(run, "front_right")
-    return front / (front + _request(run, "rear_left") + _request(run, "rear_right"))
-
-
-def _rear_share(side: str) -> Callable[[Recording], np.ndarray]:
-    return lambda run: _request(run, f"rear_{side}") / (_request(run, "rear_left") + _request(run, "rear_right"))
-
-
-# Shares that the law asks for [1]: front axle of all, left and right rear wheel of the rear axle.
-SHARES = {"h_n": _front_share, "h_2": _rear_share("left"), "h_4": _rear_share("right")}
+def track(runs: Runs, name: str) -> Curve:
+    """Path of the centre of mass, y over x [m], of a run (figs 3 and 4)."""
+    run = run_named(runs, name)
+    return Curve(channel(run, "pose.x"), channel(run, "pose.y"), name)
 
 
 def figures(runs: Runs) -> dict[str, Figure]:
@@ -102,28 +73,16 @@ def figures(runs: Runs) -> dict[str, Figure]:
     from ev_sim.report.figures.plan_view import plan_view
 
     shown = {name: run for name, run in runs.items() if name != "k1_estimated"}
-    by_law = {name: run for name, run in shown.items() if name in BY_LAW}
-    panels = [
-        panel(title, "share [1]", lambda values=values: motion.curve_of_each_run(by_law, values))
-        for title, values in zip(
-            ("a  Front axle, h_n", "b  Rear left, h_2", "c  Rear right, h_4"), SHARES.values(), strict=True
-        )
+
+    def of_each(title: str, ylabel: str, values: Callable[[Recording], np.ndarray]) -> Panel:
+        return panel(title, ylabel, lambda: motion.curve_of_each_run(shown, values))
+
+    more = [
+        of_each("Sideslip angle", "angle [deg]", lambda run: np.degrees(motion.sideslip_angle(run))),
+        of_each("Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE)),
+        of_each("Speed", "speed [m/s]", _speed),
     ]
-    panels += [
-        panel(
-            "Sideslip angle",
-            "angle [deg]",
-            lambda: motion.curve_of_each_run(shown, lambda run: np.degrees(motion.sideslip_angle(run))),
-        ),
-        panel(
-            "Yaw rate",
-            "yaw rate [rad/s]",
-            lambda: motion.curve_of_each_run(shown, lambda run: channel(run, motion.YAW_RATE)),
-        ),
-        panel("Speed", "speed [m/s]", lambda: motion.curve_of_each_run(shown, _speed)),
-    ]
-    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), name) for name, run in shown.items()]
     return {
-        "fig3_fig4": plan_view("Path of the centre of mass", tracks),
-        "fig5": sheet(panels, "time [s]"),
+        "fig3_fig4": plan_view("Path of the centre of mass", [track(runs, name) for name in shown]),
+        "fig5": sheet([*panels(runs).values(), *more], "time [s]"),
     }

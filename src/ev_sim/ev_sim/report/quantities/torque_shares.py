@@ -1,0 +1,44 @@
+"""Shares of the drive torque that a law asks for, and how calm they are."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ev_sim.report.samples import channel
+from ev_sim.run.recording.recording import Recording
+
+
+def front_share(run: Recording) -> np.ndarray:
+    """Torque of the front axle over that of the car, h_n, (n,) [1]."""
+    front = _asked(run, "front_left") + _asked(run, "front_right")
+    return front / (front + _asked(run, "rear_left") + _asked(run, "rear_right"))
+
+
+def rear_left_share(run: Recording) -> np.ndarray:
+    """Torque of the left rear wheel over that of its axle, h_2, (n,) [1]."""
+    return _asked(run, "rear_left") / (_asked(run, "rear_left") + _asked(run, "rear_right"))
+
+
+def rear_right_share(run: Recording) -> np.ndarray:
+    """The same of the right one, h_4, (n,) [1]."""
+    return _asked(run, "rear_right") / (_asked(run, "rear_left") + _asked(run, "rear_right"))
+
+
+SHARES = {"h_n": front_share, "h_2": rear_left_share, "h_4": rear_right_share}
+
+
+def _asked(run: Recording, wheel: str) -> np.ndarray:
+    return channel(run, f"torque_request.drive.{wheel}")
+
+
+def turn_arounds(values: np.ndarray, swing: float) -> int:
+    """How often a series turns around after a way of more than `swing`, in its unit."""
+    count, direction = 0, 0
+    low = high = values[0]
+    for value in values:
+        low, high = min(low, value), max(high, value)
+        if direction >= 0 and value < high - swing:
+            count, direction, low = count + (direction > 0), -1, value
+        elif direction <= 0 and value > low + swing:
+            count, direction, high = count + (direction < 0), 1, value
+    return count

@@ -1,7 +1,0 @@
-"""How the ids of config/published/zhileykin2018.csv are judged."""
-
-from __future__ import annotations
-
-from ev_sim.verdicts.declaration import Declaration
-
-DECLARATIONS: tuple[Declaration, ...] = ()

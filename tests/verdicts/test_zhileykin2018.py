@@ -1,0 +1,102 @@
+"""The verdicts on Zhileykin & Eranosyan (2018), and what makes them fail."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from judging import driven, verdict_on
+
+from ev_sim.study import zhileykin2018_grid as grid
+from ev_sim.study.case import CaseResult
+from ev_sim.study.run_study import arguments
+from ev_sim.verdicts.all_verdicts import declarations
+from ev_sim.verdicts.need import StudyCases
+from ev_sim.verdicts.published import published
+from ev_sim.verdicts.sources.zhileykin2018.inputs import BEND
+from ev_sim.verdicts.verdict import Verdict, verdict
+
+SOURCE = "zhileykin2018"
+EXPECTED = {"reproduced", "follows from the inputs", "not judgeable", "no verdict"}
+QUICK = [id for id, each in declarations(SOURCE).items() if not any(need.slow for need in each.needs)]
+ON_SWEEP = [id for id in declarations(SOURCE) if id not in QUICK]
+LAW = "electronic_differential"
+
+
+def on_sweep(id: str, changed=(), **peaks: float) -> Verdict:
+    """The verdict from runs with changed parameters and a sweep in which each control has this sideslip angle [rad]."""
+    peak = {"rear_drive": 3.0, "k05": 1.0, "k1": 0.1, "equality": 0.1, "fixed_split": 0.1, **peaks}
+    calm = dict.fromkeys(("h_n", "h_2", "h_4"), 0)
+    results = {
+        case.name: CaseResult(case.name, {"peak_sideslip": peak[case.run], **calm})
+        for case in grid.cases_of(grid.CONTROLS)
+    }
+    runs = driven(replace(BEND, values=changed))
+    sweep = StudyCases(results, arguments("zhileykin2018_sweep", ()))
+    return verdict(published(SOURCE)[id], declarations(SOURCE)[id], [runs, sweep])
+
+
+@pytest.mark.parametrize("id", [id for id in QUICK if id != "zhil.eq5.derivation"])
+def test_what_can_be_judged_without_the_sweep_is_reproduced(id: str):
+    assert verdict_on(id).judgement in EXPECTED
+
+
+def test_eq_5_does_not_follow_from_the_line_above_it():
+    """At cos(phi) = 0.8 K (1 - 0.8) instead of K 0.8: N = (0.2 - 0.8) j/V = -0.075 1/s instead of none."""
+    found = verdict_on("zhil.eq5.derivation")
+    assert found.judgement == "not reproduced"
+    assert found.metrics[""].value == pytest.approx((0.2 - 0.8) * 1.0 / 8.0, rel=1e-9)
+    derived = (LAW, "second_branch", "derived")
+    assert verdict_on("zhil.eq5.derivation", derived).judgement == "reproduced"
+
+
+@pytest.mark.parametrize(
+    ("id", "changed"),
+    [
+        ("zhil.mass", ("*", "vehicle.mass", 2500.0)),
+        ("zhil.mu", ("*", "vehicle.tyre.coefficients", (0.3, 0.05, 0.15, 0.0))),
+        ("zhil.v0", ("plant", "initial_speed", 8.0)),
+        ("zhil.share_range", (LAW, "largest_front_share", 0.6)),
+        ("zhil.steer_time", ("steering_column", "profile.time", (2.0, 3.5))),
+        ("zhil.eq4.neutral", (LAW, "largest_front_share", 0.3)),
+        ("zhil.eq4.values", (LAW, "k", 0.4)),
+        ("zhil.eq5.values", (LAW, "second_branch", "derived")),
+        ("zhil.braking", (LAW, "braking", "command")),
+        ("zhil.eq7.neutral", (LAW, "speed_deadband", 5.0)),
+        ("zhil.eq7.shares", (LAW, "largest_front_share", 0.4)),
+    ],
+)
+def test_another_parameter_is_noticed(id: str, changed):
+    assert verdict_on(id, changed).judgement == "not reproduced"
+
+
+@pytest.mark.parametrize("id", ON_SWEEP)
+def test_claims_in_words_are_reproduced_where_most_of_the_sweep_says_so(id: str):
+    assert on_sweep(id).judgement == "reproduced"
+
+
+@pytest.mark.parametrize(
+    ("id", "changed"),
+    [
+        ("zhil.fig3", ("driver", "pedals.drive_torque", (700.0,))),  # 2000 N spin no car
+        ("zhil.fig4", (LAW, "k", 0.5)),
+        ("zhil.fig5a", (LAW, "k", 0.5)),
+        ("zhil.fig5b", (LAW, "k", 0.5)),
+        ("zhil.fig5c", (LAW, "k", 0.5)),
+    ],
+)
+def test_another_run_is_noticed(id: str, changed):
+    assert on_sweep(id, (changed,)).judgement in ("not reproduced", "not measured")
+
+
+@pytest.mark.parametrize(
+    ("id", "peaks"),
+    [("zhil.fig3", {"rear_drive": 0.1}), ("zhil.fig4", {"k1": 1.0}), ("zhil.better", {"k1": 1.0})],
+)
+def test_one_run_that_the_sweep_contradicts_is_not_enough(id: str, peaks):
+    assert on_sweep(id, **peaks).judgement == "not reproduced"
+
+
+def test_assumption_counts_holds_among_the_cases_in_which_rear_drive_spins():
+    text = on_sweep("zhil.fig4", k05=0.1, rear_drive=3.0).assumption
+    assert "holds 40 of the 40 cases in which rear drive spins (K = 0.5: 40," in text
