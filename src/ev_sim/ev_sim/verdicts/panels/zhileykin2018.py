@@ -1,11 +1,13 @@
-"""The figures of Zhileykin & Eranosyan (2018)."""
+"""The figures of Zhileykin & Eranosyan (2018): paths in the plane, and shares of the drive torque over time."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ev_sim.report.figures.panels import Panel
-from ev_sim.report.scenarios import zhileykin2018 as bend
+from ev_sim.report.scenarios.zhileykin2018 import panels, track
+from ev_sim.study.zhileykin2018_grid import REAR_DRIVE
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.panel import PublishedPanel, cannot_be_drawn, over_time
 from ev_sim.verdicts.sources.zhileykin2018.inputs import BEND
@@ -13,30 +15,38 @@ from ev_sim.verdicts.sources.zhileykin2018.inputs import BEND
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_PATHS, _SHARES = "Paths", "Shares of the torque"
+_4X4 = ("k05", "k1", "equality")  # factors of the law, and eq 4 as an equality: the source names neither
 
 
-def _path(figure: str, title: str, *runs: str) -> PublishedPanel:
+def _paths(title: str, names: tuple[str, ...]) -> Callable[[ScenarioRuns], Figure]:
     def draw(driven: ScenarioRuns) -> Figure:
         from ev_sim.report.figures.plan_view import plan_view
 
-        return plan_view(title, [bend.track(driven.runs, name) for name in runs])
+        return plan_view(title, [track(driven.runs, name) for name in names])
 
-    return PublishedPanel(figure, "", _PATHS, (f"zhil.fig{figure}",), (BEND,), draw)
+    return draw
 
 
-def _share(letter: str) -> PublishedPanel:
-    def panel(driven: ScenarioRuns) -> Panel:
-        return bend.panels(driven.runs)[letter]
-
-    ends = (0.0, 0.5) if letter == "a" else (0.0, 1.0)
-    return PublishedPanel("5", letter, _SHARES, (f"zhil.fig5{letter}",), (BEND,), over_time(panel, ends=ends))
+def _share(letter: str) -> Callable[[ScenarioRuns], Panel]:
+    return lambda driven: panels(driven.runs)[letter]
 
 
 PANELS = (
     cannot_be_drawn("1", "", "Schemes", "a scheme of the forces, no quantity over another one", "zhil.fig1"),
     cannot_be_drawn("2", "", "Schemes", "a scheme of the driveline, no quantity over another one", "zhil.fig2"),
-    _path("3", "Path of the rear-driven car", "rear_drive"),
-    _path("4", "Path of the 4x4", "k1", "k05", "equality", "fixed_split"),
-    *map(_share, "abc"),
+    PublishedPanel(
+        "3", "", "Paths", ("zhil.fig3",), (BEND,), _paths("Path of the rear-driven car on ice", (REAR_DRIVE,))
+    ),
+    PublishedPanel("4", "", "Paths", ("zhil.fig4",), (BEND,), _paths("Path of the 4x4 on ice", _4X4)),
+    *(
+        PublishedPanel(
+            "5",
+            letter,
+            "Shares of the drive torque",
+            (f"zhil.fig5{letter}",),
+            (BEND,),
+            over_time(_share(letter), ends=ends),
+        )
+        for letter, ends in (("a", (0.0, 0.5)), ("b", (0.0, 1.0)), ("c", (0.0, 1.0)))
+    ),
 )
