@@ -139,16 +139,14 @@ def _wheel(recording: Recording, name: str, radius: float) -> dict[str, Any]:
 
 def _recovery(recording: Recording, wheels: Sequence[str]) -> float | None:
     """From where the friction has risen under a wheel until it gets most of its request, the longest time [s]."""
-    longest = None
+    times = []
     for name in wheels:
-        friction = channel(recording, f"tire_forces.friction_coefficient.{name}")
-        rises = np.flatnonzero(np.diff(friction) > 0.0) + 1
+        rises = np.flatnonzero(np.diff(channel(recording, f"tire_forces.friction_coefficient.{name}")) > 0.0)
         if len(rises):
-            request = channel(recording, f"torque_request.drive.{name}")
-            served = channel(recording, f"torque_command.drive.{name}") >= SERVED * request
-            back = np.flatnonzero(served[rises[-1] :])
-            longest = max(longest or 0.0, float(back[0]) * PERIOD if len(back) else math.inf)
-    return longest if longest is None or math.isfinite(longest) else None
+            least = SERVED * channel(recording, f"torque_request.drive.{name}")
+            back = np.flatnonzero((channel(recording, f"torque_command.drive.{name}") >= least)[rises[-1] + 1 :])
+            times.append(float(back[0]) * PERIOD if len(back) else math.inf)
+    return max(times) if times and max(times) < math.inf else None
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
@@ -174,12 +172,10 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     def shown(value: float | None, digits: int) -> str:
         return "–" if value is None else f"{value:.{digits}f}"
 
-    found = []
-    for name, result in results.items():
-        road, _, control = name.partition(": ")
-        numbers = (shown(result.measured.get(key), digits) for key, (_, digits) in QUANTITIES.items())
-        found.append((road, control, *numbers))
-    return found
+    def numbers(of: Mapping[str, Any]) -> tuple[str, ...]:
+        return tuple(shown(of.get(key), digits) for key, (_, digits) in QUANTITIES.items())
+
+    return [(*name.split(": "), *numbers(result.measured)) for name, result in results.items()]
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
