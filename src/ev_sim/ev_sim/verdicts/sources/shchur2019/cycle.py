@@ -14,11 +14,9 @@ from ev_sim.verdicts.check import Measure, Number
 from ev_sim.verdicts.declaration import Declaration, judged, not_judgeable
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_sim.verdicts.sources.shchur2019.assumptions import (
-    ACKERMANN,
     FIVE_TIMES,
     SET_ANGLE,
     SET_SPEED,
-    SIGN_OF_RADIUS,
     five_times_and_drives,
 )
 from ev_sim.verdicts.sources.shchur2019.holding import ASSISTED
@@ -30,24 +28,26 @@ LEFT = (paper.LEFT_TURN[1] - 1.0, paper.LEFT_TURN[1])  # last second of the turn
 RIGHT = (paper.RIGHT_TURN[1] - 1.0, paper.RIGHT_TURN[1])
 SLOW = (paper.SECOND_ACCELERATION[0] - 1.0, paper.SECOND_ACCELERATION[0])  # last second of straight running [s]
 FAST = (49.0, 50.0)
-_TURNS = ((LEFT, paper.SPEED_LEFT_TURN, paper.TURN_ANGLE), (RIGHT, paper.SPEED_RIGHT_TURN, -paper.TURN_ANGLE))
 
-_Quantity = Callable[[Recording], np.ndarray]
+Quantity = Callable[[Recording], np.ndarray]
 
 
-def _run(driven: ScenarioRuns) -> Recording:
+def cycle_run(driven: ScenarioRuns) -> Recording:
+    """The run of the cycle."""
     return run_named(driven.runs, _RUN)
 
 
-def _mean(quantity: _Quantity, window: tuple[float, float]) -> Measure:
-    return lambda driven: mean_between(_run(driven), quantity(_run(driven)), *window)
+def mean_in(quantity: Quantity, window: tuple[float, float]) -> Measure:
+    """Mean of a quantity in a window [s] of the cycle."""
+    return lambda driven: mean_between(cycle_run(driven), quantity(cycle_run(driven)), *window)
 
 
-def _mean_while_held(quantity: _Quantity, angle: float, window: tuple[float, float]) -> Measure:
-    return lambda driven: derived.mean_while_held(_run(driven), quantity(_run(driven)), angle, *window)
+def _mean_while_held(quantity: Quantity, angle: float, window: tuple[float, float]) -> Measure:
+    return lambda driven: derived.mean_while_held(cycle_run(driven), quantity(cycle_run(driven)), angle, *window)
 
 
-def _recorded(name: str) -> _Quantity:
+def recorded(name: str) -> Quantity:
+    """A channel of the recording."""
     return lambda run: channel(run, name)
 
 
@@ -55,7 +55,7 @@ def _reached(speed: float, after: float) -> Measure:
     """When the speed comes within 1 % of `speed` [m/s] for the first time after an instant [s], at the end if never."""
 
     def measure(driven: ScenarioRuns) -> float:
-        run = _run(driven)
+        run = cycle_run(driven)
         there = run.time[(run.time >= after) & (np.abs(derived.speed(run) - speed) <= 0.01 * speed)]
         return float(there[0] if len(there) else run.time[-1])
 
@@ -66,7 +66,7 @@ def _speed(id: str, speed: float, acceleration: tuple[float, float], window: tup
     return judged(
         id,
         CYCLE,
-        Number("km/h", 3.6 * speed, relative(0.01, "plateau"), _mean(lambda run: 3.6 * derived.speed(run), window)),
+        Number("km/h", 3.6 * speed, relative(0.01, "plateau"), mean_in(lambda run: 3.6 * derived.speed(run), window)),
         Number(
             "s",
             acceleration[1],
@@ -89,7 +89,7 @@ def _turn(side: str, angle: float, window: tuple[float, float]) -> tuple[Declara
                 "rad",
                 angle,
                 absolute(np.radians(0.5), "what is left of the turn-in, which is not given, and ripple of the drives"),
-                _mean(_recorded(derived.ROAD_WHEEL_ANGLE), window),
+                mean_in(recorded(derived.ROAD_WHEEL_ANGLE), window),
             ),
             inputs=SET_ANGLE,
         ),
@@ -109,7 +109,7 @@ def _turn(side: str, angle: float, window: tuple[float, float]) -> tuple[Declara
 
 def _difference_beyond_the_law(driven: ScenarioRuns) -> float:
     """Largest distance of M_R* - M_L* from eq 4 with the column's own signals [N m]."""
-    run = _run(driven)
+    run = cycle_run(driven)
     column = "steering_column.state"
     law = (
         paper.differential_torque(1.0, 0.0)
@@ -125,41 +125,9 @@ def _difference_beyond_the_law(driven: ScenarioRuns) -> float:
 
 def _sum_beyond_the_driver(driven: ScenarioRuns) -> float:
     """Largest distance of M_R* + M_L* from M* [N m]."""
-    run = _run(driven)
+    run = cycle_run(driven)
     both = channel(run, "torque_request.drive.front_right") + channel(run, "torque_request.drive.front_left")
     return float(np.abs(both - channel(run, "driver.command.drive_torque")).max())
-
-
-def _wheel_speeds() -> tuple[Number, ...]:
-    return tuple(
-        Number(
-            "rad/s",
-            value,
-            relative(0.01, "the driver holds the angle"),
-            _mean(_recorded(f"wheel_states.velocity.front_{side}"), window),
-            f"{turn} {name}",
-        )
-        for turn, (window, speed, angle) in zip(("left", "right"), _TURNS, strict=True)
-        for side, name, value in zip(("right", "left"), "RL", paper.wheel_speeds(speed, angle), strict=True)
-    )
-
-
-def _speed_differences() -> tuple[Number, ...]:
-    def difference(window: tuple[float, float]) -> Measure:
-        return lambda driven: mean_between(
-            _run(driven), derived.speed_difference(_run(driven), driven.vehicle), *window
-        )
-
-    return tuple(
-        Number(
-            "m/s",
-            paper.speed_difference(speed, angle),
-            relative(0.01, "the driver holds the angle"),
-            difference(window),
-            turn,
-        )
-        for turn, (window, speed, angle) in zip(("left", "right"), _TURNS, strict=True)
-    )
 
 
 _SLOW, _FAST = paper.SPEED_LEFT_TURN, paper.SPEED_RIGHT_TURN
@@ -174,10 +142,10 @@ DECLARATIONS: tuple[Declaration, ...] = (
         "shchur.fig4.M.plateau",
         CYCLE,
         Number(
-            "N m", paper.resisting_torque(_SLOW**2), _RESISTANCE, _mean(derived.total_drive_torque, SLOW), "15 km/h"
+            "N m", paper.resisting_torque(_SLOW**2), _RESISTANCE, mean_in(derived.total_drive_torque, SLOW), "15 km/h"
         ),
         Number(
-            "N m", paper.resisting_torque(_FAST**2), _RESISTANCE, _mean(derived.total_drive_torque, FAST), "30 km/h"
+            "N m", paper.resisting_torque(_FAST**2), _RESISTANCE, mean_in(derived.total_drive_torque, FAST), "30 km/h"
         ),
     ),
     judged(
@@ -187,14 +155,14 @@ DECLARATIONS: tuple[Declaration, ...] = (
             "N m",
             paper.accelerating_torque(0.0, _SLOW, 4.0),
             _SHAPE,
-            _mean(derived.total_drive_torque, paper.FIRST_ACCELERATION),
+            mean_in(derived.total_drive_torque, paper.FIRST_ACCELERATION),
             "first",
         ),
         Number(
             "N m",
             paper.accelerating_torque(_SLOW, _FAST, 4.0),
             _SHAPE,
-            _mean(derived.total_drive_torque, paper.SECOND_ACCELERATION),
+            mean_in(derived.total_drive_torque, paper.SECOND_ACCELERATION),
             "second",
         ),
     ),
@@ -210,8 +178,6 @@ DECLARATIONS: tuple[Declaration, ...] = (
     not_judgeable(
         "shchur.fig4.drive_torques", "curve not in the text; its ripple needs current control and bus voltage"
     ),
-    judged("shchur.fig4.wheel_speeds", CYCLE, *_wheel_speeds(), inputs=f"{ACKERMANN}; {SIGN_OF_RADIUS}"),
-    judged("shchur.fig4.dV", CYCLE, *_speed_differences(), inputs=f"{ACKERMANN}; {SIGN_OF_RADIUS}"),
     not_judgeable(
         "shchur.fig4.transients", "curves not in the text; speed controller, limits and turn-in are not given"
     ),
