@@ -63,7 +63,7 @@ def _other_denominator(efficiency: Mapping[int, float]) -> tuple[Shown, ...]:
 
 
 def _saved(end: End) -> Callable[[StudyCases], float]:
-    return lambda driven: end(savings(means(driven, "energy", "pulse"))) / printed.KILOWATT_MINUTE
+    return lambda driven: end(savings(means(driven, "energy_windows", "pulse"))) / printed.KILOWATT_MINUTE
 
 
 _SAVED = savings(printed.ENERGY)
