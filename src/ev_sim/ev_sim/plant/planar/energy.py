@@ -66,16 +66,18 @@ def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerCon
         mechanical += (target[left] * shaft[left] + target[right] * shaft[right]) * car.gear_ratio
     wanted += mechanical + car.battery.auxiliary_power
     give, take = power_limits(car.battery, open_circuit_voltage(power.voltage, s.state_of_charge), s.state_of_charge)
-    if wanted > give:
-        idle = 0.0
-        for axle in range(2):
-            left, right = 2 * axle, 2 * axle + 1
-            left_idle = _loss(p, car, power.map, left, 0.0, shaft[left])
-            idle += left_idle + _loss(p, car, power.map, right, 0.0, shaft[right])
-        idle += car.battery.auxiliary_power
-        if wanted > idle:
-            return min(max((give - idle) / (wanted - idle), 0.0), 1.0)
-    if wanted < -take and mechanical < 0.0:
+    too_much_given, too_much_taken = wanted > give, wanted < -take and mechanical < 0.0
+    if not too_much_given and not too_much_taken:
+        return 1.0  # nearly always: the idle losses need not be looked up
+    idle = 0.0
+    for axle in range(2):
+        left, right = 2 * axle, 2 * axle + 1
+        left_idle = _loss(p, car, power.map, left, 0.0, shaft[left])
+        idle += left_idle + _loss(p, car, power.map, right, 0.0, shaft[right])
+    idle += car.battery.auxiliary_power
+    if too_much_given and wanted > idle:
+        return min(max((give - idle) / (wanted - idle), 0.0), 1.0)
+    if too_much_taken:
         return min(max((-take - idle) / mechanical, 0.0), 1.0)
     return 1.0
 
