@@ -76,10 +76,10 @@ def _steady(car: Vehicle, share: float) -> float:
 
 def save_bode_plot(folder: Path) -> None:
     """Bode plot of the car at the drive force of the table, equal torques, speed held."""
+    from documentation.images import save_small
     from ev_sim.analysis.bode_figure import bode_figure
-    from ev_sim.report.figures.drawing import save_figures
 
     car = load_vehicle("zhileykin_4x4")
     plant = linearised(car, OperatingPoint(SPEED, drive=drive_torques(car, FORCE)))
     model = side_slip_model(car, SPEED, plant.acceleration, FORCE, 0.5)
-    save_figures({"zhileykin2018_bode": bode_figure(model, plant)}, folder)
+    save_small({"zhileykin2018_bode": bode_figure(model, plant)}, folder)

@@ -101,8 +101,8 @@ def _cell(metric: Metric) -> str:
 
 def save_images(driven: Mapping[str, Mapping[str, Driven]], folder: Path) -> None:
     """The figures of the runs with ideal drives, under the names that the pages use."""
-    from ev_sim.report.figures.drawing import save_figures
+    from documentation.images import save_small
 
     for scenario, file in FIGURES.items():
         figures = driven[scenario][DRIVES[0]].figures
-        save_figures({Path(file).stem: next(iter(figures.values()))}, folder)
+        save_small({Path(file).stem: next(iter(figures.values()))}, folder)

@@ -108,18 +108,18 @@ def study_table(name: str, results: Results) -> str:
 
 def save_study_images(name: str, results: Results, folder: Path) -> None:
     """The figures of a study as STUDY_FIGURE.png."""
-    from ev_sim.report.figures.drawing import save_figures
+    from documentation.images import save_small
 
     figures = study_named(name).figures(arguments(name, ()), results)
-    save_figures({f"{name}_{key}": figure for key, figure in figures.items()}, folder)
+    save_small({f"{name}_{key}": figure for key, figure in figures.items()}, folder)
 
 
 def save_images(page: Page, driven: Driven, folder: Path) -> None:
     """The figures of a page as SCENARIO_FIGURE.png."""
-    from ev_sim.report.figures.drawing import save_figures
+    from documentation.images import save_small
 
     figures = driven.figures
-    save_figures({f"{page.scenario}_{name}": figures[name] for name in page.figures}, folder)
+    save_small({f"{page.scenario}_{name}": figures[name] for name in page.figures}, folder)
     for save in page.images:
         save(folder)
 

@@ -34,7 +34,7 @@ STROKES = (
     ("#D55E00", DOTTED),
     ("#56B4E9", MIXED),
 )
-MOST_IN_PANEL = 4  # curves whose legend fits into a panel; with more the figure has one legend above all panels
+CHARACTER, STROKE = 0.06, 0.37  # width of a letter of a legend, and of a stroke with its gaps [inch]
 LEGEND_COLUMNS, LEGEND_ROW = 5, 0.17  # of that legend, the height of a row in [inch]
 
 
@@ -50,8 +50,10 @@ def sheet(
     A panel with its labels is `panel_width` [inch] wide.
     """
     rows = -(-len(panels) // columns)
-    most = max((len(panel.curves) for panel in panels), default=0)
-    above = LEGEND_ROW * -(-most // LEGEND_COLUMNS) + 0.1 if most > MOST_IN_PANEL else 0.0
+    apart = list(
+        dict.fromkeys(c.label for p in panels if not _legend_fits(p, panel_width) for c in p.curves if c.label)
+    )
+    above = LEGEND_ROW * -(-len(apart) // LEGEND_COLUMNS) + 0.1 if apart else 0.0
     width, height = panel_width * columns, PANEL_HEIGHT * rows + 0.35 + above
     figure = Figure(figsize=(width, height), dpi=DPI)
     # Fixed margins: matplotlib's layout engines draw everything twice to find them.
@@ -72,10 +74,10 @@ def sheet(
             axes.set_xlabel(xlabel, fontsize=TEXT_SIZE)
         else:
             axes.tick_params(labelbottom=False)
-    if above:
-        fullest = max(figure.axes, key=lambda axes: len(axes.lines))
-        handles, labels = fullest.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="upper center", ncols=LEGEND_COLUMNS, fontsize=TEXT_SIZE, frameon=False)
+    if apart:
+        lines = {line.get_label(): line for axes in figure.axes for line in axes.lines}
+        handles = [lines[label] for label in apart]
+        figure.legend(handles, apart, loc="upper center", ncols=LEGEND_COLUMNS, fontsize=TEXT_SIZE, frameon=False)
     return figure
 
 
@@ -130,7 +132,8 @@ def _draw(axes: Axes, panel: Panel, width: float) -> None:
     axes.spines[["top", "right"]].set_visible(False)
     if panel.note:
         axes.text(0.5, 0.5, panel.note, transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE, color="0.4")
-    if any(curve.label for curve in panel.curves) and len(panel.curves) <= MOST_IN_PANEL:
+    own_legend = any(curve.label for curve in panel.curves) and _legend_fits(panel, width)
+    if own_legend:
         axes.legend(
             loc="upper right",
             fontsize=TEXT_SIZE,
@@ -141,10 +144,16 @@ def _draw(axes: Axes, panel: Panel, width: float) -> None:
             handletextpad=0.4,
             columnspacing=1.0,
         )
-    _leave_room(axes, panel.curves)
+    _leave_room(axes, panel.curves, own_legend)
 
 
-def _leave_room(axes: Axes, curves: Sequence[Curve]) -> None:
+def _legend_fits(panel: Panel, width: float) -> bool:
+    """Whether the legend fits into one row of the panel; where one does not, the figure has one above all panels."""
+    letters = sum(len(curve.label) for curve in panel.curves)
+    return letters * CHARACTER + len(panel.curves) * STROKE <= width - 0.85
+
+
+def _leave_room(axes: Axes, curves: Sequence[Curve], own_legend: bool) -> None:
     """Limits in which a constant does not look like noise and the legend stands above the curves."""
     finite = [curve.values[np.isfinite(curve.values)] for curve in curves]
     finite = [values for values in finite if len(values)]
@@ -152,5 +161,4 @@ def _leave_room(axes: Axes, curves: Sequence[Curve]) -> None:
         return
     low, high = min(float(v.min()) for v in finite), max(float(v.max()) for v in finite)
     margin = max(0.06 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-6)
-    labelled = any(curve.label for curve in curves) and len(curves) <= MOST_IN_PANEL
-    axes.set_ylim(low - margin, high + margin * (4.5 if labelled else 1.0))
+    axes.set_ylim(low - margin, high + margin * (4.5 if own_legend else 1.0))

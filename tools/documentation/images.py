@@ -1,0 +1,22 @@
+"""Images of the pages, small enough for a repository."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PIL import Image
+
+from ev_sim.report.figures.drawing import save_figures
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLOURS = 256  # lines and letters need no more; a third of the size
+
+
+def save_small(figures: Mapping[str, Figure], folder: Path) -> None:
+    """Write each figure as NAME.png with a palette of few colours."""
+    for path in save_figures(figures, folder):
+        Image.open(path).convert("RGB").quantize(COLOURS).save(path, optimize=True)
