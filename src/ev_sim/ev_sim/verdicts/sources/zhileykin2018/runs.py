@@ -12,15 +12,16 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ev_sim.report.papers.zhileykin2018 import CALM, LIMIT, SWING
+from ev_sim.report.papers.zhileykin2018 import CALM, LIMIT, STEERING, SWING
 from ev_sim.report.quantities import motion
+from ev_sim.report.quantities.circle import deviation_from_circle
 from ev_sim.report.quantities.derived import ROAD_WHEEL_ANGLE
 from ev_sim.report.quantities.handling import moving, peak_sideslip
 from ev_sim.report.quantities.torque_shares import SHARES, turn_arounds
 from ev_sim.report.samples import channel, run_named
 from ev_sim.study import zhileykin2018_grid as grid
 from ev_sim.study.zhileykin2018_grid import FIXED, REAR_DRIVE
-from ev_sim.verdicts.check import Number, holds
+from ev_sim.verdicts.check import Number, Shown, holds
 from ev_sim.verdicts.declaration import Declaration, judged, no_verdict, not_judgeable
 from ev_sim.verdicts.need import ScenarioRuns, StudyCases, StudyNeed
 from ev_sim.verdicts.sources.zhileykin2018.inputs import BEND, NOMINAL
@@ -35,6 +36,10 @@ _MOST = between(0.5, 1.0, "force and angle of the source are unknown: most of th
 
 def _peak(name: str) -> Callable[..., float]:
     return lambda runs, sweep: peak_sideslip(run_named(runs.runs, name))
+
+
+def _off_the_circle(name: str) -> Callable[..., float]:
+    return lambda runs, sweep: deviation_from_circle(run_named(runs.runs, name), STEERING[1])
 
 
 def _rear_slides_out(runs: ScenarioRuns, sweep: StudyCases) -> bool:
@@ -123,6 +128,8 @@ DECLARATIONS: tuple[Declaration, ...] = (
         NEEDS,
         Number("rad", LIMIT, between(0.0, LIMIT, _THRESHOLD), _peak(NOMINAL)),
         Number("1", 1.0, _MOST, _holds, "share of the cases in which rear drive spins"),
+        Shown("m", _off_the_circle(NOMINAL), "from a circle, largest, steering held"),
+        Shown("m", _off_the_circle(REAR_DRIVE), "of rear drive"),
         assumption=_of_law,
     ),
     _without_oscillation("zhil.fig5a", "h_n"),
