@@ -33,6 +33,7 @@ class MasterNode(SteppedNode):
         super().__init__(MASTER, **node_arguments)
         self._state = StatePublisher(self, self.writers.values())
         self._silence = Silence(self)
+        self._advance = Advance(self.stepper, self.schedule, self._stepped, self.reports.warn)
         self._granted = TimeServices(self, lambda: self.now, self._begin, self.schedule.pace_from_here)
         self.schedule.rests = self._granted.rests
         # For rclpy's own executors; `spinning.spin` calls idle() by itself. The clock is the wall's, not /clock.
@@ -43,10 +44,6 @@ class MasterNode(SteppedNode):
     def schedule(self) -> Schedule:
         """Where time is, and what holds it back."""
         return Schedule(self.stepper, self.realtime, self.configuration.extra)
-
-    @cached_property
-    def _advance(self) -> Advance:
-        return Advance(self.stepper, self.schedule, self._stepped, self.reports.warn)
 
     @property
     def now(self) -> int:
@@ -63,8 +60,7 @@ class MasterNode(SteppedNode):
 
     def wanted(self) -> tuple[type, ...]:
         """The missing inputs, or the recorder's progress if only that is behind."""
-        missing = super().wanted()
-        return missing if missing or self.schedule.recorder_keeps_up else (RECORDER_WRITES,)
+        return super().wanted() or (() if self.schedule.recorder_keeps_up else (RECORDER_WRITES,))
 
     def wake_up_within(self) -> float:
         """Seconds until the next instant is due, at most the period of retries."""
@@ -85,9 +81,7 @@ class MasterNode(SteppedNode):
         self.schedule.follow(self.configuration.extra)
 
     def _begin(self) -> None:
-        recorder = self.readers.get(RECORDER_WRITES)
-        while recorder is not None and recorder.take() is not None:
-            pass  # what it has said of a run before would be taken for this one's
+        self.forget(RECORDER_WRITES)  # what it has said of a run before would be taken for this one's
         self._stepped(self.stepper.begin_run())
         self.schedule.begin()
 
