@@ -9,8 +9,9 @@ from can_bus.databases import ours
 
 from ev_control.inverter_gateway.diagnosis import FAULTY, GOOD, SILENT, WARNED, diagnosis
 from ev_control.inverter_gateway.parameters import GatewayParameters
-from ev_control.inverter_gateway.station import DEVICES, SPEED_MODE, TORQUE_MODE, GatewayStation
+from ev_control.inverter_gateway.station import DEVICES, GatewayStation
 from ev_msgs_py.can.channel import Frame
+from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.drive_states import (
     ENABLE_COMMAND,
     FAULT,

@@ -18,8 +18,9 @@ from can_bus.test_channels import FRAMES, group, received
 from ros_graph import NAMESPACE, ros_domain
 
 from ev_control.inverter_gateway.parameters import GatewayParameters
-from ev_control.inverter_gateway.station import TORQUE_MODE, GatewayStation
+from ev_control.inverter_gateway.station import GatewayStation
 from ev_msgs_py.can.channel import Channel
+from ev_msgs_py.can.conventions import TORQUE_MODE
 from ev_msgs_py.can.drive_states import FAULT, OPERATION_ENABLED, SWITCH_ON_DISABLED
 from ev_msgs_py.nodes.ticks import Ticks
 from ev_msgs_py.parameters.values import build

@@ -11,7 +11,8 @@ from sensor_msgs.msg import JointState
 
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.publishing import NAMES
-from ev_control.inverter_gateway.station import LOADS, SPEED_MODE, TORQUE_MODE, GatewayStation
+from ev_control.inverter_gateway.station import LOADS, GatewayStation
+from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import pi
 
 from ev_control.inverter_gateway.state import Feedback
 from ev_msgs_py.can.channel import Frame
@@ -17,12 +16,12 @@ from ev_msgs_py.can.checking import (
     is_valid,
     no_new_data,
 )
+from ev_msgs_py.can.conventions import RPM
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.drive_states import state_of
 from ev_msgs_py.can.faults import FAULTS, WARNINGS
 from ev_msgs_py.can.frame_layout import FrameLayout
 
-RPM = pi / 30.0  # rad/s
 _REFUSED = (WRONG_CRC, REPEATED, WRONG_SEQUENCE)
 
 

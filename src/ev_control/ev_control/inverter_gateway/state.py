@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.can.checking import CheckState
+from ev_msgs_py.can.conventions import LONG_AGO
 from ev_msgs_py.contract.record import entry, part, series
-
-LONG_AGO = 1e9  # s; an age of what has never been
 
 
 @dataclass(slots=True)

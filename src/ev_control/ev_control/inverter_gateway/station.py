@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
-from ev_control.inverter_gateway.hearing import RPM, Hearing
+from ev_control.inverter_gateway.hearing import Hearing
 from ev_control.inverter_gateway.leading import (
     advance_device,
     begin_reset,
@@ -17,13 +17,13 @@ from ev_control.inverter_gateway.parameters import BOTH, GatewayParameters
 from ev_control.inverter_gateway.state import Device, Gateway
 from ev_msgs_py.can.bus_parameters import CIRCUITS
 from ev_msgs_py.can.channel import Frame
+from ev_msgs_py.can.conventions import RPM, TORQUE_MODE
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.protection import next_counter
 from ev_msgs_py.can.schedule import TICK, is_due
 from ev_msgs_py.lockstep.law import namespace
 from ev_msgs_py.parameters.declaration import number_tree
 
-TORQUE_MODE, SPEED_MODE = 1.0, 2.0
 DRIVES, LOADS = ("Drive11", "Drive12"), ("Load11", "Load12")
 DEVICES = (*DRIVES, *LOADS)
 
@@ -51,12 +51,12 @@ class GatewayStation:
             if name.endswith(circuit):
                 self._hearing[name].receive(frame)
 
-    def command(self, name: str, mode: float, value: float) -> None:
+    def command(self, name: str, mode: int, value: float) -> None:
         """What a device shall do: a torque [N m] or a speed [rad/s] at its shaft; ValueError for what is no number."""
         if not isfinite(value):
             raise ValueError(f"command of {name}: {value} is refused, allowed is a finite number")
         device = self.devices[name]
-        device.mode, device.command_age = mode, 0.0
+        device.mode, device.command_age = float(mode), 0.0
         device.torque, device.speed = (value, self.p.speed_limit) if mode == TORQUE_MODE else (0.0, value)
 
     def enable(self, names: tuple[str, ...]) -> str:

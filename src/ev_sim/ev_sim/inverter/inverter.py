@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ev_msgs_py.can.conventions import NO_MODE, SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.drive_states import (
     INTERNAL_LIMIT,
     OPERATION_ENABLED,
@@ -31,9 +32,6 @@ from ev_msgs_py.compiling.compilable import compilable
 from ev_sim.inverter.dc_link import advance_dc_link, dc_link_faults
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.set_points import (
-    NO_MODE,
-    SPEED_MODE,
-    TORQUE_MODE,
     begin_cycle,
     end_cycle,
     missing_set_point,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import pi
 from typing import NamedTuple
 
 from ev_msgs_py.can.checking import (
@@ -16,14 +15,12 @@ from ev_msgs_py.can.checking import (
     no_new_data,
 )
 from ev_msgs_py.can.codec import BitField, extracted
+from ev_msgs_py.can.conventions import RPM
 from ev_msgs_py.can.drive_states import ENABLE_OPERATION, FAULT_RESET
 from ev_msgs_py.can.faults import COMMAND_TIMEOUT, WRONG_COUNTER, WRONG_CRC_FAULT
 from ev_msgs_py.can.frame_layout import FrameLayout
 from ev_msgs_py.compiling.compilable import compilable
 from ev_sim.inverter.state import Inverter
-
-RPM = pi / 30.0  # rad/s
-NO_MODE, TORQUE_MODE, SPEED_MODE = range(3)
 
 
 class SetPointLayout(NamedTuple):

@@ -6,6 +6,7 @@ from math import sqrt
 from typing import Any
 
 from ev_msgs_py.can.channel import Frame
+from ev_msgs_py.can.conventions import RPM
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE
 from ev_msgs_py.can.faults import FAULTS, WARNINGS
@@ -16,7 +17,7 @@ from ev_msgs_py.parameters.declaration import number_tree
 from ev_sim.inverter.circuit import advance_circuit
 from ev_sim.inverter.inverter import statusword
 from ev_sim.inverter.parameters import CircuitParameters
-from ev_sim.inverter.set_points import RPM, grow_older, receive_set_point, set_point_layout
+from ev_sim.inverter.set_points import grow_older, receive_set_point, set_point_layout
 from ev_sim.inverter.state import Circuit, Inverter
 from ev_sim.inverter.temperatures import coolant_outlet, inverter_temperature, winding_temperature
 

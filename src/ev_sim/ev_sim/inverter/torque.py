@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import exp
 from ev_sim.drives.losses import loss_power
 from ev_sim.drives.torque_controlled import limited_torque
 from ev_sim.inverter.parameters import InverterParameters
-from ev_sim.inverter.set_points import SPEED_MODE, TORQUE_MODE
 from ev_sim.inverter.state import Inverter
 from ev_sim.inverter.temperatures import derating
 
