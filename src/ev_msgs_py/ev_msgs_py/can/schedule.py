@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from ev_msgs_py.compiling.compilable import compilable
+
 TICK = 0.001  # s
 
 
-def is_due(cycle: float, before: int, now: int) -> bool:
-    """Whether a cycle [s] ends after tick `before` and not after `now`; a frame without a cycle is never due."""
-    every = round(cycle / TICK)
-    return every > 0 and now // every > before // every
+@compilable
+def is_due(every: float, before: float, now: float) -> bool:
+    """Whether a cycle of so many ticks ends after tick `before` and not after `now`; one of none is never due."""
+    return every > 0.0 and now // every > before // every
