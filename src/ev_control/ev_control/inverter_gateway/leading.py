@@ -18,11 +18,15 @@ from ev_msgs_py.can.drive_states import (
 from ev_msgs_py.compiling.compilable import compilable
 
 _QUIET = 0.005  # s without torque, command or reset bit, with which a reset begins: its bit shall be seen to rise
+MAY_BE_ENABLED, LATCHED, SILENT, WITHOUT_COMMAND = range(4)
 
 
 @compilable
 def advance_gateway(p: GatewayParameters, s: Gateway, ticks: float, period: float) -> None:
     """Lead all devices over some ticks, `period` [s] in all, after the frames of this cycle."""
+    if s.waits != 0.0 and refusal(p, s.drive_11) == MAY_BE_ENABLED and refusal(p, s.drive_12) == MAY_BE_ENABLED:
+        s.drive_11.enable = s.drive_12.enable = 1.0
+        s.waits = 0.0
     _advance(p, s.drive_11, period)
     _advance(p, s.drive_12, period)
     _advance(p, s.load_11, period)
@@ -73,6 +77,16 @@ def _advance_reset(p: GatewayParameters, s: Device, state: int, period: float) -
         s.reset_time = -1.0
     elif s.reset_time > p.reset_timeout:
         s.reset_time = -1.0
+
+
+@compilable
+def refusal(p: GatewayParameters, s: Device) -> int:
+    """Why a device may not be enabled now."""
+    if is_faulty(s):
+        return LATCHED
+    if s.feedback.age > p.feedback_timeout:
+        return SILENT
+    return MAY_BE_ENABLED if s.command_age <= p.command_timeout else WITHOUT_COMMAND
 
 
 @compilable

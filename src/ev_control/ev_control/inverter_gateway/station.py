@@ -6,7 +6,16 @@ from math import isfinite
 from typing import Any
 
 from ev_control.inverter_gateway.hearing import receive_feedback
-from ev_control.inverter_gateway.leading import advance_gateway, begin_reset, command_device, is_faulty
+from ev_control.inverter_gateway.leading import (
+    LATCHED,
+    MAY_BE_ENABLED,
+    SILENT,
+    WITHOUT_COMMAND,
+    advance_gateway,
+    begin_reset,
+    command_device,
+    refusal,
+)
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.sending import heartbeat, set_point
 from ev_control.inverter_gateway.state import Device, Gateway
@@ -23,7 +32,7 @@ class GatewayStation:
     """Leads four inverters on two channels; `devices` are their states by name."""
 
     def __init__(self, database: Database, parameters: GatewayParameters) -> None:
-        self.s = Gateway()
+        self.s = Gateway(waits=float(parameters.auto_enable))
         self.change(parameters)
         self.devices: dict[str, Device] = {
             "Drive11": self.s.drive_11, "Drive12": self.s.drive_12, "Load11": self.s.load_11, "Load12": self.s.load_12
@@ -59,14 +68,15 @@ class GatewayStation:
 
     def enable(self, names: tuple[str, ...]) -> str:
         """Begin to enable devices, or say in one line why none of them is."""
+        reasons = {
+            LATCHED: "has a latched fault: reset it first",
+            SILENT: f"says nothing: no valid feedback within {self.p.feedback_timeout:g} s",
+            WITHOUT_COMMAND: f"has no command: none came within {self.p.command_timeout:g} s",
+        }
         for name in names:
-            device = self.devices[name]
-            if is_faulty(device):
-                return f"{name} has a latched fault: reset it first"
-            if device.feedback.age > self.p.feedback_timeout:
-                return f"{name} says nothing: no valid feedback within {self.p.feedback_timeout:g} s"
-            if device.command_age > self.p.command_timeout:
-                return f"{name} has no command: none came within {self.p.command_timeout:g} s"
+            found = refusal(self.p, self.devices[name])
+            if found != MAY_BE_ENABLED:
+                return f"{name} {reasons[found]}"
         for name in names:
             self.devices[name].enable = 1.0
         return ""

@@ -32,7 +32,6 @@ class InverterGatewayNode(BusNode):
         self.station = GatewayStation(self.database, self.parameters)
         self._commands = Commands(self, self.station, lambda: self.parameters, self.reports.warn)
         self._feedback = FeedbackPublisher(self, self.station.devices)
-        self._waits = bool(self.parameters.auto_enable)  # for the first moment at which the drives may be enabled
 
     def changed(self) -> None:
         """Go on with other limits and time-outs."""
@@ -49,8 +48,6 @@ class InverterGatewayNode(BusNode):
     def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
         """Lead the inverters one cycle on, and publish what is due."""
         before = self.station.s.tick
-        if self._waits and not self.station.enable(DRIVES):
-            self._waits = False
         frames = self.station.step(ticks)
         rest = is_due(_REST_CYCLE, before, before + ticks)
         if rest:

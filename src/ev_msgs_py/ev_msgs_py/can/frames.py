@@ -16,7 +16,6 @@ from ev_msgs_py.can.frame_layout import FrameLayout
 from ev_msgs_py.can.protection import protected
 from ev_msgs_py.can.schedule import TICK
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry, part, series
 from ev_msgs_py.parameters.declaration import ParameterError
 
 DRIVES, LOADS = ("Drive11", "Drive12"), ("Load11", "Load12")
@@ -26,106 +25,102 @@ NO_FRAME = -1.0  # in the place of a word
 _WORD = 0xFFFFFFFF
 
 
-def _bits() -> Any:
-    return part(lambda: BitField(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 1.0))
-
-
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Kind:
     """What all frames of one kind have in common."""
 
-    length: float = entry(8.0, unit="bytes")
-    ticks: float = entry(1.0, unit="1", about="cycles of 1 ms between two of them")
+    length: float  # bytes
+    ticks: float  # of 1 ms between two of them
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class SetPointLayout(Kind):
     """What a device shall do."""
 
-    mode: BitField = _bits()
-    direction: BitField = _bits()
-    controlword: BitField = _bits()
-    torque: BitField = _bits()
-    speed: BitField = _bits()
-    torque_limit: BitField = _bits()
+    mode: BitField
+    direction: BitField
+    controlword: BitField
+    torque: BitField
+    speed: BitField
+    torque_limit: BitField
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class MotionLayout(Kind):
     """What a device does."""
 
-    command_check: BitField = _bits()
-    torque: BitField = _bits()
-    speed: BitField = _bits()
-    statusword: BitField = _bits()
+    command_check: BitField
+    torque: BitField
+    speed: BitField
+    statusword: BitField
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class ElectricalLayout(Kind):
     """Voltages and currents."""
 
-    dc_voltage: BitField = _bits()
-    dc_current: BitField = _bits()
-    phase_current: BitField = _bits()
-    phase_voltage: BitField = _bits()
+    dc_voltage: BitField
+    dc_current: BitField
+    phase_current: BitField
+    phase_voltage: BitField
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class TemperaturesLayout(Kind):
     """What is warm."""
 
-    winding: BitField = _bits()
-    inverter: BitField = _bits()
-    coolant_in: BitField = _bits()
-    coolant_out: BitField = _bits()
-    rotor: BitField = _bits()
-    coolant_flow: BitField = _bits()
+    winding: BitField
+    inverter: BitField
+    coolant_in: BitField
+    coolant_out: BitField
+    rotor: BitField
+    coolant_flow: BitField
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class FaultsLayout(Kind):
     """Latched faults and present warnings; each group of bits is one number here, by place in FAULTS and WARNINGS."""
 
-    error_code: BitField = _bits()
-    faults: BitField = _bits()
-    warnings: BitField = _bits()
+    error_code: BitField
+    faults: BitField
+    warnings: BitField
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class HeartbeatLayout(Kind):
     """What the controller has latched and enabled, by device; bits of one group are one number here, too."""
 
-    command_stale: BitField = _bits()
-    stale: BitField = _bits()
-    enable: BitField = _bits()
+    command_stale: BitField
+    stale: BitField
+    enable: BitField
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class DeviceFrames:
     """Identifiers and E2E data ids of one device: of its set-point, then of what it sends, in the order of SENT."""
 
-    set_point: float = entry(unit="1")
-    set_point_data_id: float = entry(unit="1")
-    identifiers: list[float] = series(len(SENT), unit="1")
-    data_ids: list[float] = series(len(SENT), unit="1")
+    set_point: float
+    set_point_data_id: float
+    identifiers: list[float]
+    data_ids: list[float]
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class BenchFrames:
     """All frames."""
 
-    set_point: SetPointLayout = part(SetPointLayout)
-    motion: MotionLayout = part(MotionLayout)
-    electrical: ElectricalLayout = part(ElectricalLayout)
-    temperatures: TemperaturesLayout = part(TemperaturesLayout)
-    faults: FaultsLayout = part(FaultsLayout)
-    heartbeat: HeartbeatLayout = part(HeartbeatLayout)
-    drive_11: DeviceFrames = part(DeviceFrames)
-    drive_12: DeviceFrames = part(DeviceFrames)
-    load_11: DeviceFrames = part(DeviceFrames)
-    load_12: DeviceFrames = part(DeviceFrames)
-    ecu: float = entry(unit="1", about="identifier of the heartbeat")
-    ecu_data_id: float = entry(unit="1")
+    set_point: SetPointLayout
+    motion: MotionLayout
+    electrical: ElectricalLayout
+    temperatures: TemperaturesLayout
+    faults: FaultsLayout
+    heartbeat: HeartbeatLayout
+    drive_11: DeviceFrames
+    drive_12: DeviceFrames
+    load_11: DeviceFrames
+    load_12: DeviceFrames
+    ecu: float  # identifier of the heartbeat
+    ecu_data_id: float
 
 
 def bench_frames(database: Database) -> BenchFrames:
@@ -210,3 +205,9 @@ def words(payload: int) -> tuple[float, float]:
 def joined(low: float, high: float) -> int:
     """The payload with these words."""
     return int(low) | (int(high) << 32)
+
+
+@compilable
+def are_words(low: float, high: float) -> bool:
+    """Whether these are the words of a frame, and not NO_FRAME or anything else."""
+    return 0.0 <= low <= _WORD and 0.0 <= high <= _WORD
