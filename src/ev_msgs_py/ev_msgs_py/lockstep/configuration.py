@@ -73,7 +73,8 @@ class Configuration:
     @property
     def is_ideal(self) -> bool:
         """Whether all its sensors show the truth."""
-        return bool(self.sensors == defaults(type(self.sensors)))
+        kind: type = type(self.sensors)
+        return bool(self.sensors == defaults(kind))
 
     def create(self) -> Any:
         """A new object of the method, at rest, in plain Python and in front of its sensors."""

@@ -56,5 +56,10 @@ def imperfect(parameters: Any) -> Iterator[tuple[Quantity, Any]]:
     """The quantities whose sensors have errors, and these."""
     for quantity in QUANTITIES:
         errors = getattr(parameters, quantity.name, None)
-        if errors is not None and errors != defaults(type(errors)):
+        if errors is not None and errors != _ideal(errors):
             yield quantity, errors
+
+
+def _ideal(errors: Any) -> Any:
+    kind: type = type(errors)
+    return defaults(kind)
