@@ -7,6 +7,7 @@ import json
 import re
 from html.parser import HTMLParser
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -152,7 +153,7 @@ def test_who_cannot_see_finds_his_way(outline: Outline):
     assert outline.all("html")[0]["lang"] == "en"
     levels = [int(tag[1]) for tag, _ in outline.tags if re.fullmatch("h[1-6]", tag)]
     assert levels.count(1) == 1
-    assert all(after <= before + 1 for before, after in zip(levels, levels[1:], strict=False))
+    assert all(after <= before + 1 for before, after in pairwise(levels))
     assert all(attributes["alt"] for attributes in outline.all("img"))
     assert all(attributes["scope"] in ("row", "col") for attributes in outline.all("th"))
     ids = [attributes["id"] for _, attributes in outline.tags if attributes.get("id")]

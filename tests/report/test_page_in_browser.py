@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,32 @@ const sightOf = (channel) => { holderOf(channel).holder.scrollIntoView({ block: 
 const shown = (channel) => holderOf(channel).chart;
 const legendOf = (channel) => [...shown(channel).root.querySelectorAll(".u-value")].map((cell) => cell.textContent);
 """
+TEXT_OF_POOR_CONTRAST = """() => {
+  const linear = (v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+  const light = (colour) => {
+    const [r, g, b] = colour.match(/[\\d.]+/g).map((v) => linear(v / 255));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const ground = (element) => {
+    for (; element; element = element.parentElement) {
+      const colour = getComputedStyle(element).backgroundColor;
+      if (!/, 0\\)$|transparent/.test(colour)) return colour;
+    }
+    return "rgb(255, 255, 255)";
+  };
+  const hasText = (element) => [...element.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim());
+  const contrast = (element) => {
+    const [a, b] = [getComputedStyle(element).color, ground(element)].map(light).sort((x, y) => y - x);
+    return (a + 0.05) / (b + 0.05);
+  };
+  return [...document.querySelectorAll("body *")]
+    .filter((element) => element.checkVisibility() && hasText(element) && contrast(element) < 4.5)
+    .map((element) => element.outerHTML.slice(0, 120));
+}"""
+CONTROLS_WITHOUT_NAME = """() => [...document.querySelectorAll("button, input, select, canvas, [role=button]")]
+  .filter((element) => element.tagName === "SELECT" || !element.textContent.trim())
+  .filter((element) => !element.labels?.length && !element.getAttribute("aria-label"))
+  .map((element) => element.outerHTML)"""
 TORQUE, YAW_RATE = "driver.command.drive_torque", "imu.yaw_rate"
 
 
@@ -155,22 +182,10 @@ def test_what_the_script_adds_can_be_read_and_named(browser: Browser):
     """Contrast by WCAG 2.2: 4.5 to 1 for text; every control has a name, every heading follows its parent."""
     show(browser, 0, 1, "beside")
     look_at(browser, TORQUE)
-    poor = browser.run("""(() => {
-      const light = (colour) => { const [r, g, b] = colour.match(/[\\d.]+/g).slice(0, 3).map((v) => { v /= 255;
-        return v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4; }); return 0.2126 * r + 0.7152 * g + 0.0722 * b; };
-      const ground = (el) => { for (; el; el = el.parentElement) { const c = getComputedStyle(el).backgroundColor;
-        if (!/, 0\\)$|transparent/.test(c)) return c; } return "rgb(255, 255, 255)"; };
-      return [...document.querySelectorAll("body *")].filter((el) => el.checkVisibility() &&
-        [...el.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim())).filter((el) => {
-          const [a, b] = [light(getComputedStyle(el).color), light(ground(el))].sort((x, y) => y - x);
-          return (a + 0.05) / (b + 0.05) < 4.5; }).map((el) => el.outerHTML.slice(0, 120)); })()""")
-    assert poor == []
-    nameless = browser.run("""[...document.querySelectorAll("button, input, select, canvas, [role=button]")].filter((el) =>
-      !(el.textContent.trim() && el.tagName !== "SELECT") && !el.labels?.length && !el.getAttribute("aria-label"))
-      .map((el) => el.outerHTML)""")
-    assert nameless == []
+    assert browser.run(f"({TEXT_OF_POOR_CONTRAST})()") == []
+    assert browser.run(f"({CONTROLS_WITHOUT_NAME})()") == []
     levels = browser.run("[...document.querySelectorAll('h1,h2,h3,h4')].map((each) => Number(each.tagName[1]))")
-    assert all(after <= before + 1 for before, after in zip(levels, levels[1:], strict=False))
+    assert all(after <= before + 1 for before, after in pairwise(levels))
 
 
 def test_nothing_was_complained_of_and_nothing_fetched(browser: Browser):

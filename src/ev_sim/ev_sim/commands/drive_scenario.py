@@ -42,8 +42,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
         from ev_sim.report.page.writing import NAME, Page, Signals, write_page
 
         signals = Signals("", summary.runs, summary.vehicle)
-        page = Page(scenario.name, {"": content}, (signals,), images_of(figures, folder.directory))
-        write_page(page, folder.directory / NAME)
+        shown = Page(scenario.name, {"": content}, (signals,), images_of(figures, folder.directory))
+        write_page(shown, folder.directory / NAME)
     print_metrics(summary.metrics)
     for note in summary.notes:
         print(f"note: {note}")
@@ -51,7 +51,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
         print(f"not reproducible: {reason}")
     print(f"signal hash {content['signal_hash']}")
     print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
-    print(f"{'figures, signals and summary' if given.no_report else 'report.html, figures and signals'}: {folder.directory}")
+    page = "" if given.no_report else "report.html, "
+    print(f"{page}figures, signals and summary: {folder.directory}")
 
 
 def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:

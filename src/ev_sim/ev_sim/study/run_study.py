@@ -71,8 +71,8 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         from ev_sim.report.page.images import images_of
         from ev_sim.report.page.writing import NAME, Page, write_page
 
-        page = Page(name, {"": content}, images=images_of(figures, folder.directory), table=tables)
-        write_page(page, folder.directory / NAME)
+        shown = Page(name, {"": content}, images=images_of(figures, folder.directory), table=tables)
+        write_page(shown, folder.directory / NAME)
     if tables:
         print(tables, end="\n\n")
     print_metrics(metrics)
@@ -83,7 +83,8 @@ def run_study(name: str, argv: Sequence[str]) -> None:
             print(f"note: {result.name}: {note}")
     print(f"signal hash {content['signal_hash']}")
     print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s")
-    print(f"{'figures and summary' if given.no_report else 'report.html and figures'}: {folder.directory}")
+    page = "" if given.no_report else "report.html, "
+    print(f"{page}figures and summary: {folder.directory}")
 
 
 def _positive(text: str) -> int:
