@@ -22,6 +22,7 @@ setup(
     maintainer_email="maintainers@ev-control-stack.org",
     license="Apache-2.0",
     packages=find_packages(exclude=["test"]),
+    package_data={"ev_sim.report.page": ["templates/*", "vendor/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
         ("share/ament_index/resource_index/ev_stack_config", ["resource/ev_sim"]),
@@ -41,6 +42,7 @@ setup(
             "inverter = ev_sim.nodes.inverter:main",
             "can_hub = ev_sim.commands.can_hub:main",
             "run_scenario = ev_sim.commands.run_scenario:main",
+            "security_policies = ev_sim.commands.security_policies:main",
             "inspect = ev_sim.commands.inspect_graph:main",
         ],
         "ev_stack.methods": [

@@ -7,12 +7,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ev_msgs_py.can.conventions import SPEED_MODE
 from ev_msgs_py.compiling.compilable import compilable, inlined
 from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchShafts, LoadCommand
-from ev_msgs_py.contract.record import entry, per_wheel
+from ev_msgs_py.contract.record import entry, per_wheel, working_memory
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
@@ -98,8 +96,8 @@ def outputs(
     LoadCommand,
 ]:
     """All signals at the instant of the state; torque and speed of the motors are those that were measured."""
-    steps = np.zeros(1, STEP)
-    said = seen(p, car, c, s, steps, np.zeros(1, STAGES))
+    steps = working_memory(STEP)
+    said = seen(p, car, c, s, steps, working_memory(STAGES))
     motors = MotorStates(_wheels(s.measured_speed), _wheels(s.measured_torque))
     load = _load(car, c, s, steps[0])
     return said[0], motors, said[2], said[3], said[4], said[5], said[6], load
