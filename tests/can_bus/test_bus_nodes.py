@@ -35,7 +35,7 @@ class World(Node):
     """What the graph around the gateway says and hears."""
 
     def __init__(self, context: Any) -> None:
-        super().__init__("world", context=context, namespace=NAMESPACE)
+        super().__init__("asr", context=context, namespace=NAMESPACE)
         self.torques = self.create_publisher(JointState, "torque_command", 10)
         self.loads = self.create_publisher(JointState, "load_command", 10)
         self.enable = self.create_client(SetBool, "inverter_gateway/enable")

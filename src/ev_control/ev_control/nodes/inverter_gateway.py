@@ -29,7 +29,7 @@ class InverterGatewayNode(BusNode):
     def prepare(self) -> None:
         """What leads the inverters, what hears the graph, what speaks to it."""
         self.station = GatewayStation(self.database, self.parameters)
-        self._commands = Commands(self, self.station, lambda: self.parameters, self.reports.warn)
+        self._commands = Commands(self, self.station, lambda: self.parameters, self.reports)
         self._feedback = FeedbackPublisher(self, self.station.devices)
         self._waits = bool(self.parameters.auto_enable)  # for the first moment at which the drives may be enabled
 
