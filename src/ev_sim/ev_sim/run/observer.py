@@ -17,6 +17,7 @@ from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS
 from ev_msgs_py.nodes.reports import REFUSED
 from ev_msgs_py.nodes.speaker import Speaker
 
+OBSERVER = "run_scenario"  # its name in the graph
 # The last word of the recorder says that the run is complete: it shall not be lost among those of strangers.
 _QUALITY = QoSProfile(depth=20 * QUEUE_DEPTH)
 
@@ -25,7 +26,7 @@ class Observer(Node):
     """Follows the recorder, which speaks seldom, so that looking costs the run next to nothing."""
 
     def __init__(self, context: Context, namespace: str) -> None:
-        super().__init__("run_scenario", context=context, namespace=namespace, start_parameter_services=False)
+        super().__init__(OBSERVER, context=context, namespace=namespace, start_parameter_services=False)
         self.time = 0.0
         self.warnings: list[str] = []
         self._noted: list[str] = []
