@@ -130,4 +130,5 @@ _ALL = tuple(signal for role in ROLES.values() for signal in role.writes)
 EXTRA = frozenset(filter(_is_extra, _ALL))
 # What only optional roles write or read comes last: a frame without them is as short as if there were none.
 RECORDED = tuple(sorted(_ALL, key=lambda signal: signal in EXTRA))
+RECORDER = "recorder"  # a node that plays no role
 RECORDER_WRITES = RecorderProgress
