@@ -12,6 +12,7 @@ COMMANDS = {  # name -> module with main(words), words put in front, what it doe
         "drive a scenario, a study or a review: ev-stack run SCENARIO; --help lists the options",
     ),
     "list": ("run_scenario", ("--list",), "scenarios, studies and methods, one line each"),
+    "security_policies": ("security_policies", (), "policies for DDS security, and the running graph against them"),
     "inspect": ("inspect_graph", (), "show the running graph: nodes, topics, rates"),
 }
 
