@@ -27,7 +27,7 @@ setup(
     maintainer_email="maintainers@ev-control-stack.org",
     license="Apache-2.0",
     packages=find_packages(exclude=["test"]),
-    package_data={"ev_sim": CONFIG},
+    package_data={"ev_sim": CONFIG, "ev_sim.report.page": ["templates/*", "vendor/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
         ("share/ev_sim", ["package.xml"]),
@@ -36,6 +36,7 @@ setup(
     install_requires=[
         "ev_control==0.1.0",
         "ev_msgs_py==0.1.0",
+        "Jinja2>=3.1",
         "matplotlib>=3.9",
         "numpy>=1.26.4",
         "PyYAML>=6.0",

@@ -30,9 +30,10 @@ def drive_scenario(given: argparse.Namespace) -> None:
     outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"
     commands = {role: " ".join(words) for role, words in own_nodes(given).items()}
-    result = Result(scenario, outcomes, f"{way}, realtime" if given.realtime else way, commands)
+    mode = f"{way}, realtime" if given.realtime else way
+    result = Result(scenario, outcomes, mode, commands, given.command)
     summary = result.summary()
-    content = result.write_report(folder.directory)
+    content = result.write_report(folder.directory, page=not given.no_report)
     print_metrics(summary.metrics)
     for note in summary.notes:
         print(f"note: {note}")
@@ -40,7 +41,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
         print(f"not reproducible: {reason}")
     print(f"signal hash {content['signal_hash']}")
     print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
-    print(f"figures, signals and summary: {folder.directory}")
+    page = "" if given.no_report else "report.html, "
+    print(f"{page}figures, signals and summary: {folder.directory}")
 
 
 def _refuse_without_ros(given: argparse.Namespace) -> None:

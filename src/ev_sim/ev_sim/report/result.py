@@ -19,7 +19,8 @@ from ev_sim.report.samples import Parameters, Runs
 from ev_sim.report.summary import Summary, write_summary
 from ev_sim.run.outcome import Outcome
 from ev_sim.run.recording.recording import Recording, combined_hash, save, signal_hash
-from ev_sim.run.scenarios.scenario import Scenario
+from ev_sim.run.scenarios.differences import differences
+from ev_sim.run.scenarios.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,13 +31,15 @@ if TYPE_CHECKING:
 class Result:
     """The runs of a scenario that were driven, and how: offline, in-process, processes or realtime.
 
-    `own_nodes`: role -> command of a user's node that took its place. A notebook shows its metrics and figures.
+    `own_nodes`: role -> command of a user's node that took its place. `command` is the line that does the same again.
+    A notebook shows its metrics and figures.
     """
 
     scenario: Scenario
     outcomes: Mapping[str, Outcome]
     mode: str = "offline"
     own_nodes: Mapping[str, str] = field(default_factory=dict)
+    command: str = ""
 
     @property
     def runs(self) -> Runs:
@@ -110,10 +113,13 @@ class Result:
             wall_time=sum(outcome.wall_time for outcome in outcomes),
             not_reproducible=tuple(reason for outcome in outcomes for reason in outcome.not_reproducible),
             notes=(*self.scenario.notes, *(note for outcome in outcomes for note in outcome.notes)),
+            about=self.scenario.parameters.about,
+            command=self.command,
+            differs=differences(self.scenario, load_scenario(str(self.scenario.file), only=[run.name for run in runs])),
         )
 
     def save(self, directory: Path | str) -> None:
-        """Write summary.json, figures and, for several runs in folders of their names, signals.npz."""
+        """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz."""
         folder = Path(directory)
         for name, run in self.runs.items():
             of_run = folder if len(self.outcomes) == 1 else folder / name
@@ -121,13 +127,21 @@ class Result:
             save(run, of_run / "signals.npz")
         self.write_report(folder)
 
-    def write_report(self, folder: Path) -> dict[str, Any]:
-        """Write figures and summary.json, whose content comes back."""
+    def write_report(self, folder: Path, page: bool = True) -> dict[str, Any]:
+        """Write figures, report.html if it is wanted, and summary.json, whose content comes back."""
         from ev_sim.report.figures.drawing import save_figures
 
-        save_figures(self.figures(), folder)
-        content = self.summary().as_json()
+        figures, summary = self.figures(), self.summary()
+        save_figures(figures, folder)
+        content = summary.as_json()
         write_summary(folder / "summary.json", content)
+        if page:
+            from ev_sim.report.page.images import images_of
+            from ev_sim.report.page.writing import NAME, Page, Signals, write_page
+
+            signals = Signals("", self.runs, summary.vehicle)
+            shown = Page(self.scenario.name, {"": content}, (signals,), images_of(figures, folder))
+            write_page(shown, folder / NAME)
         return content
 
     def _repr_html_(self) -> str:

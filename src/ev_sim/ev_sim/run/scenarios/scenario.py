@@ -75,11 +75,12 @@ class Overrides:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A name, what it says about itself, its runs, and what of its file does not hold."""
+    """A name, what it says about itself, its runs, its file, and what of that does not hold."""
 
     name: str
     parameters: ScenarioParameters
     runs: tuple[Run, ...]
+    file: Path
     notes: tuple[str, ...] = ()
 
 
@@ -117,7 +118,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     )
     left_out = sorted({key for key in own.names() if key.startswith(f"{VEHICLE}.")}) if overrides.vehicle else ()
     notes = (f"left out for another vehicle: {', '.join(left_out)} of {own.path}",) if left_out else ()
-    return Scenario(name, about, runs, notes)
+    return Scenario(name, about, runs, own.path, notes)
 
 
 def describe_scenario(name: str) -> str:
