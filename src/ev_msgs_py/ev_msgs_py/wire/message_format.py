@@ -2,7 +2,7 @@
 
 Making a message object, filling it and letting the middleware serialize it costs some fifty microseconds, and as much
 to take one apart; a node does this several times per step. The places never change within a topic, so a few copies of
-bytes do the same. What another sender wrote in another layout (joints in another order, another frame name) is still
+bytes do the same. What another sender wrote in another layout (joints in another order, no frame name) is still
 read, by way of the message object.
 """
 
