@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import working_memory
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
@@ -47,7 +46,7 @@ def electrical_outputs(
     CellCondition,
 ]:
     """Those of `planar`, and of motors, inverters and cells at the instant of the state; voltages in steady state."""
-    return _with_electrics(p, car, c, s, np.zeros(1, STEP))
+    return _with_electrics(p, car, c, s, working_memory(STEP))
 
 
 @compilable
