@@ -210,11 +210,13 @@ def test_joints_in_another_order_mean_the_same(topic, data):
 
 
 @WITH_NUMBERS
-def test_another_frame_name_and_further_content_are_read_too(topic):
-    """They make the message longer, so that the numbers sit elsewhere; also when no message is laid out as ours."""
+def test_without_a_frame_name_it_is_read_and_of_another_frame_refused(topic):
+    """Without one the message is shorter and the numbers sit elsewhere; also when no message is laid out as ours."""
     values = ordinary(topic)
     message = message_of(topic, values, 5)
     message.header.frame_id = "somewhere/else"
+    assert refusal(topic, serialize_message(message)).startswith("frame_id is 'somewhere/else', allowed is ")
+    message.header.frame_id = ""
     serialized = serialize_message(message)
     assert read(topic, serialized) == bits(values)
     for messages in ([serialized, packed(topic, values, 5)], [serialized, serialized]):

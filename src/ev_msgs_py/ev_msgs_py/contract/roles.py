@@ -105,4 +105,5 @@ MASTER = "plant"
 INTEGRATED = frozenset(signal for role in ROLES.values() if role.kind is RoleKind.INTEGRATES for signal in role.writes)
 
 RECORDED = tuple(signal for role in ROLES.values() for signal in role.writes)
+RECORDER = "recorder"  # a node that plays no role
 RECORDER_WRITES = RecorderProgress

@@ -18,9 +18,10 @@ class Battery:
         low=10.0,
         high=2000.0,
         about="at equally spaced states of charge from empty to full",
+        own=True,
     )
-    resistance: float = parameter(0.1, unit="ohm", low=1e-6, high=10.0, about="internal resistance")
-    capacity: float = parameter(50.0, unit="A h", low=0.1, high=1e4, about="charge between empty and full")
+    resistance: float = parameter(0.1, unit="ohm", low=1e-6, high=10.0, about="internal resistance", own=True)
+    capacity: float = parameter(50.0, unit="A h", low=0.1, high=1e4, about="charge between empty and full", own=True)
     state_of_charge: float = parameter(0.8, unit="1", low=0.0, high=1.0, about="at the start")
     discharge_power: float = parameter(120e3, unit="W", low=0.0, high=1e7, about="largest power given")
     charge_power: float = parameter(60e3, unit="W", low=0.0, high=1e7, about="largest power taken")
