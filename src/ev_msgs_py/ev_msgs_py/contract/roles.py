@@ -20,10 +20,13 @@ from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
+    CellCondition,
     DriverCommand,
     InertialMeasurement,
     Instant,
+    MotorElectrics,
     MotorStates,
+    MotorTemperatures,
     RecorderProgress,
     SteeringColumnState,
     TireForces,
@@ -63,6 +66,7 @@ class Role:
 
 # In the order in which they are published: first what the driver waits for, with whom every step begins.
 _BODY = (WheelStates, BodyVelocity, BodyPose, InertialMeasurement, MotorStates, BatteryCondition)
+_ELECTRICAL = (MotorElectrics, MotorTemperatures, CellCondition)  # last: whoever does not write them has no gap
 
 ROLES = {
     role.name: role
@@ -71,7 +75,7 @@ ROLES = {
             "plant",
             RoleKind.INTEGRATES,
             reads=(WheelTorqueCommand, SteeringColumnState, BenchShafts, BenchElectrical),
-            writes=(*_BODY, TireForces, LoadCommand),
+            writes=(*_BODY, TireForces, *_ELECTRICAL, LoadCommand),
             default_method="kinematic",
         ),
         Role(

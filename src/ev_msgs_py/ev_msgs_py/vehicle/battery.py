@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
+from ev_msgs_py.vehicle.cells import Cells
 
 
 @dataclass(frozen=True, slots=True)
 class Battery:
-    """The traction battery: open-circuit voltage over charge, one resistance, limits."""
+    """The traction battery: open-circuit voltage over charge, one resistance, limits; or cells."""
 
     open_circuit_voltage: tuple[float, ...] = parameter(
         (432.0, 468.0, 480.0, 492.0, 528.0),
@@ -25,6 +26,7 @@ class Battery:
     discharge_power: float = parameter(120e3, unit="W", low=0.0, high=1e7, about="largest power given")
     charge_power: float = parameter(60e3, unit="W", low=0.0, high=1e7, about="largest power taken")
     auxiliary_power: float = parameter(0.0, unit="W", low=0.0, high=1e5, about="steady consumption besides the drives")
+    cells: Cells = group(Cells)
 
     def __post_init__(self) -> None:
         if len(self.open_circuit_voltage) < 2:

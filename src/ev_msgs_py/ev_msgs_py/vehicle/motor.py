@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
+from ev_msgs_py.vehicle.thermal import ThermalParameters
+from ev_msgs_py.vehicle.winding import Winding
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +66,8 @@ class Motor:
         about="CSV file with the columns speed_radps or speed_rpm, torque_nm and efficiency, instead of the map; empty "
         "for none",
     )
+    winding: Winding = group(Winding)
+    thermal: ThermalParameters = group(ThermalParameters)
 
     def __post_init__(self) -> None:
         if len(self.map_efficiency) != len(self.map_speed) * len(self.map_torque):
