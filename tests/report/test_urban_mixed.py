@@ -271,7 +271,7 @@ def test_figures_have_quantities_and_units(driver):
 
 def test_figures_say_what_is_missing(tmp_path):
     """No cycle, no tyre forces, all wheels driven: drawn, with the reason in place of curves."""
-    from ev_sim.report.figures.drawing import save_figures
+    from ev_sim.report.figures.saving import save_figures
 
     few = Recording(np.arange(200) * PERIOD, {"twist.longitudinal": np.zeros(200), "twist.lateral": np.zeros(200)})
     for car in (CAR, dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES), dataclasses.replace(CAR, driven_wheels=())):

@@ -31,10 +31,10 @@ def drive_scenario(given: argparse.Namespace) -> None:
     folder = OutputFolder(given.out or Path("results") / scenario.name, scenario.runs)
     outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
     summary = _summary(scenario, outcomes, given)
-    from ev_sim.report.figures.drawing import save_figures
+    from ev_sim.report.figures.saving import save_figures
 
     figures = report_for(scenario.name).figures(summary.runs, summary.vehicle, _parameters_by_role(scenario))
-    save_figures(figures, folder.directory)
+    save_figures(figures, folder.directory, given.figures)
     content = summary.as_json()
     write_summary(folder.directory / "summary.json", content)
     if not given.no_report:
