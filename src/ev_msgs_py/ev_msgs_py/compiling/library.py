@@ -7,19 +7,17 @@ import sys
 from typing import Any
 
 import numba
+from llvmlite.binding import ObjectFileRef
 from numba.core.errors import TypingError
 from numba.extending import register_jitable
 
 from ev_msgs_py.compiling import stack_memory  # noqa: F401, tells the compiler what `working_memory` is
 from ev_msgs_py.compiling.compilable import FUNCTIONS, INLINED
-from ev_msgs_py.compiling.machine_code import cache_folder, code_file, forget_older, keep, text_file, write_whole
+from ev_msgs_py.compiling.machine_code import cache_folder, calls, code_file, forget_older, keep, text_file, write_whole
 
 # Division by zero gives infinity as in numpy, without a test at each division; sums keep the order in which they are
 # written (no fastmath), so results are the same to the bit in every run.
 OPTIONS: dict[str, Any] = {"error_model": "numpy"}
-
-# Code that takes memory from numba's heap needs numba itself.
-_HEAP = (b"NRT_MemInfo_alloc", b"NRT_Allocate")
 
 _registered = 0
 
@@ -45,7 +43,8 @@ def compiled_address(name: str, text: str, names: dict[str, Any]) -> int:
     found = step._cache  # where numba keeps the object file, too
     data = found._cache_file.load(found._index_key(step._sig, step._library.codegen))
     code: bytes = data[0][2][0]
-    if not any(use in code for use in _HEAP):
+    # Code that takes memory from numba's heap needs numba itself.
+    if not any(name.startswith("NRT_") and "alloc" in name for name in calls(ObjectFileRef.from_data(code))):
         keep(code_file(text_file(name, text, names)), step.native_name, code)
     address: int = step.address
     return address

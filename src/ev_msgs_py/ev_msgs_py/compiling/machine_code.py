@@ -10,6 +10,8 @@ import builtins
 import hashlib
 import importlib.util
 import os
+import struct
+import sys
 import tempfile
 from functools import cache
 from importlib.machinery import PathFinder
@@ -21,7 +23,8 @@ from ev_msgs_py.compiling.fingerprint import fingerprint
 
 _SETTINGS = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_OPT")  # of the compiler, which change what it makes
 # Modules of numba with what compiled code may call, and how their functions are named there.
-_HELPERS = (("", "_helperlib", "numba_"), ("core/runtime", "_nrt_python", "NRT_"))
+_HELPERS = {"numba._helperlib": "numba_", "numba.core.runtime._nrt_python": "NRT_"}
+_SYMBOL = struct.Struct("<IBBHQQ")  # of an ELF file: name, kind, visibility, section, value, size
 _KEPT_TEXTS = 4  # of one name: those of other branches and of tests come back
 
 _engines: list[Any] = []  # what they have loaded lasts as long as they do
@@ -77,8 +80,9 @@ def keep(file: Path, symbol: str, code: bytes) -> None:
 def function_address(name: str, text: str, names: dict[str, Any]) -> int:
     """The address of the C function `step` of a text that uses these names: loaded from disk, or compiled first."""
     file = code_file(text_file(name, text, names))
-    if file.exists():
-        return load(file)
+    address = load(file) if file.exists() else 0
+    if address:
+        return address
     from ev_msgs_py.compiling.library import compiled_address
 
     return compiled_address(name, text, names)
@@ -86,36 +90,49 @@ def function_address(name: str, text: str, names: dict[str, Any]) -> int:
 
 @cache
 def load(file: Path) -> int:
-    """The address of the function of a file that was kept."""
+    """The address of the function of a file that was kept; 0 if its code calls what is not there."""
     from llvmlite import binding
 
     symbol, _, code = file.read_bytes().partition(b"\n")
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
-    _name_helpers(binding)
     machine = binding.Target.from_default_triple().create_target_machine()
+    _name_helpers(binding)  # before an engine makes other things known by the names of exceptions
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
-    engine.add_object_file(binding.ObjectFileRef.from_data(code))
+    found = binding.ObjectFileRef.from_data(code)
+    if not all(map(binding.address_of_symbol, calls(found))):
+        return 0
+    engine.add_object_file(found)
     engine.finalize_object()
     _engines.append(engine)
     address: int = engine.get_function_address(symbol.decode())
     return address
 
 
+def calls(found: Any) -> list[str]:
+    """The names in an object file (ELF) that others have to define."""
+    sections = {section.name(): section.data() for section in found.sections()}
+    names = sections[b".strtab"]
+    entries = list(_SYMBOL.iter_unpack(sections[b".symtab"]))[1:]  # the first one is none
+    return [names[at : names.index(b"\0", at)].decode() for at, _, _, section, _, _ in entries if section == 0]
+
+
 def _name_helpers(binding: Any) -> None:
-    """Tell what code may call besides the C library, as numba itself does when it is loaded."""
-    if binding.address_of_symbol("numba_gil_ensure"):
-        return
+    """Tell what code may call besides the C library, as numba itself does when it has compiled something."""
     numba = Path(importlib.util.find_spec("numba").submodule_search_locations[0])  # type: ignore
-    for folder, name, prefix in _HELPERS:
-        spec: Any = PathFinder.find_spec(name, [str(numba / folder)])
-        module: Any = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
+    helpers = {f"PyExc_{name}": id(value) for name, value in vars(builtins).items() if isinstance(value, type)}
+    for place, prefix in _HELPERS.items():
+        folder, _, name = place.rpartition(".")
+        module: Any = sys.modules.get(place)
+        if module is None:
+            spec: Any = PathFinder.find_spec(name, [str(numba.joinpath(*folder.split(".")[1:]))])
+            module = importlib.util.module_from_spec(spec)
+            spec.loader.exec_module(module)
         for helper, address in module.c_helpers.items():
-            binding.add_symbol(helper[1:] if helper.startswith("_") else prefix + helper, address)
-    for name, value in vars(builtins).items():
-        if isinstance(value, type) and issubclass(value, BaseException):
-            binding.add_symbol(f"PyExc_{name}", id(value))
+            helpers[helper[1:] if helper.startswith("_") else prefix + helper] = address
+    for name, address in helpers.items():
+        if not binding.address_of_symbol(name):
+            binding.add_symbol(name, address)
 
 
 def forget_older(file: Path) -> None:
