@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import shlex
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +25,13 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="run.sh", description="Run a scenario: every node its own process over DDS, unless told otherwise."
     )
-    parser.add_argument("scenario", nargs="?", help="name of a scenario; --list shows them")
+    parser.add_argument("scenario", nargs="?", help="name of a scenario, --list shows them, or path of your own")
     way = parser.add_mutually_exclusive_group()
     way.add_argument("--offline", action="store_true", help="no DDS, one process")
     way.add_argument("--in-process", action="store_true", help="all nodes in one process, over DDS")
     parser.add_argument("--realtime", action="store_true", help="by the wall clock instead of in lockstep")
     add_overrides(parser)
+    add_outputs(parser)
     parser.add_argument(
         "--node", action="append", default=[], metavar="NODE=COMMAND", help="your own node in the place of ours"
     )
@@ -36,6 +39,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--no-record", action="store_true", help="no bag; signals, metrics and figures all the same")
     parser.add_argument("--list", action="store_true", help="show scenarios and methods, one line each")
     given = parser.parse_args(argv)
+    given.command = command_of(sys.argv[1:] if argv is None else argv)
     if not given.list and given.scenario is None:
         parser.error("which scenario? --list shows them")
     if given.offline and given.realtime:
@@ -48,10 +52,21 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
 def add_overrides(parser: argparse.ArgumentParser) -> None:
     """Declare the options that `overrides` reads."""
     parser.add_argument("--method", action="append", default=[], metavar="NODE=NAME", help="method of a node")
+    parser.add_argument("--vehicle", metavar="FILE", help="another car: a complete vehicle file, or a name")
     parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
     parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
     parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of every run")
+
+
+def add_outputs(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that say what a run or a study leaves behind besides its summary."""
+    parser.add_argument("--no-report", action="store_true", help="no report.html; metrics and figures all the same")
+
+
+def command_of(words: Sequence[str]) -> str:
+    """The line for a shell that does the same again."""
+    return shlex.join(["scripts/run.sh", *words])
 
 
 def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
@@ -82,7 +97,7 @@ def overrides(given: argparse.Namespace) -> Overrides:
         values.append((_EVERY_NODE, "seed", given.seed))
     if getattr(given, "realtime", False):
         values.append((_EVERY_NODE, "mode", "realtime"))
-    return Overrides(given.params, values, given.duration)
+    return Overrides(given.params, values, given.duration, given.vehicle)
 
 
 def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:
