@@ -521,7 +521,7 @@ def test_table_on_a_pipe(monkeypatch):
     pipe = io.StringIO()
     print_metrics(METRICS, pipe)
     assert pipe.getvalue() == (
-        "metric                                  value  unit  published  band                  verdict\n"
+        "metric                                  value  unit  reference  band                  verdict\n"
         "-------------------------  ------------------  ----  ---------  --------------------  ----------------\n"
         "steering_angle_right_turn  -0.52 (-29.79 deg)  rad     -0.5236  -0.52884 .. -0.51836  reproduced\n"
         "differential_torque_30deg               10.95  N m      10.948  10.9 .. 11            reproduced [1]\n"
