@@ -70,9 +70,11 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     tables = study.tables(given, results)
     if not given.no_report:
         from ev_sim.report.page.images import images_of
+        from ev_sim.report.page.measured import measured_signals
         from ev_sim.report.page.writing import NAME, Page, write_page
 
-        shown = Page(name, {"": content}, images=images_of(figures, folder.directory), table=tables)
+        signals = measured_signals({case: result.measured for case, result in results.items()})
+        shown = Page(name, {"": content}, signals, images_of(figures, folder.directory), tables)
         write_page(shown, folder.directory / NAME)
     if tables:
         print(tables, end="\n\n")
