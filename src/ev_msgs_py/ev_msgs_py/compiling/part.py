@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.compiling.constants import constants_row
-from ev_msgs_py.compiling.library import compiled_part
+from ev_msgs_py.compiling.machine_code import code_file, function_address, text_file
+from ev_msgs_py.compiling.part_source import part_source
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.record import fill, numbers
@@ -16,6 +17,27 @@ from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.lockstep.law import Given
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.part import FUNCTION
+
+_ADDRESSES: dict[Any, int] = {}
+
+
+def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
+    """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
+    given = Given(method.law, parameters, vehicle, period)
+    return code_file(text_file(_name(method), *part_source(method, given))).exists()
+
+
+def _name(method: Method) -> str:
+    return f"{method.name}_{method.role}"
+
+
+def _address(method: Method, given: Given) -> int:
+    """Of the compiled function of a method (`part_source`); `given` is that of any of its objects."""
+    law = method.law
+    key = (law.function, law.outputs)
+    if key not in _ADDRESSES:
+        _ADDRESSES[key] = function_address(_name(method), *part_source(method, given))
+    return _ADDRESSES[key]
 
 
 class CompiledPart:
@@ -25,7 +47,7 @@ class CompiledPart:
 
     def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
         self.given = Given(method.law, parameters, vehicle, period)
-        self.function = compiled_part(method, self.given)
+        self.function = _address(method, self.given)
         self.constants = constants_row(self.given.trees, self.given.values["c"], period)
         self._state = np.array(numbers(self.given.values["s"]) or [0.0])
         self._notes = self.given.bound(method.law.notes) if method.law.notes else None

@@ -61,18 +61,20 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     wall_time = time.monotonic() - start
     results = {result.name: result for result in driven}
     metrics = study.metrics(given, results)
-    from ev_sim.report.figures.drawing import save_figures  # what draws is not loaded into every worker
+    from ev_sim.report.figures.saving import save_figures  # what draws is not loaded into every worker
 
     figures = study.figures(given, results)
-    save_figures(figures, folder.directory)
+    save_figures(figures, folder.directory, given.figures)
     content = {**_summary(name, given, cases, results, metrics, wall_time), "command": command_of([name, *argv])}
     write_summary(folder.directory / "summary.json", content)
     tables = study.tables(given, results)
     if not given.no_report:
         from ev_sim.report.page.images import images_of
+        from ev_sim.report.page.measured import measured_signals
         from ev_sim.report.page.writing import NAME, Page, write_page
 
-        shown = Page(name, {"": content}, images=images_of(figures, folder.directory), table=tables)
+        signals = measured_signals({case: result.measured for case, result in results.items()})
+        shown = Page(name, {"": content}, signals, images_of(figures, folder.directory), tables)
         write_page(shown, folder.directory / NAME)
     if tables:
         print(tables, end="\n\n")
