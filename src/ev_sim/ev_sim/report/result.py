@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ from ev_sim.report.samples import Parameters, Runs
 from ev_sim.report.summary import Summary, write_summary
 from ev_sim.run.outcome import Outcome
 from ev_sim.run.recording.recording import Recording, combined_hash, save, signal_hash
-from ev_sim.run.scenarios.differences import differences
+from ev_sim.run.scenarios.differences import COMMAND_LINE, Difference, differences
 from ev_sim.run.scenarios.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
@@ -70,7 +70,17 @@ class Result:
     @cached_property
     def metrics(self) -> Mapping[str, Metric]:
         """Numbers with units, and verdicts where something was published, by name."""
-        return {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.runs)}
+        found = {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.runs)}
+        changed = [f"{d.node}.{d.parameter}" for d in self.differs if d.by == COMMAND_LINE and _is_of_the_source(d)]
+        changed += [f"node {role}" for role in self.own_nodes]
+        why = f"not what the reference is about: {', '.join(dict.fromkeys(changed))} differs" if changed else ""
+        return {name: replace(each, unjudged=why) for name, each in found.items()}
+
+    @cached_property
+    def differs(self) -> Sequence[Difference]:
+        """What is not as the scenario's file, or as the defaults have it."""
+        runs = [run.name for run in self.scenario.runs]
+        return differences(self.scenario, load_scenario(str(self.scenario.file), only=runs))
 
     def figures(self) -> dict[str, Figure]:
         """Figures by name, drawn anew."""
@@ -115,24 +125,27 @@ class Result:
             notes=(*self.scenario.notes, *(note for outcome in outcomes for note in outcome.notes)),
             about=self.scenario.parameters.about,
             command=self.command,
-            differs=differences(self.scenario, load_scenario(str(self.scenario.file), only=[run.name for run in runs])),
+            differs=self.differs,
         )
 
-    def save(self, directory: Path | str) -> None:
-        """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz."""
+    def save(self, directory: Path | str, formats: Sequence[str] = ()) -> None:
+        """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz.
+
+        `formats`: pdf or svg, for figures that are also wanted for print.
+        """
         folder = Path(directory)
         for name, run in self.runs.items():
             of_run = folder if len(self.outcomes) == 1 else folder / name
             of_run.mkdir(parents=True, exist_ok=True)
             save(run, of_run / "signals.npz")
-        self.write_report(folder)
+        self.write_report(folder, formats=formats)
 
-    def write_report(self, folder: Path, page: bool = True) -> dict[str, Any]:
+    def write_report(self, folder: Path, page: bool = True, formats: Sequence[str] = ()) -> dict[str, Any]:
         """Write figures, report.html if it is wanted, and summary.json, whose content comes back."""
-        from ev_sim.report.figures.drawing import save_figures
+        from ev_sim.report.figures.saving import save_figures
 
         figures, summary = self.figures(), self.summary()
-        save_figures(figures, folder)
+        save_figures(figures, folder, formats)
         content = summary.as_json()
         write_summary(folder / "summary.json", content)
         if page:
@@ -148,3 +161,8 @@ class Result:
         from ev_sim.report.html_of_result import html_of
 
         return html_of(self.metrics, self.figures(), self.hash)
+
+
+def _is_of_the_source(difference: Difference) -> bool:
+    """Whether a parameter is what a source is about: its law and its car. The rest is a matter of its report."""
+    return difference.parameter == "method" or difference.parameter.startswith("vehicle.")
