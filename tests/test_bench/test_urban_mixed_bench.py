@@ -9,7 +9,7 @@ from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.run.offline import run_offline
 from ev_sim.run.scenarios.scenario import Overrides, load_scenario
-from ev_sim.study.bench_cases import apart, ideal, measure
+from ev_sim.study.bench_cases import IDEAL, apart, ideal, measure
 from ev_sim.study.bench_convergence import case as part_of_cycle
 from ev_sim.study.case import drive_case
 
@@ -18,14 +18,15 @@ LENGTH = 24.0  # s: rest, pulling away, two surfaces, spinning wheels
 
 @pytest.fixture(scope="module")
 def recording():
-    (run,) = load_scenario("urban_mixed_bench", Overrides(duration=LENGTH)).runs
+    """With exact sensors."""
+    (run,) = load_scenario("urban_mixed_bench", Overrides(values=IDEAL["sensors"], duration=LENGTH)).runs
     return run_offline(run.configurations, LENGTH)
 
 
 def test_the_energy_of_the_bench_balances(recording):
     """Battery + mains = resistor + heat + stored, and the battery of the car gave what the machines took.
 
-    The battery follows one exchange later, by voltage and current as they are measured: 0.1 %.
+    The battery follows one exchange later, by voltage and current in single precision: 0.1 %.
     """
     last = {
         name: recording.channels[f"bench.energy.{name}"][-1] for name in ("battery", "mains", "resistor", "machines")
