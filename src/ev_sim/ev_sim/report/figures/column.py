@@ -49,7 +49,8 @@ def as_column(figure: Figure) -> None:
         top -= foot
     if common:
         figure.legend(
-            common.values(), common, loc="upper center", bbox_to_anchor=(0.5, 1.0 - 0.06 / total), ncols=_columns(common), fontsize=TEXT_SIZE, frameon=False,
+            common.values(), common, loc="upper center", bbox_to_anchor=(0.5, 1.0 - 0.06 / total), frameon=False,
+            ncols=_columns(common), fontsize=TEXT_SIZE,
             borderaxespad=0.0, borderpad=0.1, columnspacing=1.0, handlelength=1.8, handletextpad=0.4,
         )  # fmt: skip
 
@@ -100,6 +101,6 @@ def _restyle(axes: Axes, legend: dict[str, object], labelled: bool, all_axes: Se
             axes.set_title(text, loc=place, fontsize=TITLE_SIZE, pad=3 + _rows(legend) * LEGEND_ROW * 72)
     axes.tick_params(labelsize=TEXT_SIZE, labelbottom=labelled, labelleft=True)
     axes.set_xlabel((axes.get_xlabel() or all_axes[-1].get_xlabel()) if labelled else "", fontsize=TEXT_SIZE)
-    axes.set_ylabel(axes.get_ylabel() or all_axes[0].get_ylabel(), fontsize=TEXT_SIZE)
+    axes.yaxis.label.set(text=axes.get_ylabel() or all_axes[0].get_ylabel(), fontsize=TEXT_SIZE)
     if axes.yaxis.label.get_rotation() > 0.0:  # the name of a strip lies at its own place
         axes.yaxis.set_label_coords(-0.48 / _PLOT, 0.5)
