@@ -33,8 +33,9 @@ def register_functions() -> None:
 
 def use_cache() -> None:
     """Let numba keep what it compiles in our folder, unless the user says where."""
-    if not numba.config.CACHE_DIR:
-        numba.config.CACHE_DIR = str(cache_folder())
+    settings: Any = numba.config
+    if not settings.CACHE_DIR:
+        settings.CACHE_DIR = str(cache_folder())
 
 
 def compiled_address(name: str, text: str, names: dict[str, Any]) -> int:
@@ -58,7 +59,7 @@ def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
         print(f"compiling {name.replace('_', ' ')} ... (once)", file=sys.stderr, flush=True)
         write_whole(file, text.encode())
         forget_older(file)
-    spec = importlib.util.spec_from_file_location(f"ev_stack_{file.stem}", file)
+    spec: Any = importlib.util.spec_from_file_location(f"ev_stack_{file.stem}", file)
     module = importlib.util.module_from_spec(spec)
     vars(module).update(names)
     sys.modules[spec.name] = module  # what numba loads from disk asks for its module by name

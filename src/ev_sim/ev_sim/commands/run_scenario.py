@@ -8,6 +8,7 @@ import sys
 from importlib import import_module
 
 from ev_msgs_py.contract.shape import SignalError
+from ev_msgs_py.lockstep.installed_methods import not_loaded
 from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import arguments
@@ -67,6 +68,8 @@ def print_list() -> None:
     print("reviews of runs, and of what the sources published (scripts/run.sh NAME --help)")
     for name, about in REVIEWS.items():
         print(f"  {name:24} {about}")
+    for line in not_loaded():
+        print(f"not loaded: {line}")
     for role, methods in all_methods().items():
         print(f"methods of {role}")
         for name, method in methods.items():
