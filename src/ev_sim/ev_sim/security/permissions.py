@@ -58,7 +58,7 @@ def permissions(namespace: str) -> dict[str, Permissions]:
     found.append(
         Permissions(
             RECORDER,
-            publishes=_topics((RECORDER_WRITES,), namespace) | _LOG | _PARAMETER_EVENTS,
+            publishes=_topics((RECORDER_WRITES,), namespace) | _LOG | _PARAMETER_EVENTS | _REPORTS,
             subscribes=_topics(RECORDED, namespace) | _REPORTS | _CLOCK,  # they go into the bag
             serves=_services(RECORDER, _PARAMETER_SERVICES, namespace),
         )
