@@ -21,6 +21,7 @@ def lines_with_bands(xlabel: str, x: np.ndarray, metrics: Sequence[tuple[str, np
     for axes, (label, values) in zip(panels, metrics, strict=True):
         axes.plot(x, values.mean(axis=1), color=STROKES[0][0], marker=".")
         axes.fill_between(x, values.min(axis=1), values.max(axis=1), color=STROKES[0][0], alpha=0.2, linewidth=0.0)
+        axes.ticklabel_format(useOffset=False)
         _label(axes, label, xlabel, label)
     return figure
 
