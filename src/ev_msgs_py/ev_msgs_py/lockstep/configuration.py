@@ -9,6 +9,8 @@ from typing import Any, TypeVar
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.faults.fault import FaultParameters
+from ev_msgs_py.faults.row import refuse_faults
 from ev_msgs_py.lockstep.hooks import ReadingFiles
 from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout
 from ev_msgs_py.parameters.declaration import Entry, ParameterError, Spec, entries, flatten, group, parameter
@@ -36,8 +38,7 @@ class CommonParameters:
 
 
 P = TypeVar("P")
-_METHOD = "method"
-_SENSORS = "sensors."
+_METHOD, _SENSORS = "method", "sensors."
 _OWN = ("seed",)  # of the common parameters those that each node may have its own value of
 
 
@@ -46,6 +47,7 @@ class Configuration:
     """A role, the method that plays it and all their parameters.
 
     `sensors` are those of the signals that the method writes; `unused` values belong to other methods of the role.
+    `own_faults` are those of a method whose parameters have no `faults`.
     """
 
     role: str
@@ -55,11 +57,18 @@ class Configuration:
     extra: Any
     unused: tuple[str, ...] = ()
     sensors: Any = field(default_factory=sensors_for(()))
+    own_faults: FaultParameters | None = None
 
     @property
     def period(self) -> int:
         """The control period in nanoseconds."""
         return stamps.from_seconds(self.common.control_period)
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """What goes wrong, as texts."""
+        texts: tuple[str, ...] = (self.own_faults or self.parameters).faults
+        return texts
 
     @property
     def is_ideal(self) -> bool:
@@ -74,7 +83,8 @@ class Configuration:
         """Every parameter of the node with its present value as default."""
         fixed = [dataclasses.replace(e, spec=dataclasses.replace(e.spec, read_only=True)) for e in entries(self.common)]
         extra = entries(self.extra) if self.extra is not None else ()
-        of_method = (*entries(self.parameters), *entries(self.sensors, _SENSORS))
+        faults = entries(self.own_faults) if self.own_faults is not None else ()
+        of_method = (*entries(self.parameters), *faults, *entries(self.sensors, _SENSORS))
         return (_method_entry(self.role, self.method.name), *fixed, *extra, *of_method)
 
     def values(self) -> dict[str, Any]:
@@ -86,10 +96,12 @@ class Configuration:
         rest = dict(values)
         common, parameters = _replaced(rest, self.common), _replaced(rest, self.parameters)
         sensors = _replaced(rest, self.sensors, _SENSORS)
+        own_faults = _replaced(rest, self.own_faults) if self.own_faults is not None else None
         if not rest:
-            made = dataclasses.replace(self, common=common, parameters=parameters, sensors=sensors)
-            fits = parameters is self.parameters and common.vehicle is self.common.vehicle
-            return made if fits else _fitting(made)
+            changed = {"common": common, "parameters": parameters, "sensors": sensors, "own_faults": own_faults}
+            made = dataclasses.replace(self, **changed)
+            same = parameters is self.parameters and own_faults is self.own_faults
+            return made if same and common.vehicle is self.common.vehicle else _fitting(made)
         return configure(self.role, {**self.values(), **values}, type(self.extra) if self.extra is not None else None)
 
 
@@ -112,6 +124,7 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     further = _take(rest, extra) if extra is not None else None
     parameters: Any = _take(rest, method.parameters)
     sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
+    own_faults = None if hasattr(parameters, "faults") else _take(rest, FaultParameters)
     others = [(other.parameters, "") for other in methods_of(role).values()]
     others.append((sensors_for(ROLES[role].writes), _SENSORS))
     for of, prefix in others:
@@ -119,10 +132,10 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     elsewhere = {name for of, prefix in others for name in flatten(of(), prefix)}
     for name in rest:
         if name not in elsewhere:
-            known = [_METHOD, *flatten(common), *flatten(parameters), *(flatten(further) if further else ())]
+            known = [_METHOD, *flatten(common), *flatten(parameters), "faults", *(flatten(further) if further else ())]
             is_sensor = name.startswith(_SENSORS)  # there are many: listed where one is meant
             raise unknown_name(f"parameter of {role}", name, flatten(sensors, _SENSORS) if is_sensor else known)
-    return _fitting(Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors))
+    return _fitting(Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors, own_faults))
 
 
 def _fitting(configuration: Configuration) -> Configuration:
@@ -133,6 +146,7 @@ def _fitting(configuration: Configuration) -> Configuration:
     if isinstance(method.factory, ReadingFiles):
         parameters = method.factory.load_files(parameters)
     refuse_layout(method, parameters, common.vehicle)
+    refuse_faults(configuration.role, configuration.faults, method.writes, configuration.own_faults is None)
     return dataclasses.replace(configuration, common=common, parameters=parameters)
 
 

@@ -49,7 +49,7 @@ class GraphRun:
         roles = (*answering, *integrating)
         self.parts = [(role, part) for role in roles for part in compiled_parts(configurations[role])]
         self.frames = frame.stack(instants, period)
-        self._answering = len(answering)
+        self._answering = sum(role in answering for role, _ in self.parts)
         self._rows = np.array([(*part.addresses(), *written_by(role)) for role, part in self.parts], np.int64)
         for place in range(self._answering, len(self.parts)):
             self._show_start(place)

@@ -10,6 +10,7 @@ from ev_sim.driveline.couplings import CLUTCH, follow_shares, motor_commands, sh
 from ev_sim.drives.drive import advance_drive
 from ev_sim.drives.torque_controlled import limited_torque
 from ev_sim.plant.planar.energy import PowerConstants, battery_scale, terminal_voltage
+from ev_sim.plant.planar.faults.striking import strike_motors
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.parameters import TORQUE_CONTROLLED, PlanarParameters
 from ev_sim.plant.planar.state import WHEEL_SPEED, PlanarState
@@ -49,6 +50,8 @@ def apply_drives(
         target[i] /= gear
         if p.drive == TORQUE_CONTROLLED and car.driven[i] == 1.0:
             target[i] = limited_torque(car.motor, target[i], shaft[i] * gear, s.motor_heat[i])
+    if s.faults.is_struck == 1.0:
+        strike_motors(s, p, car, step)
     scale = battery_scale(s, p, car, power, step)
     for i in range(4):
         if car.driven[i] == 0.0:

@@ -14,6 +14,7 @@ from ev_sim.plant.commands import GuardLimits, guard_limits
 from ev_sim.plant.planar.constants import BodyConstants, body_constants
 from ev_sim.plant.planar.drive_torques import Lags
 from ev_sim.plant.planar.energy import EfficiencyMap, PowerConstants
+from ev_sim.plant.planar.faults.parameters import CarFaults, car_faults
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.road_under_wheels import RoadTables, road_tables
 from ev_sim.plant.planar.step_width import longest_brushless_step, longest_step
@@ -33,6 +34,7 @@ class PlanarConstants(NamedTuple):
     road: RoadTables
     initial_drive_torque: tuple[float, ...]  # of each wheel [N m]
     imposed: Profile  # speed [m/s]
+    faults: CarFaults
 
 
 def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> PlanarConstants:
@@ -55,6 +57,7 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
         road=road_tables(p.road, vehicle),
         initial_drive_torque=checked_initial_torque(p, vehicle),
         imposed=wanted_speed(p.imposed_speed, "imposed_speed"),
+        faults=car_faults(p.faults, vehicle, period, brushless, vehicle.tyre.lateral_curve == "same"),
     )
 
 
