@@ -21,11 +21,12 @@ from typing import NamedTuple
 
 from ev_control.inverter_gateway.diagnosis import diagnosis
 from ev_control.inverter_gateway.parameters import GatewayParameters
-from ev_control.inverter_gateway.station import DRIVES, GatewayStation
+from ev_control.inverter_gateway.station import GatewayStation
 from ev_msgs_py.can.channel import Frame
 from ev_msgs_py.can.conventions import TORQUE_MODE
 from ev_msgs_py.can.database import Database, load_database
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
+from ev_msgs_py.can.frames import DRIVES
 from ev_msgs_py.contract.record import fill, numbers
 from ev_msgs_py.parameters.values import build
 from ev_sim.inverter.parameters import CircuitParameters

@@ -40,6 +40,7 @@ setup(
             "inverter = ev_sim.nodes.inverter:main",
             "can_hub = ev_sim.commands.can_hub:main",
             "run_scenario = ev_sim.commands.run_scenario:main",
+            "security_policies = ev_sim.commands.security_policies:main",
             "inspect = ev_sim.commands.inspect_graph:main",
         ],
         "ev_stack.methods": [

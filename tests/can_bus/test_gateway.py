@@ -9,7 +9,7 @@ from can_bus.databases import ours
 
 from ev_control.inverter_gateway.diagnosis import FAULTY, GOOD, SILENT, WARNED, diagnosis
 from ev_control.inverter_gateway.parameters import GatewayParameters
-from ev_control.inverter_gateway.station import DEVICES, GatewayStation
+from ev_control.inverter_gateway.station import GatewayStation
 from ev_msgs_py.can.channel import Frame
 from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.drive_states import (
@@ -24,6 +24,7 @@ from ev_msgs_py.can.drive_states import (
     SWITCH_ON_DISABLED,
     SWITCHED_ON,
 )
+from ev_msgs_py.can.frames import DEVICES
 from ev_msgs_py.can.protection import checksum, counter_of, next_counter
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import build

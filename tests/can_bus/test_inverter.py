@@ -22,6 +22,7 @@ from ev_msgs_py.can.drive_states import (
     SWITCH_ON_COMMAND,
     SWITCH_ON_DISABLED,
 )
+from ev_msgs_py.can.frames import bench_frames
 from ev_msgs_py.can.protection import protected
 from ev_msgs_py.compiling.function import compiled, in_memory
 from ev_msgs_py.contract.record import numbers
@@ -29,7 +30,7 @@ from ev_msgs_py.lockstep.law import namespace
 from ev_msgs_py.parameters.declaration import number_tree
 from ev_sim.inverter.circuit import advance_circuit
 from ev_sim.inverter.parameters import CircuitParameters
-from ev_sim.inverter.set_points import receive_set_point, set_point_layout
+from ev_sim.inverter.set_points import receive_set_point
 from ev_sim.inverter.state import Circuit
 
 RUN = TORQUE | {"Controlword": float(ENABLE_COMMAND)}
@@ -234,7 +235,8 @@ def test_random_frames_move_no_motor(count: int, identifiers: str):
 def test_compiled_code_gives_the_same_bits():
     """Enabling, torque, a lost link, a fault and a reset; every number of the state after every cycle."""
     p = CircuitParameters()
-    tree, layout = number_tree(p), set_point_layout(ours()["Drive11_SetPoint"])
+    tree, frames = number_tree(p), bench_frames(ours())
+    layouts = in_memory(frames)
     s, memory, constants = Circuit(), in_memory(Circuit()), in_memory(tree)
     step, receive = compiled(advance_circuit), compiled(receive_set_point)
     frame, counter = ours()["Drive11_SetPoint"], 0
@@ -245,7 +247,8 @@ def test_compiled_code_gives_the_same_bits():
             values = TORQUE | {"Controlword": float(word), "Torque": 0.0 if word != ENABLE_COMMAND else 77.0}
             payload = protected(frame.payload(values), 8, frame.data_id, counter)
             counter = (counter + 1) % 15
-            assert receive(layout, memory["drive"], payload) == receive_set_point(layout, s.drive, payload)
+            said = receive_set_point(frames.set_point, frames.drive_11, s.drive, payload)
+            assert receive(layouts["set_point"], layouts["drive_11"], memory["drive"], payload) == said
         advance_circuit(namespace(tree), s, TICK)
         step(constants, memory, TICK)
         assert list(flat(memory)) == numbers(s)

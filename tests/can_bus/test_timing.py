@@ -7,9 +7,9 @@ import random
 import pytest
 from can_bus.databases import ours
 
-from ev_msgs_py.can.arbitration import Waiting, bus_load, completions
 from ev_msgs_py.can.frame_length import crc15, exact_frame, frame_bits, longest_frame, stuff_bits
-from ev_msgs_py.can.response_time import Cyclic, of_layouts, response_times
+from ev_msgs_py.can.response_time import Cyclic, bus_load, response_times
+from ev_msgs_py.can.wire_time import header, wire_bits, wire_tables
 
 
 @pytest.mark.parametrize(("length", "bits"), [(0, 55), (1, 65), (8, 135)])
@@ -40,6 +40,16 @@ def test_no_frame_is_longer_than_the_longest_and_most_are_near_the_shortest():
     assert sum(lengths) / len(lengths) < 47 + 64 + 7
 
 
+def test_tables_count_the_same_bits():
+    """Frames with many equal bits among them, as those have the most stuff bits."""
+    numbers = random.Random(2)
+    for length in (0, 4, 8) * 300:
+        identifier = numbers.getrandbits(11)
+        data = bytes(numbers.choice((0, 0xFF, numbers.getrandbits(8))) for _ in range(length))
+        counted = wire_bits(wire_tables(), *header(identifier, length), int.from_bytes(data, "little"), length)
+        assert counted == exact_frame(identifier, data)
+
+
 def test_a_frame_is_longer_than_its_bits_by_stuffing_and_by_13_bits_that_are_never_stuffed():
     bits = list(frame_bits(0x20B, bytes(8)))
     assert len(bits) == 34 + 64
@@ -58,30 +68,6 @@ def test_published_response_times():
 def test_an_overloaded_bus_is_refused():
     with pytest.raises(ValueError, match="whole time of the bus"):
         response_times([Cyclic(1.0, 0.6), Cyclic(1.0, 0.6)], 0.001)
-
-
-def test_the_lowest_identifier_goes_first_but_interrupts_nobody():
-    """At 100 bits of 1 us each: C begins alone, A and B come meanwhile."""
-    frames = [Waiting(50e-6, 2, 100), Waiting(60e-6, 1, 100), Waiting(0.0, 3, 100)]
-    assert completions(frames, 1e6) == pytest.approx([300e-6, 200e-6, 100e-6])
-
-
-def test_a_busy_bus_delays_everybody():
-    assert completions([Waiting(0.0, 1, 100)], 1e6, free_from=40e-6) == pytest.approx([140e-6])
-
-
-def test_arbitration_never_takes_longer_than_the_analysis_says():
-    """All frames of one circuit at random phases over 50 ms, each of its greatest length."""
-    layouts = [frame for frame in ours() if "11" in frame.name]
-    bounds, numbers = of_layouts(layouts, 1e6), random.Random(3)
-    waiting, names = [], []
-    for layout in layouts:
-        phase = numbers.uniform(0.0, layout.cycle)
-        for instance in range(int(0.05 / layout.cycle) + 1):
-            waiting.append(Waiting(phase + instance * layout.cycle, layout.identifier, longest_frame(layout.length)))
-            names.append(layout.name)
-    for name, frame, end in zip(names, waiting, completions(waiting, 1e6), strict=True):
-        assert end - frame.since <= bounds[name] + 1e-9
 
 
 def test_bus_load_of_one_frame():

@@ -50,3 +50,13 @@ def test_the_lock_of_another_user_is_respected(tmp_path):
     (tmp_path / "ev_stack_domain_1.lock").mkdir()
     with free_domain() as free:
         assert free == 2
+
+
+def test_a_link_in_the_place_of_a_lock_is_not_followed(tmp_path):
+    """The folder is everybody's: a link there could make us empty a file of the user's own."""
+    precious = tmp_path / "precious"
+    precious.write_text("kept")
+    (tmp_path / "ev_stack_domain_1.lock").symlink_to(precious)
+    with free_domain() as free:
+        assert free == 2
+    assert precious.read_text() == "kept"

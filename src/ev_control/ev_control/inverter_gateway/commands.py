@@ -11,8 +11,9 @@ from sensor_msgs.msg import JointState
 
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.publishing import NAMES
-from ev_control.inverter_gateway.station import LOADS, GatewayStation
+from ev_control.inverter_gateway.station import GatewayStation
 from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
+from ev_msgs_py.can.frames import LOADS
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from ev_control.inverter_gateway.state import Feedback
-from ev_msgs_py.can.channel import Frame
 from ev_msgs_py.can.checking import (
     REPEATED,
     TOLERANCES,
@@ -16,64 +13,54 @@ from ev_msgs_py.can.checking import (
     is_valid,
     no_new_data,
 )
+from ev_msgs_py.can.codec import extracted
 from ev_msgs_py.can.conventions import RPM
-from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.drive_states import state_of
-from ev_msgs_py.can.faults import FAULTS, WARNINGS
-from ev_msgs_py.can.frame_layout import FrameLayout
+from ev_msgs_py.can.frames import SENT, BenchFrames, DeviceFrames
+from ev_msgs_py.compiling.compilable import compilable
 
-_REFUSED = (WRONG_CRC, REPEATED, WRONG_SEQUENCE)
+MOTION, ELECTRICAL, TEMPERATURES, FAULTS = range(len(SENT))
 
 
-class Hearing:
-    """Takes the frames of one device."""
+@compilable
+def receive_feedback(f: BenchFrames, own: DeviceFrames, s: Feedback, kind: int, payload: int) -> None:
+    """Take a frame of this device; what is not valid is counted."""
+    data_id = own.data_ids[kind]
+    if kind == MOTION:
+        s.heard = 1.0
+        if _is_good(s, s.motion, payload, f.motion.length, data_id):
+            s.age, s.state = 0.0, float(state_of(int(extracted(payload, f.motion.statusword))))
+            s.torque = extracted(payload, f.motion.torque)
+            s.speed = RPM * extracted(payload, f.motion.speed)
+    elif kind == ELECTRICAL:
+        if _is_good(s, s.electrical, payload, f.electrical.length, data_id):
+            s.dc_voltage = extracted(payload, f.electrical.dc_voltage)
+            s.dc_current = extracted(payload, f.electrical.dc_current)
+            s.phase_current = extracted(payload, f.electrical.phase_current)
+    elif kind == TEMPERATURES:
+        if _is_good(s, s.temperatures, payload, f.temperatures.length, data_id):
+            s.winding_temperature = extracted(payload, f.temperatures.winding)
+            s.inverter_temperature = extracted(payload, f.temperatures.inverter)
+    elif _is_good(s, s.faults, payload, f.faults.length, data_id):
+        s.fault_bits = extracted(payload, f.faults.faults)
+        s.warning_bits = extracted(payload, f.faults.warnings)
+        s.error_code = extracted(payload, f.faults.error_code)
 
-    def __init__(self, database: Database, device: str, s: Feedback) -> None:
-        self._s = s
-        self._kinds: dict[int, tuple[FrameLayout, CheckState]] = {}
-        self._takers = {"Motion": self._motion, "Electrical": self._electrical, "Temperatures": self._temperatures,
-                        "Faults": self._faults}  # fmt: skip
-        for kind in self._takers:
-            layout = database[f"{device}_{kind}"]
-            self._kinds[layout.identifier] = (layout, getattr(s, kind.lower()))
 
-    def receive(self, frame: Frame) -> None:
-        """Take a frame of this device, if it is one; what is not valid is counted."""
-        if frame.identifier not in self._kinds:
-            return
-        layout, state = self._kinds[frame.identifier]
-        if len(frame.data) != layout.length:
-            self._s.refused += 1.0
-            return
-        payload = int.from_bytes(frame.data, "little")
-        status = check(TOLERANCES, state, payload, layout.length, layout.data_id)
-        if state is self._s.motion:
-            self._s.heard = 1.0
-        if is_valid(status):
-            self._s.lost += state.lost_data
-            self._takers[layout.name.partition("_")[2]](layout.values(payload))
-        elif status in _REFUSED:
-            self._s.refused += 1.0
+@compilable
+def _is_good(s: Feedback, checked: CheckState, payload: int, length: float, data_id: float) -> bool:
+    status = check(TOLERANCES, checked, payload, int(length), int(data_id))
+    if is_valid(status):
+        s.lost += checked.lost_data
+        return True
+    if status in (WRONG_CRC, REPEATED, WRONG_SEQUENCE):
+        s.refused += 1.0
+    return False
 
-    def end_cycle(self) -> None:
-        """Tell the check of the fastest frame when none has come since the last call."""
-        if self._s.heard == 0.0:
-            no_new_data(self._s.motion)
-        self._s.heard = 0.0
 
-    def _motion(self, values: Mapping[str, float]) -> None:
-        s = self._s
-        s.age, s.state = 0.0, float(state_of(int(values["Statusword"])))
-        s.torque, s.speed = values["Torque"], RPM * values["Speed"]
-
-    def _electrical(self, values: Mapping[str, float]) -> None:
-        s = self._s
-        s.dc_voltage, s.dc_current, s.phase_current = values["DcVoltage"], values["DcCurrent"], values["PhaseCurrent"]
-
-    def _temperatures(self, values: Mapping[str, float]) -> None:
-        self._s.winding_temperature, self._s.inverter_temperature = values["Winding"], values["Inverter"]
-
-    def _faults(self, values: Mapping[str, float]) -> None:
-        self._s.fault_bits = float(sum(int(values[f.name]) << place for place, f in enumerate(FAULTS)))
-        self._s.warning_bits = float(sum(int(values[name]) << place for place, name in enumerate(WARNINGS)))
-        self._s.error_code = values["ErrorCode"]
+@compilable
+def end_cycle(s: Feedback) -> None:
+    """Tell the check of the fastest frame when none has come since the last call."""
+    if s.heard == 0.0:
+        no_new_data(s.motion)
+    s.heard = 0.0

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from ev_control.inverter_gateway.parameters import GatewayParameters
-from ev_control.inverter_gateway.state import Device
+from ev_control.inverter_gateway.hearing import end_cycle
+from ev_control.inverter_gateway.parameters import BOTH, GatewayParameters
+from ev_control.inverter_gateway.state import Device, Gateway
+from ev_msgs_py.can.conventions import TORQUE_MODE
 from ev_msgs_py.can.drive_states import (
     DISABLE_VOLTAGE,
     FAULT,
@@ -16,6 +18,28 @@ from ev_msgs_py.can.drive_states import (
 from ev_msgs_py.compiling.compilable import compilable
 
 _QUIET = 0.005  # s without torque, command or reset bit, with which a reset begins: its bit shall be seen to rise
+MAY_BE_ENABLED, LATCHED, SILENT, WITHOUT_COMMAND = range(4)
+
+
+@compilable
+def advance_gateway(p: GatewayParameters, s: Gateway, ticks: float, period: float) -> None:
+    """Lead all devices over some ticks, `period` [s] in all, after the frames of this cycle."""
+    if s.waits != 0.0 and refusal(p, s.drive_11) == MAY_BE_ENABLED and refusal(p, s.drive_12) == MAY_BE_ENABLED:
+        s.drive_11.enable = s.drive_12.enable = 1.0
+        s.waits = 0.0
+    _advance(p, s.drive_11, period)
+    _advance(p, s.drive_12, period)
+    _advance(p, s.load_11, period)
+    _advance(p, s.load_12, period)
+    if p.fault_stops == BOTH and (is_faulty(s.drive_11) or is_faulty(s.drive_12)):
+        s.drive_11.enable = s.drive_12.enable = 0.0
+    s.tick += ticks
+
+
+@compilable
+def _advance(p: GatewayParameters, s: Device, period: float) -> None:
+    end_cycle(s.feedback)
+    advance_device(p, s, period)
 
 
 @compilable
@@ -56,6 +80,16 @@ def _advance_reset(p: GatewayParameters, s: Device, state: int, period: float) -
 
 
 @compilable
+def refusal(p: GatewayParameters, s: Device) -> int:
+    """Why a device may not be enabled now."""
+    if is_faulty(s):
+        return LATCHED
+    if s.feedback.age > p.feedback_timeout:
+        return SILENT
+    return MAY_BE_ENABLED if s.command_age <= p.command_timeout else WITHOUT_COMMAND
+
+
+@compilable
 def begin_reset(s: Device) -> None:
     """Begin the reset sequence: nothing is enabled, then the reset bit."""
     s.enable = 0.0
@@ -74,3 +108,13 @@ def controlword(s: Device) -> int:
 def may_turn(s: Device) -> bool:
     """Whether its command may go out: it is enabled, and says so."""
     return s.enable != 0.0 and int(s.feedback.state) == OPERATION_ENABLED
+
+
+@compilable
+def command_device(p: GatewayParameters, s: Device, mode: int, value: float) -> None:
+    """What a device shall do: a torque [N m] or a speed [rad/s] at its shaft."""
+    s.mode, s.command_age = float(mode), 0.0
+    if mode == TORQUE_MODE:
+        s.torque, s.speed = value, p.speed_limit
+    else:
+        s.torque, s.speed = 0.0, value

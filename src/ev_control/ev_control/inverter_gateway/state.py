@@ -60,4 +60,5 @@ class Gateway:
     load_11: Device = part(Device)
     load_12: Device = part(Device)
     tick: float = entry(unit="1", about="cycles of 1 ms since the start")
+    waits: float = entry(unit="1", about="for the first moment at which the drives may be enabled by themselves")
     heartbeat_counters: list[float] = series(2, unit="1", about="of the next heartbeat of each circuit")

@@ -9,13 +9,14 @@ from std_srvs.srv import SetBool, Trigger
 from ev_control.inverter_gateway.commands import Commands
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.publishing import FeedbackPublisher
-from ev_control.inverter_gateway.station import DEVICES, DRIVES, GatewayStation
+from ev_control.inverter_gateway.station import GatewayStation
 from ev_msgs_py.can.channel import Frame
+from ev_msgs_py.can.frames import DEVICES, DRIVES
 from ev_msgs_py.can.schedule import is_due
 from ev_msgs_py.nodes.bus_node import BusNode
 from ev_msgs_py.nodes.run_role import run_node
 
-_MOTION_CYCLE, _REST_CYCLE = 0.01, 0.1  # s
+_MOTION_CYCLE, _REST_CYCLE = 10.0, 100.0  # ms
 
 
 class InverterGatewayNode(BusNode):
@@ -31,7 +32,6 @@ class InverterGatewayNode(BusNode):
         self.station = GatewayStation(self.database, self.parameters)
         self._commands = Commands(self, self.station, lambda: self.parameters, self.reports.warn)
         self._feedback = FeedbackPublisher(self, self.station.devices)
-        self._waits = bool(self.parameters.auto_enable)  # for the first moment at which the drives may be enabled
 
     def changed(self) -> None:
         """Go on with other limits and time-outs."""
@@ -47,9 +47,7 @@ class InverterGatewayNode(BusNode):
 
     def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
         """Lead the inverters one cycle on, and publish what is due."""
-        before = int(self.station.s.tick)
-        if self._waits and not self.station.enable(DRIVES):
-            self._waits = False
+        before = self.station.s.tick
         frames = self.station.step(ticks)
         rest = is_due(_REST_CYCLE, before, before + ticks)
         if rest:

@@ -5,13 +5,14 @@ A payload is one whole number, byte 0 in its lowest 8 bits, so that a signal in 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import floor
-from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
 
 
-class BitField(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class BitField:
     """Where a signal stands and what its numbers mean: value = offset + scale * raw, from `low` to `high`."""
 
     start: float  # lowest bit, counted from the lowest of byte 0

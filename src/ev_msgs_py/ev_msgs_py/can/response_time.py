@@ -6,7 +6,7 @@ revised. Real-Time Systems 35, 239-272. No jitter of release.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import ceil
 from typing import NamedTuple
 
@@ -26,6 +26,11 @@ def response_times(frames: Sequence[Cyclic], bit_time: float) -> list[float]:
     if sum(frame.duration / frame.cycle for frame in frames) > 1.0:
         raise ValueError("the frames need more than the whole time of the bus")
     return [_response(frames, place, bit_time) for place in range(len(frames))]
+
+
+def bus_load(frames: Iterable[FrameLayout], bit_rate: float) -> float:
+    """Share of time that cyclic frames of the greatest length take [1]."""
+    return sum(longest_frame(frame.length) / (bit_rate * frame.cycle) for frame in frames if frame.cycle > 0.0)
 
 
 def of_layouts(layouts: Sequence[FrameLayout], bit_rate: float) -> dict[str, float]:

@@ -33,9 +33,12 @@ def constants_row(trees: Mapping[str, Any], c: Any, period: float) -> np.ndarray
     head = [0.0, period]
     for tree in trees.values():
         head += numbers(tree)
-    for record in _records(c):
-        head += numbers(record)
-    leaves = [leaf for leaf in _leaves(c) if not is_dataclass(leaf)]
+    leaves: list[Any] = []
+    for leaf in _leaves(c):
+        if is_dataclass(leaf):
+            head += numbers(leaf)
+        else:
+            leaves.append(leaf)
     place = len(head) + sum(2 if isinstance(leaf, tuple) else 1 for leaf in leaves)
     tables: list[float] = []
     for leaf in leaves:

@@ -14,6 +14,7 @@ import numba
 from numba.core.errors import TypingError
 from numba.extending import register_jitable
 
+from ev_msgs_py.compiling import stack_memory  # noqa: F401, tells the compiler what `working_memory` is
 from ev_msgs_py.compiling.compilable import FUNCTIONS, INLINED
 from ev_msgs_py.compiling.fingerprint import fingerprint
 from ev_msgs_py.compiling.part_source import part_source

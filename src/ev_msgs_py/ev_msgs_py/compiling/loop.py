@@ -39,11 +39,11 @@ def call_part(address: int, now: int, next: int, state: int, constants: int) -> 
 
 
 @njit(cache=True, **OPTIONS)
-def _is_finite(frame: np.ndarray, begin: int, end: int) -> bool:
+def _is_finite(bits: np.ndarray, at: int, begin: int, end: int) -> bool:
     """Without a way out of the loop, and on integers, so that many numbers are looked at in one instruction."""
-    bits, found = frame.view(np.int64), 0
+    found = 0
     for i in range(begin, end):
-        found |= (bits[i] & _EXPONENT) == _EXPONENT
+        found |= (bits[at, i] & _EXPONENT) == _EXPONENT
     return found == 0
 
 
@@ -59,7 +59,7 @@ def run_instants(
     `stopped`, and then nothing behind that has been done.
     """
     width = frames.shape[1] * 8
-    base = frames.ctypes.data
+    base, bits = frames.ctypes.data, frames.view(np.int64)
     for n in range(first, last + int(final)):
         now = base + n * width
         for i in range(parts.shape[0]):
@@ -70,7 +70,7 @@ def run_instants(
             stopped[0], stopped[1] = at, i
             if status != 0:
                 return FAILED
-            if not _is_finite(frames[at], parts[i, 3], parts[i, 4]):
+            if not _is_finite(bits, at, parts[i, 3], parts[i, 4]):
                 return NOT_FINITE
     return FINISHED
 
@@ -85,7 +85,7 @@ def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answer
         stopped[0], stopped[1], stopped[2] = 0, i, 0
         if _call(parts[i, 0], 0, frames.ctypes.data, parts[i, 1], parts[i, 2]) != 0:
             return FAILED
-        if not _is_finite(frames[0], parts[i, 3], parts[i, 4]):
+        if not _is_finite(frames.view(np.int64), 0, parts[i, 3], parts[i, 4]):
             return NOT_FINITE
     last = len(times) - 1
     for n in range(last + 1):
@@ -95,7 +95,8 @@ def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answer
             stopped[2] = stopped[0]
             stopped[0] += n
             return status
-        frames[0] = frames[1]
+        for i in range(SIZE):
+            frames[0, i] = frames[1, i]
     return FINISHED
 
 

@@ -69,9 +69,14 @@ def record_type(values: Any) -> np.dtype:
 def memory_type(of: type) -> np.dtype:
     """The layout of a declared record for functions that make one as working memory.
 
-    `np.zeros(1, layout)[0].name` means the same in Python and compiled; the array has to outlive its element.
+    `working_memory(layout)[0].name` means the same in Python and compiled.
     """
     return _with_attributes(record_type(of()))
+
+
+def working_memory(layout: np.dtype) -> np.ndarray:
+    """One record of zeros, shape (1,), until the function that asks for it returns; compiled it lies on the stack."""
+    return np.zeros(1, layout)
 
 
 def _with_attributes(kind: np.dtype) -> np.dtype:

@@ -13,7 +13,16 @@ from ev_msgs_py.faults.fault import FaultParameters
 from ev_msgs_py.faults.row import refuse_faults
 from ev_msgs_py.lockstep.hooks import ReadingFiles
 from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout
-from ev_msgs_py.parameters.declaration import Entry, ParameterError, Spec, entries, flatten, group, parameter
+from ev_msgs_py.parameters.declaration import (
+    Entry,
+    ParameterError,
+    Spec,
+    defaults,
+    entries,
+    flatten,
+    group,
+    parameter,
+)
 from ev_msgs_py.parameters.values import entries_by_name, replaced, unknown_name
 from ev_msgs_py.sensors.quantities import sensors_for
 from ev_msgs_py.vehicle.description import Vehicle
@@ -73,7 +82,8 @@ class Configuration:
     @property
     def is_ideal(self) -> bool:
         """Whether all its sensors show the truth."""
-        return bool(self.sensors == type(self.sensors)())
+        kind: type = type(self.sensors)
+        return bool(self.sensors == defaults(kind))
 
     def create(self) -> Any:
         """A new object of the method, at rest, in plain Python and in front of its sensors."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from types import MappingProxyType, SimpleNamespace
 from typing import Any, TypeVar
 
@@ -91,15 +91,22 @@ class Given:
     """The values that the functions of one object of a law are given, as plain Python works with them."""
 
     def __init__(self, law: Law, parameters: Any, vehicle: Vehicle, period: float) -> None:
-        self.trees = {"p": number_tree(parameters), "car": car_numbers(vehicle)}
-        self.values: dict[str, Any] = {name: namespace(tree) for name, tree in self.trees.items()}
-        self.values["period"] = period
+        car_tree, car = _car(vehicle)
+        self.trees = {"p": number_tree(parameters), "car": car_tree}
+        self.values: dict[str, Any] = {"p": namespace(self.trees["p"]), "car": car, "period": period}
         self.values["c"] = law.prepare(parameters, vehicle, period) if law.prepare else None
         self.values["s"] = self.bound(law.start)() if law.start else law.state()
 
     def bound(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """The function with what it asks for; the signals are still to be given."""
         return partial(function, *(self.values[name] for name in given_names(function)))
+
+
+@lru_cache(maxsize=16)
+def _car(vehicle: Vehicle) -> tuple[dict[str, Any], SimpleNamespace]:
+    """The numbers of a vehicle, as a tree and as laws read them; once for all objects, which only read them."""
+    tree = car_numbers(vehicle)
+    return tree, namespace(tree)
 
 
 def namespace(tree: Mapping[str, Any]) -> SimpleNamespace:

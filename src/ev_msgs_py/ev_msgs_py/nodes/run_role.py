@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from collections.abc import Callable
@@ -15,6 +16,7 @@ from rclpy.utilities import remove_ros_args
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.nodes.master_node import MasterNode
+from ev_msgs_py.nodes.security import refuse_weak_security
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.stop_request import StopRequest
@@ -36,11 +38,12 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
     with StopRequest() as stop:
         try:
             _refuse_other_arguments()
+            refuse_weak_security(os.environ)
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
             node = make()
             spin([node], lambda: node.done or stop.received)
         except (ValueError, RuntimeError, OSError, ParameterException) as error:
-            sys.exit(f"{name}: {_one_line(error)}")
+            sys.exit(f"{name}: {one_line(error)}")
         except KeyboardInterrupt:
             pass
         finally:
@@ -56,7 +59,7 @@ def _refuse_other_arguments() -> None:
         raise ValueError(f"unknown argument {others[0]!r}; what a node is told follows --ros-args")
 
 
-def _one_line(error: Exception) -> str:
+def one_line(error: Exception) -> str:
     """The text of an error without line breaks and without the places in ROS's own source code."""
     if isinstance(error, rclpy_implementation.UnknownROSArgsError):
         return f"unknown ROS arguments {error}"

@@ -9,6 +9,8 @@ from std_srvs.srv import Trigger
 
 from ev_msgs_py.contract import stamps
 
+TIME_SERVICES = ("pause", "resume", "step", "reset")
+
 
 class TimeServices:
     """pause, resume, step and reset of a node, by std_srvs/Trigger.
@@ -22,12 +24,7 @@ class TimeServices:
         self._now, self._begin, self._moves = now, begin, moves
         self._paused = False
         self._granted = 0
-        for name, handler in (
-            ("pause", self._pause),
-            ("resume", self._resume),
-            ("step", self._step),
-            ("reset", self._reset),
-        ):
+        for name, handler in zip(TIME_SERVICES, (self._pause, self._resume, self._step, self._reset), strict=True):
             node.create_service(Trigger, f"~/{name}", handler)
 
     def rests(self) -> bool:

@@ -108,6 +108,12 @@ def _entries(of: Any, prefix: str) -> Iterator[Entry]:
 
 
 @cache
+def defaults(of: type[P]) -> P:
+    """A parameter dataclass with all its defaults; it is frozen, so one does."""
+    return of()
+
+
+@cache
 def _type_hints(of: type) -> dict[str, Any]:
     return typing.get_type_hints(of)
 

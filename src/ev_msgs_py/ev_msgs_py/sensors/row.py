@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.parameters.declaration import defaults
 from ev_msgs_py.sensors.measuring import DELAY, HEAD, NAME, NUMBERS, WIDTH, Numbers, measure
 from ev_msgs_py.sensors.quantities import QUANTITIES, Quantity
 
@@ -55,5 +56,10 @@ def imperfect(parameters: Any) -> Iterator[tuple[Quantity, Any]]:
     """The quantities whose sensors have errors, and these."""
     for quantity in QUANTITIES:
         errors = getattr(parameters, quantity.name, None)
-        if errors is not None and errors != type(errors)():
+        if errors is not None and errors != _ideal(errors):
             yield quantity, errors
+
+
+def _ideal(errors: Any) -> Any:
+    kind: type = type(errors)
+    return defaults(kind)

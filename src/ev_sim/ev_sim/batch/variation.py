@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.lockstep.configuration import CommonParameters, Configuration
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import entries_by_name, unknown_name
+from ev_msgs_py.parameters.values import check, entries_by_name, unknown_name
 
 EVERY_ROLE = "*"
 _VEHICLE, _SENSORS = "vehicle.", "sensors."
 _OF_ALL_RUNS = ("method", "control_period", "mode")
+_SEED = entries_by_name(CommonParameters)["seed"]
 
 
 class Variation:
@@ -58,17 +59,21 @@ class Variation:
             raise ParameterError(f"{name} is refused: allowed is {EVERY_ROLE}.{parameter}, one for all roles")
 
     def configurations(self, role: str) -> list[Configuration] | None:
-        """Those of a role in all runs, None if they are the same; ParameterError if a value is refused."""
-        if not self._by_role[role]:
-            return None
+        """Those of a role in all runs, None if nothing that matters differs; ParameterError if a value is refused."""
+        base, columns = self._configurations[role], self._by_role[role]
+        # Only sensors know the seed.
+        matters = self.concerns_method(role) or self.concerns_sensors(role) or not base.is_ideal
         found = []
-        for run in range(self.runs):
-            values = {name: column[run] for name, column in self._by_role[role].items()}
+        for run in range(self.runs if columns else 0):
+            values = {name: column[run] for name, column in columns.items()}
             try:
-                found.append(self._configurations[role].changed(values))
+                if matters:
+                    found.append(base.changed(values))
+                else:
+                    check(_SEED, values["seed"])
             except ParameterError as error:
                 raise ParameterError(f"run {run}: {role}: {error}") from None
-        return found
+        return found or None
 
     def concerns_sensors(self, role: str) -> bool:
         """Whether errors of sensors differ."""

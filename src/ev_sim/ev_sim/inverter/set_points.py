@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from ev_msgs_py.can.checking import (
     OK_SOME_LOST,
     REPEATED,
@@ -14,41 +12,22 @@ from ev_msgs_py.can.checking import (
     is_valid,
     no_new_data,
 )
-from ev_msgs_py.can.codec import BitField, extracted
+from ev_msgs_py.can.codec import extracted
 from ev_msgs_py.can.conventions import RPM
 from ev_msgs_py.can.drive_states import ENABLE_OPERATION, FAULT_RESET
 from ev_msgs_py.can.faults import COMMAND_TIMEOUT, WRONG_COUNTER, WRONG_CRC_FAULT
-from ev_msgs_py.can.frame_layout import FrameLayout
+from ev_msgs_py.can.frames import DeviceFrames, SetPointLayout
 from ev_msgs_py.compiling.compilable import compilable
 from ev_sim.inverter.state import Inverter
 
 
-class SetPointLayout(NamedTuple):
-    """Where everything stands in a set-point frame."""
-
-    length: float  # bytes
-    data_id: float
-    mode: BitField
-    direction: BitField
-    controlword: BitField
-    torque: BitField
-    speed: BitField
-    torque_limit: BitField
-
-
-def set_point_layout(frame: FrameLayout) -> SetPointLayout:
-    """The layout of a set-point frame of the database."""
-    names = ("Mode", "Direction", "Controlword", "Torque", "Speed", "TorqueLimit")
-    return SetPointLayout(float(frame.length), float(frame.data_id), *(frame.signals[name] for name in names))
-
-
 @compilable
-def receive_set_point(c: SetPointLayout, s: Inverter, payload: int) -> int:
+def receive_set_point(layout: SetPointLayout, own: DeviceFrames, s: Inverter, payload: int) -> int:
     """Judge a set-point frame, and take its content over if it is valid; the status of the check."""
     s.supervision.heard = 1.0
-    status = check(TOLERANCES, s.check, payload, int(c.length), int(c.data_id))
+    status = check(TOLERANCES, s.check, payload, int(layout.length), int(own.set_point_data_id))
     if is_valid(status):
-        _take_over(c, s, payload)
+        _take_over(layout, s, payload)
         s.supervision.age = s.supervision.wrong_crc = s.supervision.wrong_counter = 0.0
         if status == OK_SOME_LOST:
             s.supervision.lost_age = 0.0
@@ -63,20 +42,20 @@ def receive_set_point(c: SetPointLayout, s: Inverter, payload: int) -> int:
 
 
 @compilable
-def _take_over(c: SetPointLayout, s: Inverter, payload: int) -> None:
+def _take_over(layout: SetPointLayout, s: Inverter, payload: int) -> None:
     """A reset counts where its bit rises, without a torque set-point and with operation disabled."""
     before = int(s.command.controlword)
-    control = int(extracted(payload, c.controlword))
-    torque = extracted(payload, c.torque)
+    control = int(extracted(payload, layout.controlword))
+    torque = extracted(payload, layout.torque)
     risen = control & FAULT_RESET != 0 and before & FAULT_RESET == 0
     if risen and torque == 0.0 and control & ENABLE_OPERATION == 0:
         s.command.reset = 1.0
     s.command.controlword = float(control)
-    s.command.mode = extracted(payload, c.mode)
-    s.command.direction = extracted(payload, c.direction)
+    s.command.mode = extracted(payload, layout.mode)
+    s.command.direction = extracted(payload, layout.direction)
     s.command.torque = torque
-    s.command.speed = RPM * extracted(payload, c.speed)
-    s.command.torque_limit = extracted(payload, c.torque_limit)
+    s.command.speed = RPM * extracted(payload, layout.speed)
+    s.command.torque_limit = extracted(payload, layout.torque_limit)
 
 
 @compilable

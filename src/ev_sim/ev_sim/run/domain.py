@@ -55,12 +55,17 @@ def _reservation(domain: int) -> Iterator[bool]:
     """Whether the domain could be reserved, for the time of the block; also false if the lock is another user's."""
     with ExitStack() as stack:
         try:
-            lock = stack.enter_context(_lock_file(domain).open("w"))
+            lock = stack.enter_context(open(_lock_file(domain), "wb", opener=_opened_in_place))
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             yield False
         else:
             yield True
+
+
+def _opened_in_place(path: str, flags: int) -> int:
+    """Everybody may write into the folder of the locks: a link that somebody has put there is not followed."""
+    return os.open(path, (flags | os.O_NOFOLLOW) & ~os.O_TRUNC, 0o644)
 
 
 def _lock_file(domain: int) -> Path:

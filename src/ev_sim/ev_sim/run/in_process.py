@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,6 +12,7 @@ import rclpy
 from rclpy.parameter import Parameter
 
 from ev_msgs_py.nodes.run_role import make_node
+from ev_msgs_py.nodes.security import security_is_asked_for
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.stop_request import StopRequest
@@ -18,7 +20,7 @@ from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.run.domain import free_domain
 from ev_sim.run.node_parameters import RECORDER, node_parameters, write_parameter_file
 from ev_sim.run.observer import Observer
-from ev_sim.run.outcome import Outcome, Progress, not_reproducible
+from ev_sim.run.outcome import Outcome, Progress, RunFailed, not_reproducible
 from ev_sim.run.progress_bar import announce
 from ev_sim.run.recording.recording import load
 from ev_sim.run.scenarios.scenario import Run
@@ -31,6 +33,8 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
 
     KeyboardInterrupt, when all nodes have finished what they did, if Ctrl-C or SIGTERM came before the end.
     """
+    if security_is_asked_for(os.environ):
+        raise RunFailed("--in-process: DDS security gives keys to processes, not to nodes; drive one process per node")
     parameters = node_parameters(run, directory, bag)
     write_parameter_file(directory / "parameters.yaml", run, parameters)
     nodes: list[SteppedNode] = []

@@ -12,6 +12,7 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import RECORDER_WRITES
 from ev_msgs_py.contract.topics import TOPICS
 
+OBSERVER = "run_scenario"  # its name in the graph
 _LATEST = QoSProfile(depth=1)  # reliable: the last word of the recorder says that the run is complete
 
 
@@ -19,7 +20,7 @@ class Observer(Node):
     """Follows the recorder, which speaks seldom, so that looking costs the run next to nothing."""
 
     def __init__(self, context: Context, namespace: str) -> None:
-        super().__init__("run_scenario", context=context, namespace=namespace, start_parameter_services=False)
+        super().__init__(OBSERVER, context=context, namespace=namespace, start_parameter_services=False)
         self.time = 0.0
         self.warnings: list[str] = []
         self.notes: list[str] = []

@@ -13,8 +13,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-import rclpy
-
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.lockstep.methods import node_package
@@ -22,6 +20,7 @@ from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_sim.run.domain import free_domain
 from ev_sim.run.node_parameters import RECORDER, node_parameters, write_parameter_file
 from ev_sim.run.observer import Observer
+from ev_sim.run.observing import enclave, observing
 from ev_sim.run.outcome import Outcome, Progress, RunFailed, not_reproducible
 from ev_sim.run.progress_bar import announce
 from ev_sim.run.recording.recording import load
@@ -62,11 +61,12 @@ def run_in_processes(
     parameters = node_parameters(run, directory, bag)
     file = directory / "parameters.yaml"
     write_parameter_file(file, run, parameters)
-    with free_domain() as domain, StopRequest(patient=True) as stop:
+    with (
+        free_domain() as domain,
+        StopRequest(patient=True) as stop,
+        observing(run.namespace, domain) as observer,
+    ):
         announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
-        context = rclpy.Context()
-        rclpy.init(context=context, domain_id=domain)
-        observer = Observer(context, run.namespace)
         nodes: list[NodeProcess] = []
         try:
             for name in parameters:
@@ -75,8 +75,6 @@ def run_in_processes(
             return _watch(run, nodes, observer, directory, progress, stop)
         finally:
             _stop(nodes)
-            observer.destroy_node()
-            context.try_shutdown()
 
 
 def package_of(node: str) -> str:
@@ -106,6 +104,7 @@ def _start(name: str, words: Sequence[str], run: Run, parameters: Path, logs: Pa
     logs.mkdir(exist_ok=True)
     log = logs / f"{name}.log"
     arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
+    arguments += enclave(name, run.namespace)
     environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
     with log.open("wb") as output:
         try:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import working_memory
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
@@ -38,7 +37,7 @@ def outputs(
     p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState
 ) -> tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]:
     """All signals at the instant of the state; drive torques are means over the period before it."""
-    return _seen(p, car, c, s, np.zeros(1, STEP), np.zeros(1, STAGES))
+    return _seen(p, car, c, s, working_memory(STEP), working_memory(STAGES))
 
 
 @compilable

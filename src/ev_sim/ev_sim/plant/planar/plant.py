@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ev_msgs_py.compiling.compilable import inlined
+from ev_msgs_py.contract.record import working_memory
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.elementary import cos, sin
 from ev_msgs_py.lockstep.methods import method
@@ -62,7 +61,7 @@ def planar(
     s.imposed_acceleration = 0.0
     if p.speed == IMPOSED:
         s.imposed_acceleration = (value_at(c.imposed, s.periods * period) - s.motion[VX]) / period
-    _run(p, car, c, s, torques, angle, rate, np.zeros(1, STEP), np.zeros(1, STAGES))
+    _run(p, car, c, s, torques, angle, rate, working_memory(STEP), working_memory(STAGES))
     s.road_wheel_angle = angle + rate * (c.steps * c.h)
     note_lifted(s, car, c.road)
 

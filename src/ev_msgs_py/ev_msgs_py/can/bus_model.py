@@ -1,0 +1,174 @@
+"""A channel of the bus without hardware: who sends when, how long it takes, what is lost; the same in each run.
+
+Of the frames that wait, the one with the lowest identifier goes as soon as the bus is free; a frame on the wire is not
+interrupted. Times are in bits, counted from the beginning of the present tick. A place holds one frame that waits and
+the newest one that has arrived, as the message objects of a CAN controller do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ev_msgs_py.can.frame_layout import FrameLayout
+from ev_msgs_py.can.frame_length import longest_frame
+from ev_msgs_py.can.frames import NO_FRAME, joined
+from ev_msgs_py.can.schedule import TICK
+from ev_msgs_py.can.wire_time import WireTables, header, wire_bits
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry, series
+from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.sensors.random_numbers import WORD, philox, uniform
+
+PLACES = 11  # frames of one circuit
+UNKNOWN = -2.0  # low word of a frame of which only the length counts: the greatest
+_LONGEST = float(longest_frame(8))
+
+
+@dataclass(frozen=True, slots=True)
+class BusModelParameters:
+    """The bus in lockstep."""
+
+    bit_rate: float = parameter(1e6, unit="bit/s", low=1.25e5, high=1e6, about="of both channels", source="assumption")
+    phase: float = parameter(
+        0.0005, unit="s", low=0.0, high=0.0009, source="assumption: they are not synchronised",
+        about="from the controller's cycle to that of the inverters",
+    )  # fmt: skip
+    loss: float = parameter(0.0, unit="1", low=0.0, high=1.0, about="share of frames that are lost, by chance")
+    other_load: float = parameter(
+        0.0, unit="1", low=0.0, high=0.9, about="share of time that frames of others take, before all of ours"
+    )
+    seed: int = parameter(0, low=0, high=2**31 - 1, about="of what is lost")
+
+
+class ChannelFrames(NamedTuple):
+    """By place, in the order of identifiers: header (see `wire_time.Header`) and bytes of data."""
+
+    bits: tuple[float, ...]
+    state: tuple[float, ...]
+    crc: tuple[float, ...]
+    length: tuple[float, ...]
+
+
+@dataclass(slots=True)
+class ChannelState:
+    """What lasts between two ticks."""
+
+    waiting: list[float] = series(PLACES, unit="1", about="whether a frame waits")
+    released: list[float] = series(PLACES, unit="bit", about="since when")
+    low: list[float] = series(PLACES, unit="1", about="its words")
+    high: list[float] = series(PLACES, unit="1")
+    came: list[float] = series(
+        PLACES, unit="1", about="whether a frame is on the wire or was not taken yet"
+    )
+    arrives: list[float] = series(PLACES, unit="bit", about="when")
+    came_low: list[float] = series(PLACES, unit="1", about="its words")
+    came_high: list[float] = series(PLACES, unit="1")
+    free_from: float = entry(unit="bit", about="end of the frame on the wire")
+    other_bits: float = entry(unit="bit", about="that others are still to send")
+    count: float = entry(unit="1", about="frames sent since the start")
+    lost: float = entry(unit="1", about="frames lost since the start, on the wire or overtaken by the next one")
+    busy: float = entry(unit="bit", about="on the wire since this was last set to zero")
+    latency: float = entry(unit="bit", about="longest from release to arrival since this was last set to zero")
+
+
+def channel_frames(frames: Sequence[FrameLayout]) -> ChannelFrames:
+    """The frames of a channel, in the order of their identifiers."""
+    heads = [header(frame.identifier, frame.length) for frame in frames]
+    lengths = tuple(float(frame.length) for frame in frames)
+    return ChannelFrames(
+        tuple(h.bits for h in heads), tuple(h.state for h in heads), tuple(h.crc for h in heads), lengths
+    )
+
+
+@compilable
+def release(s: ChannelState, place: int, at: float, low: float, high: float) -> None:
+    """A frame is to be sent from `at` [bit] on; it takes the place of one that still waits there."""
+    s.lost += s.waiting[place]
+    s.waiting[place], s.released[place] = 1.0, at
+    s.low[place], s.high[place] = low, high
+
+
+@compilable
+def advance_channel(
+    c: ChannelFrames, t: WireTables, p: BusModelParameters, s: ChannelState, channel: int, until: float
+) -> None:
+    """Begin all frames that can begin before `until` [bit]."""
+    while True:
+        now = until
+        if s.other_bits >= _LONGEST:
+            now = 0.0
+        for i in range(PLACES):
+            if s.waiting[i] != 0.0:
+                now = min(now, s.released[i])
+        now = max(now, s.free_from)
+        if now >= until:
+            return
+        if s.other_bits >= _LONGEST:
+            s.other_bits -= _LONGEST
+            s.busy += _LONGEST
+            s.free_from = now + _LONGEST
+        else:
+            _send(c, t, p, s, channel, _chosen(s, now), now)
+
+
+@compilable
+def _chosen(s: ChannelState, now: float) -> int:
+    place = 0
+    while s.waiting[place] == 0.0 or s.released[place] > now:
+        place += 1
+    return place
+
+
+@compilable
+def _send(
+    c: ChannelFrames, t: WireTables, p: BusModelParameters, s: ChannelState, channel: int, place: int, now: float
+) -> None:
+    bits = _LONGEST
+    if s.low[place] != UNKNOWN:
+        payload = joined(s.low[place], s.high[place])
+        bits = wire_bits(t, c.bits[place], c.state[place], c.crc[place], payload, int(c.length[place]))
+    s.waiting[place] = 0.0
+    s.free_from = now + bits
+    s.busy += bits
+    s.count += 1.0
+    if p.loss > 0.0 and _is_lost(p, s.count, channel):
+        s.lost += 1.0
+        return
+    s.latency = max(s.latency, s.free_from - s.released[place])
+    s.came[place], s.arrives[place] = 1.0, s.free_from
+    s.came_low[place], s.came_high[place] = s.low[place], s.high[place]
+
+
+@compilable
+def _is_lost(p: BusModelParameters, count: float, channel: int) -> bool:
+    number = int(count)
+    w0, w1, _, _ = philox(number & WORD, number >> 32, channel, 0, int(p.seed), 0)
+    return uniform(w0, w1) < p.loss
+
+
+@compilable
+def take(s: ChannelState, place: int, at: float) -> tuple[float, float]:
+    """The words of the frame that has arrived until `at` [bit] and was not taken yet; NO_FRAME if there is none."""
+    if s.came[place] == 0.0 or s.arrives[place] > at:
+        return NO_FRAME, NO_FRAME
+    s.came[place] = 0.0
+    return s.came_low[place], s.came_high[place]
+
+
+@compilable
+def next_tick(p: BusModelParameters, s: ChannelState) -> None:
+    """Count from the beginning of the next tick on."""
+    tick = bits_per_tick(p)
+    s.free_from = max(s.free_from - tick, 0.0)
+    s.other_bits += p.other_load * tick
+    for i in range(PLACES):
+        s.released[i] -= tick
+        s.arrives[i] -= tick
+
+
+@compilable
+def bits_per_tick(p: BusModelParameters) -> float:
+    """How many bits a tick has."""
+    return p.bit_rate * TICK

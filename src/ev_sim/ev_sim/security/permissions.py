@@ -1,0 +1,91 @@
+"""What each node of the graph needs, and nothing else: least privilege, from the declaration of the roles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES, Role
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.nodes.time_services import TIME_SERVICES
+from ev_sim.run.node_parameters import RECORDER
+from ev_sim.run.observer import OBSERVER
+
+_CLOCK = frozenset({"/clock"})
+_LOG = frozenset({"/rosout"})
+_REPORTS = frozenset({"/diagnostics"})
+_PARAMETER_EVENTS = frozenset({"/parameter_events"})
+_PARAMETER_SERVICES = (
+    "describe_parameters",
+    "get_parameter_types",
+    "get_parameters",
+    "get_type_description",
+    "list_parameters",
+    "set_parameters",
+    "set_parameters_atomically",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Permissions:
+    """The topics and services of one node, by their full names."""
+
+    node: str
+    publishes: frozenset[str]
+    subscribes: frozenset[str]
+    serves: frozenset[str]
+
+    def lacks(self, other: Permissions) -> tuple[str, ...]:
+        """What the other one has beyond this one, one line each."""
+        return tuple(
+            f"{self.node} {verb} {name}"
+            for verb, allowed, used in (
+                ("publishes", self.publishes, other.publishes),
+                ("subscribes to", self.subscribes, other.subscribes),
+                ("serves", self.serves, other.serves),
+            )
+            for name in sorted(used - allowed)
+        )
+
+
+def permissions(namespace: str) -> dict[str, Permissions]:
+    """The permissions of every role, of the recorder and of the runner's observer in a namespace such as /ev."""
+    found = [_of_role(role, namespace) for role in ROLES.values()]
+    found.append(
+        Permissions(
+            RECORDER,
+            publishes=_topics((RECORDER_WRITES,), namespace) | _LOG | _PARAMETER_EVENTS,
+            subscribes=_topics(RECORDED, namespace) | _REPORTS | _CLOCK,  # they go into the bag
+            serves=_services(RECORDER, _PARAMETER_SERVICES, namespace),
+        )
+    )
+    found.append(
+        Permissions(
+            OBSERVER,
+            publishes=_LOG | _PARAMETER_EVENTS,
+            subscribes=_topics((RECORDER_WRITES,), namespace) | _REPORTS,
+            serves=_services(OBSERVER, ("get_type_description",), namespace),
+        )
+    )
+    return {each.node: each for each in found}
+
+
+def _of_role(role: Role, namespace: str) -> Permissions:
+    is_master = role.name == MASTER
+    return Permissions(
+        role.name,
+        publishes=_topics(role.writes, namespace)
+        | _LOG
+        | _PARAMETER_EVENTS
+        | _REPORTS
+        | (_CLOCK if is_master else frozenset()),
+        subscribes=_topics((*role.reads, RECORDER_WRITES) if is_master else role.reads, namespace),
+        serves=_services(role.name, (*_PARAMETER_SERVICES, *(TIME_SERVICES if is_master else ())), namespace),
+    )
+
+
+def _topics(signals: tuple[type, ...], namespace: str) -> frozenset[str]:
+    return frozenset(f"{namespace}/{TOPICS[signal].name}" for signal in signals)
+
+
+def _services(node: str, names: tuple[str, ...], namespace: str) -> frozenset[str]:
+    return frozenset(f"{namespace}/{node}/{name}" for name in names)

@@ -1,0 +1,135 @@
+"""A channel without hardware: arbitration, loss, and the same bits compiled."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+from can_bus.databases import ours
+
+from ev_msgs_py.can.bus_model import (
+    PLACES,
+    UNKNOWN,
+    BusModelParameters,
+    ChannelState,
+    advance_channel,
+    bits_per_tick,
+    channel_frames,
+    next_tick,
+    release,
+    take,
+)
+from ev_msgs_py.can.frames import NO_FRAME, words
+from ev_msgs_py.can.response_time import of_layouts
+from ev_msgs_py.can.wire_time import wire_tables
+from ev_msgs_py.compiling.function import compiled, in_memory
+from ev_msgs_py.contract.record import numbers
+from ev_msgs_py.parameters.declaration import number_tree
+
+LAYOUTS = sorted((f for f in ours() if "11" in f.name or "Ecu" in f.name), key=lambda f: f.identifier)
+FRAMES, TABLES = channel_frames(LAYOUTS), wire_tables()
+TICK = 1000.0  # bits
+LONGEST = 135.0  # bits of a frame with 8 bytes
+
+
+def advanced(s: ChannelState, until: float, **values: float) -> ChannelState:
+    advance_channel(FRAMES, TABLES, BusModelParameters(**values), s, 0, until)
+    return s
+
+
+def waiting(*frames: tuple[int, float]) -> ChannelState:
+    """Frames of the greatest length by place and since when."""
+    s = ChannelState()
+    for place, at in frames:
+        release(s, place, at, UNKNOWN, 0.0)
+    return s
+
+
+def test_the_lowest_identifier_goes_first_but_interrupts_nobody():
+    """The third begins alone, the first and the second come meanwhile."""
+    s = advanced(waiting((2, 0.0), (1, 50.0), (0, 60.0)), TICK)
+    assert s.arrives[:3] == [2 * LONGEST, 3 * LONGEST, LONGEST]
+    assert s.busy == 3 * LONGEST
+    assert s.latency == 3 * LONGEST - 50.0
+
+
+def test_a_busy_bus_delays_everybody():
+    s = waiting((0, 0.0))
+    s.free_from = 40.0
+    assert advanced(s, TICK).arrives[0] == 40.0 + LONGEST
+
+
+def test_what_has_not_arrived_yet_is_taken_in_a_later_tick():
+    s = advanced(waiting((0, 950.0)), TICK)
+    assert take(s, 0, TICK) == (NO_FRAME, NO_FRAME)
+    next_tick(BusModelParameters(), s)
+    assert s.arrives[0] == 85.0
+    assert take(s, 0, TICK) == (UNKNOWN, 0.0)
+    assert take(s, 0, TICK) == (NO_FRAME, NO_FRAME)
+
+
+def test_the_load_of_others_comes_before_ours():
+    """30 % of a tick are two frames of 135 bits."""
+    s = waiting((0, 0.0))
+    s.other_bits = 300.0
+    assert advanced(s, TICK, other_load=0.3).arrives[0] == 3 * LONGEST
+
+
+def test_arbitration_never_takes_longer_than_the_analysis_says():
+    """All frames of one circuit at random phases over 50 ticks, each of its greatest length."""
+    bounds, chance, s = of_layouts(LAYOUTS, 1e6), random.Random(3), ChannelState()
+    phases = [chance.uniform(0.0, TICK) for _ in LAYOUTS]
+    longest = [0.0] * PLACES
+    for tick in range(50):
+        for place, layout in enumerate(LAYOUTS):
+            if tick % round(layout.cycle * 1e3) == place % round(layout.cycle * 1e3):
+                release(s, place, phases[place], UNKNOWN, 0.0)
+        advanced(s, TICK)
+        for place in range(PLACES):
+            if s.came[place] and not s.waiting[place]:
+                longest[place] = max(longest[place], s.arrives[place] - s.released[place])
+                s.came[place] = 0.0
+        next_tick(BusModelParameters(), s)
+    for place, layout in enumerate(LAYOUTS):
+        assert 0.0 < longest[place] <= 1e6 * bounds[layout.name] + 1e-6
+    assert s.lost == 0.0
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_what_is_lost_hangs_on_the_seed_alone(seed: int):
+    """A tenth of 1000 frames, to four standard deviations of 9.5; and the same ones again."""
+
+    def missing() -> list[int]:
+        s, found = ChannelState(), []
+        for tick in range(1000):
+            release(s, 0, 0.0, UNKNOWN, 0.0)
+            advanced(s, TICK, loss=0.1, seed=seed)
+            if take(s, 0, TICK)[0] == NO_FRAME:
+                found.append(tick)
+            next_tick(BusModelParameters(), s)
+        return found
+
+    once = missing()
+    assert once == missing()
+    assert len(once) == pytest.approx(100, abs=38)
+
+
+def test_compiled_code_gives_the_same_bits():
+    p = BusModelParameters(loss=0.05, other_load=0.2, seed=7)
+    s, memory, tree = ChannelState(), in_memory(ChannelState()), in_memory(number_tree(p))
+    put, go, shift = compiled(release), compiled(advance_channel), compiled(next_tick)
+    chance, frames = random.Random(5), type(FRAMES)(*map(np.array, FRAMES))
+    tables = type(TABLES)(*map(np.array, TABLES))
+    for _ in range(100):
+        for place in range(PLACES):
+            if chance.random() < 0.6:
+                frame = (place, float(chance.randrange(900)), *words(chance.getrandbits(64)))
+                release(s, *frame)
+                put(memory, *frame)
+        advance_channel(FRAMES, TABLES, p, s, 1, bits_per_tick(p))
+        go(frames, tables, tree, memory, 1, TICK)
+        next_tick(p, s)
+        shift(tree, memory)
+        assert memory.reshape(1).view(float).tolist() == numbers(s)
+    assert s.lost > 0.0
