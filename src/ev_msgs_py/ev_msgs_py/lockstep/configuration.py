@@ -76,7 +76,7 @@ class Configuration:
     @property
     def faults(self) -> tuple[str, ...]:
         """What goes wrong, as texts."""
-        texts: tuple[str, ...] = (self.own_faults or self.parameters).faults
+        texts: tuple[str, ...] = getattr(self.own_faults or self.parameters, "faults", ())
         return texts
 
     @property
@@ -156,7 +156,7 @@ def _fitting(configuration: Configuration) -> Configuration:
     if isinstance(method.factory, ReadingFiles):
         parameters = method.factory.load_files(parameters)
     refuse_layout(method, parameters, common.vehicle)
-    refuse_faults(configuration.role, configuration.faults, method.writes, configuration.own_faults is None)
+    refuse_faults(configuration.role, configuration.faults, method.writes, hasattr(parameters, "faults"))
     return dataclasses.replace(configuration, common=common, parameters=parameters)
 
 

@@ -23,7 +23,8 @@ class Sensed:
     @property
     def state(self) -> list[float]:
         """The numbers of the part, and those of its rows."""
-        return [*(self.part.state or ()), *(number for row in self.rows for number in row.state)]
+        of_part = () if self.part.state is None else self.part.state
+        return [*of_part, *(number for row in self.rows for number in row.state)]
 
     @state.setter
     def state(self, row: list[float]) -> None:
