@@ -22,6 +22,7 @@ setup(
     maintainer_email="maintainers@ev-control-stack.org",
     license="Apache-2.0",
     packages=find_packages(exclude=["test"]),
+    package_data={"ev_sim.report.page": ["templates/*", "vendor/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
         ("share/ament_index/resource_index/ev_stack_config", ["resource/ev_sim"]),

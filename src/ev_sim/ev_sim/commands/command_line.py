@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import shlex
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     way.add_argument("--in-process", action="store_true", help="all nodes in one process, over DDS")
     parser.add_argument("--realtime", action="store_true", help="by the wall clock instead of in lockstep")
     add_overrides(parser)
+    add_outputs(parser)
     parser.add_argument(
         "--node", action="append", default=[], metavar="NODE=COMMAND", help="your own node in the place of ours"
     )
@@ -36,6 +39,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--no-record", action="store_true", help="no bag; signals, metrics and figures all the same")
     parser.add_argument("--list", action="store_true", help="show scenarios and methods, one line each")
     given = parser.parse_args(argv)
+    given.command = command_of(sys.argv[1:] if argv is None else argv)
     if not given.list and given.scenario is None:
         parser.error("which scenario? --list shows them")
     if given.offline and given.realtime:
@@ -52,6 +56,16 @@ def add_overrides(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
     parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
     parser.add_argument("--duration", type=float, metavar="S", help="simulated time of every run")
+
+
+def add_outputs(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that say what a run or a study leaves behind besides its summary."""
+    parser.add_argument("--no-report", action="store_true", help="no report.html; metrics and figures all the same")
+
+
+def command_of(words: Sequence[str]) -> str:
+    """The line for a shell that does the same again."""
+    return shlex.join(["scripts/run.sh", *words])
 
 
 def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:

@@ -18,6 +18,7 @@ from ev_sim.run.outcome import Outcome, Progress
 from ev_sim.run.output_folder import OutputFolder
 from ev_sim.run.progress_bar import progress_bar
 from ev_sim.run.recording.recording import save
+from ev_sim.run.scenarios.differences import differences
 from ev_sim.run.scenarios.scenario import Run, Scenario, load_scenario, scenario_names
 from ev_sim.study.study import STUDIES
 
@@ -36,6 +37,13 @@ def drive_scenario(given: argparse.Namespace) -> None:
     save_figures(figures, folder.directory)
     content = summary.as_json()
     write_summary(folder.directory / "summary.json", content)
+    if not given.no_report:
+        from ev_sim.report.page.images import images_of
+        from ev_sim.report.page.writing import NAME, Page, Signals, write_page
+
+        signals = Signals("", summary.runs, summary.vehicle)
+        shown = Page(scenario.name, {"": content}, (signals,), images_of(figures, folder.directory))
+        write_page(shown, folder.directory / NAME)
     print_metrics(summary.metrics)
     for note in summary.notes:
         print(f"note: {note}")
@@ -43,7 +51,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
         print(f"not reproducible: {reason}")
     print(f"signal hash {content['signal_hash']}")
     print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
-    print(f"figures, signals and summary: {folder.directory}")
+    page = "" if given.no_report else "report.html, "
+    print(f"{page}figures, signals and summary: {folder.directory}")
 
 
 def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
@@ -107,4 +116,7 @@ def _summary(scenario: Scenario, outcomes: dict[str, Outcome], given: argparse.N
         wall_time=sum(outcome.wall_time for outcome in outcomes.values()),
         not_reproducible=tuple(reason for outcome in outcomes.values() for reason in outcome.not_reproducible),
         notes=tuple(note for outcome in outcomes.values() for note in outcome.notes),
+        about=scenario.parameters.about,
+        command=given.command,
+        differs=differences(scenario, load_scenario(given.scenario)),
     )

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from ev_sim.report.metric import Metric
 from ev_sim.report.samples import Parameters, Runs
 from ev_sim.run.recording.atomic import atomic_file
 from ev_sim.run.recording.recording import combined_hash, signal_hash
+from ev_sim.run.scenarios.differences import Difference
 
 PACKAGES = ("numpy", "scipy", "numba", "rclpy")
 
@@ -27,7 +28,8 @@ class Summary:
     `methods`: role -> method. `own_nodes`: role -> command of a user's node that took its place.
     `mode`: offline, in-process, processes or realtime, with what it was asked for.
     `wall_time` [s] is that of driving, without start, report and figures. `not_reproducible`: why another run may
-    give other numbers, empty if it may not.
+    give other numbers, empty if it may not. `about` is the scenario in one line, `command` what repeats it, `differs`
+    what is not as the scenario's file, or as the defaults have it.
     """
 
     scenario: str
@@ -42,6 +44,9 @@ class Summary:
     not_reproducible: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     own_nodes: Mapping[str, str] = field(default_factory=dict)
+    about: str = ""
+    command: str = ""
+    differs: Sequence[Difference] = ()
 
     @property
     def simulated_time(self) -> float:
@@ -53,10 +58,13 @@ class Summary:
         hashes = {name: signal_hash(run) for name, run in self.runs.items()}
         return {
             "scenario": self.scenario,
+            "about": self.about,
+            "command": self.command,
             "mode": self.mode,
             "seed": self.seed,
             "methods": dict(sorted(self.methods.items())),
             "own_nodes": dict(sorted(self.own_nodes.items())),
+            "differs": [asdict(difference) for difference in self.differs],
             "metrics": {name: metric.as_json() for name, metric in self.metrics.items()},
             "signal_hash": combined_hash(hashes),
             "reproducible": not self.not_reproducible,

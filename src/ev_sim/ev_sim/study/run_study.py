@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ev_sim.commands.command_line import add_overrides, overrides
+from ev_sim.commands.command_line import add_outputs, add_overrides, command_of, overrides
 from ev_sim.report.metric import Metric
 from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.summary import versions, write_summary
@@ -28,6 +28,7 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--workers", type=_positive, metavar="N", help="worker processes here; default: one per core")
     parser.add_argument("--out", type=Path, metavar="DIR", help=f"output folder; default results/{name}")
     add_overrides(parser)
+    add_outputs(parser)
     study.add_options(parser)
     return parser.parse_args(argv)
 
@@ -61,10 +62,18 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     metrics = study.metrics(given, results)
     from ev_sim.report.figures.drawing import save_figures  # what draws is not loaded into every worker
 
-    save_figures(study.figures(given, results), folder.directory)
-    content = _summary(name, given, cases, results, metrics, wall_time)
+    figures = study.figures(given, results)
+    save_figures(figures, folder.directory)
+    content = {**_summary(name, given, cases, results, metrics, wall_time), "command": command_of([name, *argv])}
     write_summary(folder.directory / "summary.json", content)
-    if tables := study.tables(given, results):
+    tables = study.tables(given, results)
+    if not given.no_report:
+        from ev_sim.report.page.images import images_of
+        from ev_sim.report.page.writing import NAME, Page, write_page
+
+        shown = Page(name, {"": content}, images=images_of(figures, folder.directory), table=tables)
+        write_page(shown, folder.directory / NAME)
+    if tables:
         print(tables, end="\n\n")
     print_metrics(metrics)
     for result in driven:
@@ -74,7 +83,8 @@ def run_study(name: str, argv: Sequence[str]) -> None:
             print(f"note: {result.name}: {note}")
     print(f"signal hash {content['signal_hash']}")
     print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s")
-    print(f"figures and summary: {folder.directory}")
+    page = "" if given.no_report else "report.html, "
+    print(f"{page}figures and summary: {folder.directory}")
 
 
 def _positive(text: str) -> int:
@@ -95,6 +105,7 @@ def _summary(
     hashes = "".join(f"{result.name}\0{result.signal_hash}\n" for result in results.values())
     return {
         "study": name,
+        "about": study_named(name).ABOUT,
         "options": {key: str(value) for key, value in sorted(vars(given).items()) if value is not None},
         "metrics": {key: metric.as_json() for key, metric in metrics.items()},
         "signal_hash": hashlib.sha256(hashes.encode()).hexdigest(),

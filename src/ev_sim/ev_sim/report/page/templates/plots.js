@@ -1,0 +1,155 @@
+"use strict";
+// Time series, one plot for each quantity, drawn when it comes into sight.
+
+const STROKES = [["#0072B2", []], ["#D55E00", [8, 4]], ["#009E73", [2, 3]], ["#A0508A", [10, 4, 2, 4]]];
+const HEIGHT = 190;
+const plots = new Map(); // holder -> Plot, of all that are on the page
+
+class Plot {
+  /** `curves`: {run, channel, label, stroke}; `minus` is the run of which the first is subtracted, if any. */
+  constructor(holder, title, curves, minus, siblings) {
+    Object.assign(this, { holder, title, curves, minus, siblings, chart: null, visible: false, asked: false });
+  }
+
+  async show() {
+    this.visible = true;
+    if (this.chart) this.followRange();
+    if (this.asked) return;
+    this.asked = true;
+    await Promise.all(this.siblings.map((plot) => plot.load())); // they share an ordinate
+    this.draw();
+  }
+
+  load() {
+    this.loaded ??= Promise.all([
+      Promise.all(this.curves.map((curve) => this.valuesOf(curve))),
+      Promise.all(this.curves.map((curve) => instants(curve.run))),
+    ]).then(([series, times]) => Object.assign(this, { series, times }));
+    return this.loaded;
+  }
+
+  async valuesOf({ run, channel }) {
+    const values = await samples(run, channel);
+    if (!this.minus) return values;
+    const other = await samples(this.minus, channel);
+    return difference(await instants(run), values, await instants(this.minus), other);
+  }
+
+  draw() {
+    const together = this.times.every((times) => sameTimes(times, this.times[0]));
+    const data = together
+      ? [this.times[0], ...this.series]
+      : uPlot.join(this.series.map((values, n) => [this.times[n], values]));
+    const width = this.holder.clientWidth;
+    this.chart = new uPlot(optionsOf(this, width), data, this.holder);
+    const canvas = this.chart.root.querySelector("canvas");
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", `${this.title} of ${nameOf(this.curves[0].run)} over time; values stand below`);
+    obeyHand(this.chart);
+    nameLegend(this.chart);
+    queueMicrotask(() => this.followTime()); // uPlot fixes its scales in a microtask of its own
+  }
+
+  /** Lowest and highest value between two instants, of this plot and of those that share its ordinate. */
+  extent(begin, end) {
+    let low = Infinity;
+    let high = -Infinity;
+    for (const plot of this.siblings) {
+      (plot.series || []).forEach((values, n) => {
+        if (plot.chart && !plot.chart.series[n + 1].show) return;
+        const times = plot.times[n];
+        const last = Math.min(indexAt(times, end) + 1, times.length - 1);
+        for (let i = indexAt(times, begin); i <= last; i++) {
+          if (values[i] == null) continue;
+          if (values[i] < low) low = values[i];
+          if (values[i] > high) high = values[i];
+        }
+      });
+    }
+    return [low, high];
+  }
+
+  followTime() {
+    const [low, high] = clock.range;
+    const seen = clock.now >= low && clock.now <= high;
+    this.chart.setCursor(seen ? { left: this.chart.valToPos(clock.now, "x"), top: 1 } : { left: -10, top: -10 });
+  }
+
+  followRange() {
+    this.chart.setScale("x", { min: clock.range[0], max: clock.range[1] });
+    queueMicrotask(() => this.followTime());
+  }
+}
+
+function sameTimes(times, others) {
+  const last = times.length - 1;
+  return times === others || (times.length === others.length && times[0] === others[0] && times[last] === others[last]);
+}
+
+function optionsOf(plot, width) {
+  return {
+    width,
+    height: HEIGHT,
+    cursor: { drag: { x: true, y: false, setScale: false }, y: false, bind: { mouseleave: none, dblclick: none } },
+    scales: {
+      x: { time: false, min: clock.range[0], max: clock.range[1] },
+      y: { range: (chart) => roomy(plot.extent(chart.scales.x.min ?? clock.begin, chart.scales.x.max ?? clock.end)) },
+    },
+    axes: [{ size: 32 }, { size: 66, space: 24, values: (chart, ticks) => ticks.map(digits) }],
+    series: [
+      { label: "time", value: (chart, value) => `${digits(value)} s` },
+      ...plot.curves.map(({ label, stroke: [colour, dash] }) => ({
+        label: label || plot.title,
+        stroke: colour,
+        dash,
+        width: 1.3,
+        points: { show: false },
+        value: (chart, value) => digits(value),
+      })),
+    ],
+    hooks: { setSelect: [(chart) => zoomTo(chart)] },
+  };
+}
+
+const none = () => null;
+
+/** Zoom all plots to what was dragged over in one. */
+function zoomTo(chart) {
+  const { left, width } = chart.select;
+  if (width < 3) return;
+  clock.zoom(chart.posToVal(left, "x"), chart.posToVal(left + width, "x"));
+  chart.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+}
+
+/** Let the pointer over one plot set the instant of all; two clicks show all of the time. */
+function obeyHand(chart) {
+  chart.over.addEventListener("mousemove", (event) => clock.set(chart.posToVal(event.offsetX, "x")));
+  chart.over.addEventListener("dblclick", () => clock.all());
+}
+
+/** Limits in which a constant does not look like noise; see drawing.py. */
+function roomy([low, high]) {
+  if (low > high) return [0, 1];
+  if (low === 0 && high === 0) return [-1, 1];
+  const margin = Math.max(0.06 * (high - low), 1e-3 * Math.max(Math.abs(low), Math.abs(high)));
+  return [low - margin, high + margin];
+}
+
+const sight = new IntersectionObserver((seen) => {
+  for (const { target, isIntersecting } of seen) {
+    const plot = plots.get(target);
+    if (plot && isIntersecting) plot.show();
+    else if (plot) plot.visible = false;
+  }
+}, { rootMargin: "200px" });
+
+const widths = new ResizeObserver((changed) => {
+  for (const { target } of changed) {
+    const chart = plots.get(target)?.chart;
+    if (chart && target.clientWidth) chart.setSize({ width: target.clientWidth, height: HEIGHT });
+  }
+});
+
+const drawn = () => [...plots.values()].filter((plot) => plot.chart && plot.visible);
+clock.onTime.add(() => drawn().forEach((plot) => plot.followTime()));
+clock.onRange.add(() => drawn().forEach((plot) => plot.followRange()));

@@ -1,0 +1,129 @@
+"use strict";
+// Which runs are shown and how, and what the bar at the bottom does.
+
+const bar = Object.fromEntries([...document.getElementById("bar").querySelectorAll("[id]")].map((each) => [each.id, each]));
+const NONE = "-1";
+
+function chosen() {
+  const first = INDEX.runs[bar.first.value];
+  const second = bar.second.value === NONE ? null : INDEX.runs[bar.second.value];
+  return { first, second, how: second ? bar.how.value : "beside" };
+}
+
+/** Curves of a plot for a run, in the strokes of their places; `over` is drawn dashed over another run. */
+function curvesOf(plot, run, over, named) {
+  return plot.curves
+    .map(({ channel, label }, n) => {
+      const [colour, dash] = STROKES[n % STROKES.length];
+      const name = named ? `${label} ${nameOf(run)}`.trim() : label;
+      return { run, channel, label: name, stroke: [colour, over == null ? dash : over ? [6, 4] : []] };
+    })
+    .filter(({ channel }) => run.channels[channel]);
+}
+
+function plotInto(holder, title, curves, minus, siblings) {
+  const box = element("div", "", { class: "plot" });
+  holder.append(box);
+  if (!curves.length) {
+    box.textContent = "not recorded in this run";
+    return;
+  }
+  const plot = new Plot(box, title, curves, minus, siblings);
+  siblings.push(plot);
+  plots.set(box, plot);
+  sight.observe(box);
+  widths.observe(box);
+}
+
+/** One quantity as the runs were chosen to be shown. */
+function quantity(plot, { first, second, how }) {
+  const box = element("div", "", { class: "quantity" });
+  box.append(headingOf(plot));
+  const siblings = [];
+  if (second && how === "over") {
+    plotInto(box, plot.title, [...curvesOf(plot, first, false, true), ...curvesOf(plot, second, true, true)], null, siblings);
+  } else if (second && how === "difference") {
+    plotInto(box, plot.title, curvesOf(plot, first).filter(({ channel }) => second.channels[channel]), second, siblings);
+  } else {
+    const row = element("div", "", { class: second ? "plots beside" : "" });
+    for (const run of second ? [first, second] : [first]) {
+      const cell = element("div");
+      if (second) cell.append(element("div", nameOf(run), { class: "run" }));
+      plotInto(cell, plot.title, curvesOf(plot, run), null, siblings);
+      row.append(cell);
+    }
+    box.append(row);
+  }
+  return box;
+}
+
+function showGroups(choice) {
+  sight.disconnect();
+  widths.disconnect();
+  for (const { chart } of plots.values()) chart?.destroy();
+  plots.clear();
+  const runs = [choice.first, choice.second].filter(Boolean);
+  const shown = INDEX.groups.map((group) => {
+    const section = element("section");
+    section.append(element("h3", group.title), element("p", group.about, { class: "about" }));
+    const grid = element("div", "", { class: choice.second && choice.how === "beside" ? "" : "plots" });
+    const constant = [];
+    for (const plot of group.plots) {
+      if (plot.curves.every(({ channel }) => runs.every((run) => !run.channels[channel]))) continue;
+      if (plot.curves.every(({ channel }) => isConstant(runs, channel))) constant.push(constantText(runs, plot));
+      else grid.append(quantity(plot, choice));
+    }
+    section.append(grid);
+    if (constant.length) section.append(element("p", `Constant: ${constant.join("; ")}.`, { class: "constant" }));
+    return section;
+  });
+  document.getElementById("groups").replaceChildren(...shown);
+}
+
+async function show() {
+  const choice = chosen();
+  bar["how-label"].hidden = !choice.second;
+  const runs = [choice.first, choice.second].filter(Boolean);
+  const times = await Promise.all(runs.map(instants));
+  clock.begin = Math.min(...times.map((time) => time[0]));
+  clock.end = Math.max(...times.map((time) => time[time.length - 1]), clock.begin + 1e-3);
+  clock.range = [clock.begin, clock.end];
+  bar.time.max = times[0].length - 1;
+  stepOf = (time) => indexAt(times[0], time);
+  timeOf = (step) => times[0][step];
+  showGroups(choice);
+  await showCars(runs);
+  clock.set(clock.now);
+  document.body.dataset.ready = "yes";
+}
+
+let stepOf = () => 0;
+let timeOf = () => 0;
+
+function fillRuns() {
+  INDEX.runs.forEach((run, n) => {
+    bar.first.append(element("option", nameOf(run), { value: n }));
+    bar.second.append(element("option", nameOf(run), { value: n }));
+  });
+  bar.second.prepend(element("option", "none", { value: NONE }));
+  bar.second.value = INDEX.runs.length > 1 ? "1" : NONE;
+  bar["second-label"].hidden = INDEX.runs.length < 2;
+}
+
+clock.onTime.add((now) => {
+  bar.time.value = stepOf(now);
+  bar.now.textContent = `${now.toFixed(3)} s`;
+  bar.time.setAttribute("aria-valuetext", `${digits(now)} seconds`);
+  bar.play.textContent = clock.playing && now < clock.end ? "Pause" : "Play";
+  bar.play.setAttribute("aria-pressed", String(clock.playing && now < clock.end));
+});
+bar.time.addEventListener("input", () => clock.set(timeOf(Number(bar.time.value))));
+bar.play.addEventListener("click", () => { clock.play(!clock.playing); clock.set(clock.now); });
+bar.speed.addEventListener("change", () => { clock.speed = Number(bar.speed.value); });
+bar.nearer.addEventListener("click", () => clock.zoomBy(0.5));
+bar.farther.addEventListener("click", () => clock.zoomBy(2));
+bar.all.addEventListener("click", () => clock.all());
+for (const select of [bar.first, bar.second, bar.how]) select.addEventListener("change", show);
+
+fillRuns();
+show();

@@ -1,0 +1,65 @@
+"""A page as one file: templates, styles, scripts, signals and figures in one text."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FunctionLoader
+
+from ev_sim.report.page.content import Signals, by_result, signal_data
+from ev_sim.run.recording.atomic import atomic_file
+
+NAME = "report.html"
+
+
+@dataclass(frozen=True, slots=True)
+class Image:
+    """A PNG file and what it shows, in words."""
+
+    png: bytes
+    shows: str
+
+    @property
+    def url(self) -> str:
+        """The image itself as an address."""
+        return "data:image/png;base64," + base64.b64encode(self.png).decode()
+
+
+@dataclass(frozen=True)
+class Page:
+    """What a page shows: `summaries` are contents of summary.json by label, `table` is text of a study."""
+
+    title: str
+    summaries: Mapping[str, Mapping[str, Any]]
+    signals: Sequence[Signals] = ()
+    images: Mapping[str, Image] = field(default_factory=dict)
+    table: str = ""
+
+
+def write_page(page: Page, path: Path) -> None:
+    """Write the page, as a whole or not at all."""
+    environment = Environment(loader=FunctionLoader(_file), autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters["number"] = _number
+    environment.globals["file"] = _file
+    text = environment.get_template("templates/report.html").render(
+        page=page, metrics=by_result(page.summaries), data=signal_data(page.signals)
+    )
+    with atomic_file(path) as file:
+        file.write(text.encode())
+
+
+def _file(name: str) -> str:
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")
+
+
+def _number(value: Any) -> str:
+    if isinstance(value, bool) or value is None:
+        return {True: "yes", False: "no", None: "\u2013"}[value]
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return ", ".join(map(_number, value)) if isinstance(value, list | tuple) else str(value)

@@ -1,0 +1,193 @@
+"""report.html in a headless Chromium: it draws, obeys pointer and keyboard, plays, and says nothing is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import FOUND, Browser
+from pages import GAP, RADIUS, page_of, two_runs
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(FOUND is None, reason="no Chromium on this machine: apt install chromium"),
+]
+
+HELPERS = """
+const holderOf = (channel) => [...plots.values()].find((plot) => plot.curves[0].channel === channel);
+const sightOf = (channel) => { holderOf(channel).holder.scrollIntoView({ block: "center" }); };
+const shown = (channel) => holderOf(channel).chart;
+const legendOf = (channel) => [...shown(channel).root.querySelectorAll(".u-value")].map((cell) => cell.textContent);
+"""
+TEXT_OF_POOR_CONTRAST = """() => {
+  const linear = (v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+  const light = (colour) => {
+    const [r, g, b] = colour.match(/[\\d.]+/g).map((v) => linear(v / 255));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const ground = (element) => {
+    for (; element; element = element.parentElement) {
+      const colour = getComputedStyle(element).backgroundColor;
+      if (!/, 0\\)$|transparent/.test(colour)) return colour;
+    }
+    return "rgb(255, 255, 255)";
+  };
+  const hasText = (element) => [...element.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim());
+  const contrast = (element) => {
+    const [a, b] = [getComputedStyle(element).color, ground(element)].map(light).sort((x, y) => y - x);
+    return (a + 0.05) / (b + 0.05);
+  };
+  return [...document.querySelectorAll("body *")]
+    .filter((element) => element.checkVisibility() && hasText(element) && contrast(element) < 4.5)
+    .map((element) => element.outerHTML.slice(0, 120));
+}"""
+CONTROLS_WITHOUT_NAME = """() => [...document.querySelectorAll("button, input, select, canvas, [role=button]")]
+  .filter((element) => element.tagName === "SELECT" || !element.textContent.trim())
+  .filter((element) => !element.labels?.length && !element.getAttribute("aria-label"))
+  .map((element) => element.outerHTML)"""
+TORQUE, YAW_RATE = "driver.command.drive_torque", "imu.yaw_rate"
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    browser = Browser()
+    try:
+        browser.open(page_of(tmp_path_factory.mktemp("page"), two_runs()))
+        browser.wait_for("document.body && document.body.dataset.ready")
+        browser.run(HELPERS)
+        yield browser
+    finally:
+        browser.close()
+
+
+def look_at(browser: Browser, channel: str) -> None:
+    browser.run(f"sightOf('{channel}')")
+    browser.wait_for(f"shown('{channel}')")
+
+
+def show(browser: Browser, first: int, second: int, how: str) -> None:
+    browser.run(f"bar.first.value = {first}; bar.second.value = {second}; bar.how.value = '{how}'; show()")
+
+
+def place_on(browser: Browser, channel: str, time: float) -> dict[str, Any]:
+    """Where an instant is on the screen, in the plot of a channel."""
+    return browser.run(
+        f"(() => {{ const chart = shown('{channel}'), box = chart.over.getBoundingClientRect();"
+        f"return {{ x: box.left + chart.valToPos({time}, 'x'), y: box.top + box.height / 2 }}; }})()"
+    )
+
+
+def test_the_cursor_of_one_plot_is_that_of_all_and_of_the_cars(browser: Browser):
+    show(browser, 0, 1, "beside")
+    look_at(browser, TORQUE)
+    browser.mouse("mouseMoved", **place_on(browser, TORQUE, 6.0))
+    now = browser.run("clock.now")
+    assert now == pytest.approx(6.0, abs=0.03)  # a pixel is 10 s by 500
+    time, torque = browser.run(f"legendOf('{TORQUE}')")
+    assert float(time.split()[0]) == pytest.approx(now, abs=0.01)
+    assert float(torque) == pytest.approx(5.0 * float(time.split()[0]), rel=1e-4)
+    # The other run stands beside with the same ordinate
+    limits = browser.run(
+        f"[...plots.values()].filter((plot) => plot.curves[0].channel === '{TORQUE}')"
+        ".map((plot) => [plot.chart.scales.y.min, plot.chart.scales.y.max])"
+    )
+    assert len(limits) == 2 and limits[0] == limits[1] and limits[0][1] > 70.0
+    browser.wait_for("!waiting")
+    where = browser.run("views[0].where.textContent")
+    heading = 5.0 / RADIUS * round(now, 2)
+    assert f"x {RADIUS * np.sin(heading):.1f}" in where
+
+
+def test_dragging_zooms_all_plots_and_two_clicks_show_all(browser: Browser):
+    show(browser, 0, -1, "beside")
+    look_at(browser, TORQUE)
+    begin, end = place_on(browser, TORQUE, 2.0), place_on(browser, TORQUE, 4.0)
+    browser.mouse("mouseMoved", **begin)
+    browser.mouse("mousePressed", **begin, button="left", buttons=1, clickCount=1)
+    browser.mouse("mouseMoved", **end, button="left", buttons=1)
+    browser.mouse("mouseReleased", **end, button="left", buttons=0, clickCount=1)
+    assert browser.run("clock.range") == pytest.approx([2.0, 4.0], abs=0.03)
+    look_at(browser, YAW_RATE)  # which was not drawn then
+    assert browser.run(f"shown('{YAW_RATE}').scales.x.min") == pytest.approx(2.0, abs=0.03)
+    browser.run("clock.all()")
+    browser.wait_for(f"shown('{YAW_RATE}').scales.x.max === clock.end")
+
+
+def test_a_gap_is_a_gap(browser: Browser):
+    show(browser, 1, -1, "beside")
+    look_at(browser, YAW_RATE)
+    nulls = browser.run(f"shown('{YAW_RATE}').data[1].flatMap((value, n) => value === null ? [n] : [])")
+    assert nulls == [*range(*GAP)]
+    browser.run("clock.set(4.5)")
+    assert browser.run(f"legendOf('{YAW_RATE}')[1]") == "–"
+
+
+def test_the_difference_is_second_minus_first(browser: Browser):
+    show(browser, 0, 1, "difference")
+    look_at(browser, TORQUE)
+    ours = browser.run(f"Array.from(shown('{TORQUE}').data[1])")
+    # (7 - 5) t, each rounded to 70 N m over 2^24
+    assert np.abs(np.array(ours) - 2.0 * two_runs()["slow"].time).max() < 1e-5
+
+
+def test_over_each_other_both_runs_are_in_one_plot(browser: Browser):
+    show(browser, 0, 1, "over")
+    look_at(browser, TORQUE)
+    assert browser.run(f"shown('{TORQUE}').series.map((series) => series.label)") == ["time", "slow", "fast one"]
+
+
+def test_time_runs_and_the_car_moves(browser: Browser):
+    show(browser, 0, -1, "beside")
+    browser.run("document.getElementById('view').scrollIntoView(); clock.set(0)")
+    before = browser.run("views[0].canvas.toDataURL()")
+    browser.run("bar.play.click()")
+    assert browser.run("bar.play.textContent") == "Pause"
+    browser.wait_for("clock.now > 0.2")
+    browser.run("bar.play.click()")
+    assert browser.run("[bar.play.textContent, bar.play.getAttribute('aria-pressed')]") == ["Play", "false"]
+    browser.wait_for("!waiting")
+    assert browser.run("views[0].canvas.toDataURL()") != before
+
+
+def test_front_wheels_turn_and_forces_have_arrows(browser: Browser):
+    """Ink of the arrows' colour is where there are forces; the first row of the table is the inner front wheel."""
+    show(browser, 0, -1, "beside")
+    browser.run("document.getElementById('view').scrollIntoView(); clock.set(1.5)")
+    browser.wait_for("!waiting")
+    inner, outer = browser.run("views[0].cells.slice(0, 2).map((row) => Number(row[0].textContent))")
+    assert inner > np.degrees(0.1 * np.sin(1.5)) > outer > 0.0  # Ackermann, to the left
+    reds = browser.run(
+        "(() => { const c = views[0].canvas, d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+        "let n = 0; for (let i = 0; i < d.length; i += 4) if (d[i] > 180 && d[i + 1] < 60) n++; return n; })()"
+    )
+    assert reds > 0
+
+
+def test_the_keyboard_moves_time_by_one_sample_and_hides_a_curve(browser: Browser):
+    show(browser, 0, -1, "beside")
+    browser.run("clock.set(3); bar.time.focus()")
+    browser.press("ArrowRight", 39)
+    assert browser.run("clock.now") == pytest.approx(3.01)
+    assert browser.run("bar.time.getAttribute('aria-valuetext')") == "3.01 seconds"
+    look_at(browser, TORQUE)
+    browser.run(f"shown('{TORQUE}').root.querySelectorAll('th')[1].focus()")
+    browser.press("Enter", 13)
+    assert browser.run(f"shown('{TORQUE}').series[1].show") is False
+
+
+def test_what_the_script_adds_can_be_read_and_named(browser: Browser):
+    """Contrast by WCAG 2.2: 4.5 to 1 for text; every control has a name, every heading follows its parent."""
+    show(browser, 0, 1, "beside")
+    look_at(browser, TORQUE)
+    assert browser.run(f"({TEXT_OF_POOR_CONTRAST})()") == []
+    assert browser.run(f"({CONTROLS_WITHOUT_NAME})()") == []
+    levels = browser.run("[...document.querySelectorAll('h1,h2,h3,h4')].map((each) => Number(each.tagName[1]))")
+    assert all(after <= before + 1 for before, after in pairwise(levels))
+
+
+def test_nothing_was_complained_of_and_nothing_fetched(browser: Browser):
+    assert browser.complaints == []
+    assert [url for url in browser.requests if not url.startswith(("file:", "data:", "blob:"))] == []
