@@ -13,10 +13,13 @@ from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
+    CellCondition,
     DriverCommand,
     InertialMeasurement,
     Instant,
+    MotorElectrics,
     MotorStates,
+    MotorTemperatures,
     RecorderProgress,
     SteeringColumnState,
     TireForces,
@@ -54,6 +57,7 @@ class Role:
 
 # In the order in which they are published: first what the driver waits for, with whom every step begins.
 _BODY = (WheelStates, BodyVelocity, BodyPose, InertialMeasurement, MotorStates, BatteryCondition)
+_ELECTRICAL = (MotorElectrics, MotorTemperatures, CellCondition)  # last: whoever does not write them has no gap
 
 ROLES = {
     role.name: role
@@ -62,7 +66,7 @@ ROLES = {
             "plant",
             RoleKind.INTEGRATES,
             reads=(WheelTorqueCommand, SteeringColumnState),
-            writes=(*_BODY, TireForces),
+            writes=(*_BODY, TireForces, *_ELECTRICAL),
             default_method="kinematic",
         ),
         Role(
@@ -101,4 +105,5 @@ MASTER = "plant"
 INTEGRATED = frozenset(signal for role in ROLES.values() if role.kind is RoleKind.INTEGRATES for signal in role.writes)
 
 RECORDED = tuple(signal for role in ROLES.values() for signal in role.writes)
+RECORDER = "recorder"  # a node that plays no role
 RECORDER_WRITES = RecorderProgress

@@ -12,9 +12,12 @@ from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
+    CellCondition,
     DriverCommand,
     InertialMeasurement,
+    MotorElectrics,
     MotorStates,
+    MotorTemperatures,
     RecorderProgress,
     SteeringColumnState,
     TireForces,
@@ -65,6 +68,9 @@ TOPICS = {
         Topic("pose", BodyPose, "geometry_msgs/msg/PoseStamped", frame="odom"),
         Topic("battery", BatteryCondition, "sensor_msgs/msg/BatteryState"),
         Topic("tire_forces", TireForces, JOINT_STATE),
+        Topic("motor_electrics", MotorElectrics, JOINT_STATE),
+        Topic("motor_temperatures", MotorTemperatures, JOINT_STATE),
+        Topic("battery/cell", CellCondition, "sensor_msgs/msg/BatteryState"),
         Topic("recorder/progress", RecorderProgress, "std_msgs/msg/Header", frame=""),
     )
 }

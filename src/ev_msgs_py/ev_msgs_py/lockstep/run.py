@@ -12,6 +12,7 @@ from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.lockstep.configuration import Configuration, check_graph
 from ev_msgs_py.lockstep.graph import step_order
+from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.parts import compiled_parts
 
 _CHUNK = 100  # instants between two looks at progress
@@ -23,9 +24,9 @@ def roles_in_order() -> tuple[tuple[str, ...], tuple[str, ...]]:
     return step_order(ROLES), tuple(role for role in ROLES if ROLES[role].kind is RoleKind.INTEGRATES)
 
 
-def written_by(role: str) -> tuple[int, int]:
-    """Where what a role writes begins and ends in the frame."""
-    places = [frame.PLACES[signal] for signal in ROLES[role].writes]
+def written_by(method: Method) -> tuple[int, int]:
+    """Where what a method writes begins and ends in the frame."""
+    places = [frame.PLACES[signal] for signal in method.writes]
     return min(place.start for place in places), max(place.stop for place in places)
 
 
@@ -50,7 +51,8 @@ class GraphRun:
         self.parts = [(role, part) for role in roles for part in compiled_parts(configurations[role])]
         self.frames = frame.stack(instants, period)
         self._answering = sum(role in answering for role, _ in self.parts)
-        self._rows = np.array([(*part.addresses(), *written_by(role)) for role, part in self.parts], np.int64)
+        written = {role: written_by(configuration.method) for role, configuration in configurations.items()}
+        self._rows = np.array([(*part.addresses(), *written[role]) for role, part in self.parts], np.int64)
         for place in range(self._answering, len(self.parts)):
             self._show_start(place)
 

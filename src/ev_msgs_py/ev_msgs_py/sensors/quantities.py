@@ -11,8 +11,11 @@ from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
+    CellCondition,
     InertialMeasurement,
+    MotorElectrics,
     MotorStates,
+    MotorTemperatures,
     SteeringColumnState,
     TireForces,
     WheelStates,
@@ -30,6 +33,9 @@ _MEASURED = (
     BodyPose,
     BatteryCondition,
     TireForces,
+    MotorElectrics,
+    MotorTemperatures,
+    CellCondition,
     SteeringColumnState,
 )
 # A heading is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and in which order.

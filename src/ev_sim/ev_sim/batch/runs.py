@@ -24,6 +24,7 @@ class _Placed(NamedTuple):
     """A part of a role, which runs may share, and a state of a run's own."""
 
     role: str
+    writes: tuple[int, int]
     part: CompiledPart | sensors.RowPart
     state: np.ndarray
 
@@ -31,7 +32,7 @@ class _Placed(NamedTuple):
     def row(self) -> tuple[int, ...]:
         """What the compiled loop has to know (`compiling.loop`)."""
         function, _, constants = self.part.addresses()
-        return function, self.state.ctypes.data, constants, *written_by(self.role)
+        return function, self.state.ctypes.data, constants, *self.writes
 
 
 class Runs:
@@ -95,8 +96,9 @@ class Runs:
         state = self._initial_states[role][run] if role in self._initial_states else part.state
         if any(text.split()[0] == "restarted" for text in configuration.faults):
             raise ParameterError(f"{role} faults: restarted is refused in a batch, allowed are all other kinds")
-        placed = [_Placed(role, part, state.copy())]
-        return [*placed, *(_Placed(role, behind, behind.state) for behind in row_parts(configuration))]
+        writes = written_by(configuration.method)
+        placed = [_Placed(role, writes, part, state.copy())]
+        return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in row_parts(configuration))]
 
 
 def _refuse_interpreted(role: str, configuration: Configuration) -> None:

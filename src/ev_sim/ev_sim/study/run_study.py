@@ -43,7 +43,8 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
             (*case.values, *common.values),
             case.run,
             (*case.files, *common.files),
-            common.duration or case.duration,
+            case.duration if common.duration is None else common.duration,
+            common.vehicle or case.vehicle,
         )
         for case in study.cases(given)
     ]
