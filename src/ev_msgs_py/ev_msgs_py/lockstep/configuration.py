@@ -15,7 +15,6 @@ from ev_msgs_py.lockstep.hooks import ReadingFiles
 from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout
 from ev_msgs_py.parameters.declaration import (
     Entry,
-    ParameterError,
     Spec,
     defaults,
     entries,
@@ -48,7 +47,6 @@ class CommonParameters:
 
 P = TypeVar("P")
 _METHOD, _SENSORS = "method", "sensors."
-_OWN = ("seed",)  # of the common parameters those that each node may have its own value of
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,35 +174,3 @@ def chosen_method(role: str, values: Mapping[str, Any]) -> Method:
     """The method that the values choose for a role; ParameterError that lists the known ones if there is none."""
     name = values.get(_METHOD, ROLES[role].default_method)
     return find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false
-
-
-def check_graph(configurations: Mapping[str, Configuration]) -> None:
-    """ParameterError if the configured nodes do not fit together.
-
-    Nodes share one control period, one mode and one vehicle, what a method reads must be written by the others, and
-    the methods and values that it requires must be chosen.
-    """
-    common = {role: flatten(configuration.common) for role, configuration in configurations.items()}
-    for name in flatten(CommonParameters()):
-        values = {role: values[name] for role, values in common.items()}
-        if name not in _OWN and len(set(values.values())) > 1:
-            said = ", ".join(f"{role} {value}" for role, value in values.items())
-            raise ParameterError(f"{name} differs between nodes: {said}; allowed is one for all")
-    written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
-    for configuration in configurations.values():
-        for signal in configuration.method.inputs:
-            if signal not in written:
-                names = ", ".join(sorted(c.method.name for c in configurations.values()))
-                raise ParameterError(
-                    f"{configuration.role} method {configuration.method.name} reads {signal.__name__}, "
-                    f"which none of the chosen methods writes ({names})"
-                )
-        for what, needed in configuration.method.requires.items():
-            role, _, parameter = what.partition(".")
-            other = configurations[role]
-            chosen = other.values().get(parameter) if parameter else other.method.name
-            if chosen != needed:
-                raise ParameterError(
-                    f"{configuration.role} method {configuration.method.name} requires "
-                    f"{what if parameter else f'{role} method'} {needed}, but {chosen} is chosen"
-                )

@@ -10,8 +10,9 @@ from ev_msgs_py.compiling.loop import FINISHED, NOT_FINITE, call_part, run_insta
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.shape import shape_of
-from ev_msgs_py.lockstep.configuration import Configuration, check_graph
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.graph import step_order
+from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.parts import compiled_parts
 
