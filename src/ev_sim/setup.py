@@ -10,6 +10,7 @@ NODES = [
     "plant = ev_sim.nodes.plant:main",
     "steering_column = ev_sim.nodes.steering_column:main",
     "driver = ev_sim.nodes.driver:main",
+    "test_bench = ev_sim.nodes.test_bench:main",
     "recorder = ev_sim.nodes.recorder:main",
     "inverter = ev_sim.nodes.inverter:main",
     "can_hub = ev_sim.commands.can_hub:main",
@@ -58,6 +59,7 @@ setup(
             "plant = ev_sim.methods.plant",
             "steering_column = ev_sim.methods.steering_column",
             "driver = ev_sim.methods.driver",
+            "test_bench = ev_sim.methods.test_bench",
         ],
     },
 )

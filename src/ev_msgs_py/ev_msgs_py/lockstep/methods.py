@@ -10,7 +10,7 @@ from functools import cache
 from importlib.metadata import entry_points
 from typing import Any, TypeVar
 
-from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
+from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.lockstep.hooks import refuse_lacking
 from ev_msgs_py.lockstep.law import Law, given_names
@@ -39,13 +39,15 @@ class Method:
     def inputs(self) -> tuple[type, ...]:
         """The signals that a step waits for: those it reads, and what else the node has to hear.
 
-        The master hears everybody else who integrates, so that it leaves nobody behind. The others hear the master
+        The master hears everybody else who integrates, so that it leaves nobody behind; of optional roles it reads
+        something where they are played, or nobody plays them. The others hear the master
         or, if they answer at once, somebody who does so before them: that is how they learn of a new run.
         """
         topics = tuple(signal for signal in self.reads if signal is not Instant)
         role, masters = ROLES[self.role], ROLES[MASTER].writes
         if self.role == MASTER:
-            return (*topics, *(signal for signal in role.reads if signal in INTEGRATED and signal not in topics))
+            others = (s for s in role.reads if s in INTEGRATED and s not in EXTRA)
+            return (*topics, *(signal for signal in others if signal not in topics))
         answers = role.kind is RoleKind.ANSWERS
         heralds = [signal for signal in role.reads if signal in masters or (answers and signal not in INTEGRATED)]
         return topics if any(signal in heralds for signal in topics) else (*topics, heralds[0])

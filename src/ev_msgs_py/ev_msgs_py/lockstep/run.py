@@ -20,9 +20,11 @@ _CHUNK = 100  # instants between two looks at progress
 _CHUNKS_PER_LOOK = 50  # chunks between two looks at what the parts note
 
 
-def roles_in_order() -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The roles that answer, each after everything that it reads, and then those that integrate."""
-    return step_order(ROLES), tuple(role for role in ROLES if ROLES[role].kind is RoleKind.INTEGRATES)
+def roles_in_order(played: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Of the roles that are played those that answer, each after everything that it reads, and those that integrate."""
+    names = set(played)
+    integrating = (role for role in ROLES if ROLES[role].kind is RoleKind.INTEGRATES)
+    return tuple(role for role in step_order(ROLES) if role in names), tuple(r for r in integrating if r in names)
 
 
 def written_by(method: Method) -> tuple[int, int]:
@@ -46,13 +48,13 @@ class GraphRun:
     def __init__(self, configurations: Mapping[str, Configuration], instants: int) -> None:
         check_graph(configurations)
         period = next(iter(configurations.values())).period
-        answering, integrating = roles_in_order()
+        answering, integrating = roles_in_order(configurations)
         self.writes = {role: configuration.method.writes for role, configuration in configurations.items()}
         roles = (*answering, *integrating)
         self.parts = [(role, part) for role in roles for part in compiled_parts(configurations[role])]
-        self.frames = frame.stack(instants, period)
-        self._answering = sum(role in answering for role, _ in self.parts)
         written = {role: written_by(configuration.method) for role, configuration in configurations.items()}
+        self.frames = frame.stack(instants, period, max(end for _, end in written.values()))
+        self._answering = sum(role in answering for role, _ in self.parts)
         self._rows = np.array([(*part.addresses(), *written[role]) for role, part in self.parts], np.int64)
         for place in range(self._answering, len(self.parts)):
             self._show_start(place)

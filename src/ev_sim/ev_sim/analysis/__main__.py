@@ -16,7 +16,7 @@ from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.analysis.linearised_plant import LinearisedPlant, OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
-from ev_sim.report.figures.drawing import save_figures
+from ev_sim.report.figures.saving import save_figures
 from ev_sim.report.quantities.understeer import (
     axle_cornering_stiffnesses,
     axle_masses,

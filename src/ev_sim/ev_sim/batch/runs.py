@@ -52,7 +52,7 @@ class Runs:
     ) -> None:
         for role, configuration in configurations.items():
             _refuse_interpreted(role, configuration)
-        self._answering, self._integrating = roles_in_order()
+        self._answering, self._integrating = roles_in_order(configurations)
         self._base, self._initial_states = configurations, initial_states
         self._observation, self._times = observation, times
         self._varied = {role: variation.configurations(role) for role in configurations}

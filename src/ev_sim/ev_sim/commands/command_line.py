@@ -61,7 +61,17 @@ def add_overrides(parser: argparse.ArgumentParser) -> None:
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:
     """Declare the options that say what a run or a study leaves behind besides its summary."""
+    parser.add_argument(
+        "--figures", type=_formats, default=(), metavar="pdf,svg", help="figures also so, as wide as a paper's column"
+    )
     parser.add_argument("--no-report", action="store_true", help="no report.html; metrics and figures all the same")
+
+
+def _formats(text: str) -> tuple[str, ...]:
+    formats = tuple(dict.fromkeys(text.split(",")))
+    if not {"pdf", "svg"}.issuperset(formats):
+        raise argparse.ArgumentTypeError(f"{text!r} is refused, allowed is pdf, svg or pdf,svg")
+    return formats
 
 
 def command_of(words: Sequence[str]) -> str:

@@ -33,7 +33,7 @@ def drive_scenario(given: argparse.Namespace) -> None:
     mode = f"{way}, realtime" if given.realtime else way
     result = Result(scenario, outcomes, mode, commands, given.command)
     summary = result.summary()
-    content = result.write_report(folder.directory, page=not given.no_report)
+    content = result.write_report(folder.directory, not given.no_report, given.figures)
     print_metrics(summary.metrics)
     for note in summary.notes:
         print(f"note: {note}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -118,21 +118,24 @@ class Result:
             differs=differences(self.scenario, load_scenario(str(self.scenario.file), only=[run.name for run in runs])),
         )
 
-    def save(self, directory: Path | str) -> None:
-        """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz."""
+    def save(self, directory: Path | str, formats: Sequence[str] = ()) -> None:
+        """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz.
+
+        `formats`: pdf or svg, for figures that are also wanted for print.
+        """
         folder = Path(directory)
         for name, run in self.runs.items():
             of_run = folder if len(self.outcomes) == 1 else folder / name
             of_run.mkdir(parents=True, exist_ok=True)
             save(run, of_run / "signals.npz")
-        self.write_report(folder)
+        self.write_report(folder, formats=formats)
 
-    def write_report(self, folder: Path, page: bool = True) -> dict[str, Any]:
+    def write_report(self, folder: Path, page: bool = True, formats: Sequence[str] = ()) -> dict[str, Any]:
         """Write figures, report.html if it is wanted, and summary.json, whose content comes back."""
-        from ev_sim.report.figures.drawing import save_figures
+        from ev_sim.report.figures.saving import save_figures
 
         figures, summary = self.figures(), self.summary()
-        save_figures(figures, folder)
+        save_figures(figures, folder, formats)
         content = summary.as_json()
         write_summary(folder / "summary.json", content)
         if page:

@@ -61,10 +61,10 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     wall_time = time.monotonic() - start
     results = {result.name: result for result in driven}
     metrics = study.metrics(given, results)
-    from ev_sim.report.figures.drawing import save_figures  # what draws is not loaded into every worker
+    from ev_sim.report.figures.saving import save_figures  # what draws is not loaded into every worker
 
     figures = study.figures(given, results)
-    save_figures(figures, folder.directory)
+    save_figures(figures, folder.directory, given.figures)
     content = {**_summary(name, given, cases, results, metrics, wall_time), "command": command_of([name, *argv])}
     write_summary(folder.directory / "summary.json", content)
     tables = study.tables(given, results)

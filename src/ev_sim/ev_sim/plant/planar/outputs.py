@@ -37,13 +37,14 @@ def outputs(
     p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState
 ) -> tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]:
     """All signals at the instant of the state; drive torques are means over the period before it."""
-    return _seen(p, car, c, s, working_memory(STEP), working_memory(STAGES))
+    return seen(p, car, c, s, working_memory(STEP), working_memory(STAGES))
 
 
 @compilable
-def _seen(
+def seen(
     p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, steps: list[Step], stages: list[Stages]
 ) -> tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]:
+    """The same, with what acts in memory that is handed over, of one record each."""
     y, step = s.motion, steps[0]
     step.imposed_acceleration = s.imposed_acceleration
     find_road(y, c.body, step, c.road, True)

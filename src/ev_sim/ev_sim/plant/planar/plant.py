@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.contract.record import working_memory
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
@@ -54,6 +56,22 @@ def planar(
 
     Over one period the torques are held and the steering angle goes on at its rate, as the guard accepts them.
     """
+    advance(p, car, c, s, period, command, column, apply_drives, account)
+
+
+@inlined
+def advance(
+    p: PlanarParameters,
+    car: Car,
+    c: PlanarConstants,
+    s: PlanarState,
+    period: float,
+    command: WheelTorqueCommand,
+    column: SteeringColumnState,
+    apply: Callable[..., None],
+    book: Callable[..., None],
+) -> None:
+    """One period; `apply` sets the torques of a step as `apply_drives` does, `book` its energies as `account` does."""
     torques = guarded_torques(c.limits, s.guard, command)
     angle, rate = guarded_steering(c.limits, s.guard, column, period)
     if len(c.faults.kind) > 0 or s.faults.is_struck == 1.0:
@@ -62,7 +80,7 @@ def planar(
     s.imposed_acceleration = 0.0
     if p.speed == IMPOSED:
         s.imposed_acceleration = (value_at(c.imposed, s.periods * period) - s.motion[VX]) / period
-    _run(p, car, c, s, torques, angle, rate, working_memory(STEP), working_memory(STAGES))
+    _run(p, car, c, s, torques, angle, rate, apply, book, working_memory(STEP), working_memory(STAGES))
     s.road_wheel_angle = angle + rate * (c.steps * c.h)
     note_lifted(s, car, c.road)
 
@@ -107,6 +125,8 @@ def _run(
     torques: WheelTorqueCommand,
     angle: float,
     rate: float,
+    apply: Callable[..., None],
+    book: Callable[..., None],
     steps: list[Step],
     stages: list[Stages],
 ) -> None:
@@ -124,7 +144,7 @@ def _run(
         if is_struck:
             deflate(s.faults, p, car, c.body, step)
         steer(car, step, angle + rate * ((n + 0.5) * h))
-        apply_drives(s, p, car, c.power, c.lags, step, h)
+        apply(s, p, car, c.power, c.lags, step, h)
         vx, vy, heading = y[VX], y[VY], y[HEADING]
         for i in range(4):
             step.turned[i] = -y[WHEEL_ANGLE + i]
@@ -138,4 +158,4 @@ def _run(
         cosine, sine = cos(middle), sin(middle)
         s.x += h * (mean_x * cosine - mean_y * sine)
         s.y += h * (mean_y * cosine + mean_x * sine)
-        account(s, p, car, c.power, step, h)
+        book(s, p, car, c.power, step, h)

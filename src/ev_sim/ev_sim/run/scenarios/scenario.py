@@ -151,18 +151,19 @@ def _refuse_unknown_overrides(overrides: Overrides) -> None:
 
 def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides, duration: float) -> Run:
     values = {role: _values(role, namespace, files, overrides) for role in ROLES}
+    values = {role: said for role, said in values.items() if "method" in said or not ROLES[role].optional}
     if "duration" in values[MASTER]:
         raise ParameterError("plant.duration is refused: the duration of a run is that of the scenario, or --duration")
     values[MASTER]["duration"] = duration
     configurations = {}
-    for role in ROLES:
+    for role in values:
         try:
             for other, needed in chosen_method(role, values[role]).requires.items():
-                if other in ROLES:
+                if other in values:
                     values[other].setdefault("method", needed)
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}") from None
-    for role in ROLES:
+    for role in values:
         try:
             configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
         except ParameterError as error:
