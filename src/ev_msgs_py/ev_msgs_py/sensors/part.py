@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.compiling.library import compiled_function
+from ev_msgs_py.compiling.machine_code import function_address
 from ev_msgs_py.contract import frame
 from ev_msgs_py.faults import striking
 from ev_msgs_py.faults.row import FaultRow
@@ -34,8 +34,7 @@ def step(now, next, state, constants):
 @cache
 def _function(name: str, head: int, change: Callable[..., None]) -> int:
     text = _TEXT.format(head=head, size=frame.SIZE)
-    address: int = compiled_function(name, text, {"FLOAT": np.float64, "change": change}).address
-    return address
+    return function_address(name, text, {"FLOAT": np.float64, "change": change})
 
 
 def function() -> int:

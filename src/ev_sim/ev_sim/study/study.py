@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 STUDIES = (
     "asr_shootout",
     "compare",
+    "faults",
     "five_methods",
     "ge_ni2005_periods",
     "urban_sensitivity",

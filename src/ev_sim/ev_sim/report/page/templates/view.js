@@ -38,7 +38,7 @@ class CarView {
   }
 
   table() {
-    const scroll = element("div", "", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Wheels" });
+    const scroll = element("div", "", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Wheels of ${nameOf(this.run)}` });
     const table = element("table");
     const head = element("tr");
     head.append(element("th", "wheel", { scope: "col" }));
@@ -126,7 +126,8 @@ class CarView {
 function showCars(runs) {
   const holder = document.getElementById("cars");
   holder.replaceChildren();
-  views = runs.map((run) => new CarView(run, holder));
+  document.getElementById("view").hidden = !runs.some((run) => run.car);
+  views = runs.filter((run) => run.car).map((run) => new CarView(run, holder));
   return Promise.all(views.map((view) => view.load()));
 }
 
