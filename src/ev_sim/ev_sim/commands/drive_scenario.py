@@ -10,6 +10,7 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.commands.command_line import overrides, own_nodes
 from ev_sim.report.metric_table import print_metrics
+from ev_sim.report.real_time import in_words
 from ev_sim.report.reports import report_for
 from ev_sim.report.samples import Parameters
 from ev_sim.report.summary import Summary, write_summary
@@ -34,6 +35,10 @@ def drive_scenario(given: argparse.Namespace) -> None:
     from ev_sim.report.figures.drawing import save_figures
 
     figures = report_for(scenario.name).figures(summary.runs, summary.vehicle, _parameters_by_role(scenario))
+    if summary.timing:
+        from ev_sim.report.figures.timing import timing_sheet
+
+        figures = {**figures, "timing": timing_sheet(summary.timing)}
     save_figures(figures, folder.directory)
     content = summary.as_json()
     write_summary(folder.directory / "summary.json", content)
@@ -49,6 +54,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
         print(f"note: {note}")
     for reason in summary.not_reproducible:
         print(f"not reproducible: {reason}")
+    for timing in summary.timing.values():
+        print(in_words(timing))
     print(f"signal hash {content['signal_hash']}")
     print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
     page = "" if given.no_report else "report.html, "
@@ -115,6 +122,7 @@ def _summary(scenario: Scenario, outcomes: dict[str, Outcome], given: argparse.N
         metrics=report_for(scenario.name).metrics(runs, vehicle, _parameters_by_role(scenario)),
         wall_time=sum(outcome.wall_time for outcome in outcomes.values()),
         not_reproducible=tuple(reason for outcome in outcomes.values() for reason in outcome.not_reproducible),
+        timing={name: outcome.timing for name, outcome in outcomes.items() if outcome.timing},
         notes=tuple(note for outcome in outcomes.values() for note in outcome.notes),
         about=scenario.parameters.about,
         command=given.command,

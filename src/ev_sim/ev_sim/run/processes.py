@@ -153,7 +153,7 @@ def _watch(
     wall_time = (ended or now) - (started or now)
     progress(run.duration)
     warnings, notes = not_reproducible(run, observer.warnings), observer.notes
-    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes)
+    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes, observer.timing)
 
 
 def _stop(nodes: list[NodeProcess]) -> None:
