@@ -31,7 +31,7 @@ environment_fingerprint() {
 }
 
 build_fingerprint() {
-    { cat .venv/.complete scripts/prepare.sh src/*/{package.xml,setup.py,setup.cfg} && find config -type f | sort; } | sha256sum
+    cat .venv/.complete scripts/prepare.sh src/*/{package.xml,setup.py,setup.cfg} | sha256sum
 }
 
 is_environment_ready() {

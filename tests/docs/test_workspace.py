@@ -74,3 +74,9 @@ def test_help_needs_no_set_up(name: str):
     script = ROOT / "scripts" / name
     shown = subprocess.run([script, "--help"], check=True, capture_output=True, text=True)
     assert f"scripts/{name}" in shown.stdout
+
+
+def test_every_page_is_in_the_site():
+    """scripts/site.sh builds it from mkdocs.yml; README and CHANGELOG are its first and its last page."""
+    listed = set(re.findall(r": (\w+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE))
+    assert listed == {page.name for page in (ROOT / "docs").glob("*.md")} | {"index.md", "changelog.md"}

@@ -10,7 +10,7 @@ from functools import cache
 from importlib.metadata import entry_points
 from typing import Any, TypeVar
 
-from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
+from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.lockstep.hooks import refuse_lacking
 from ev_msgs_py.lockstep.law import Law, given_names
@@ -20,7 +20,8 @@ from ev_msgs_py.vehicle.layout import refusal
 
 T = TypeVar("T")
 
-_GROUP = "ev_stack.methods"  # of entry points, named after their roles
+_GROUP = "ev_stack.methods"  # of entry points, named after their roles,
+_NODES = "ev_stack.nodes"  # as their nodes are
 _REGISTER: dict[str, dict[str, Method]] = {}
 
 
@@ -38,13 +39,15 @@ class Method:
     def inputs(self) -> tuple[type, ...]:
         """The signals that a step waits for: those it reads, and what else the node has to hear.
 
-        The master hears everybody else who integrates, so that it leaves nobody behind. The others hear the master
+        The master hears everybody else who integrates, so that it leaves nobody behind; of optional roles it reads
+        something where they are played, or nobody plays them. The others hear the master
         or, if they answer at once, somebody who does so before them: that is how they learn of a new run.
         """
         topics = tuple(signal for signal in self.reads if signal is not Instant)
         role, masters = ROLES[self.role], ROLES[MASTER].writes
         if self.role == MASTER:
-            return (*topics, *(signal for signal in role.reads if signal in INTEGRATED and signal not in topics))
+            others = (s for s in role.reads if s in INTEGRATED and s not in EXTRA)
+            return (*topics, *(signal for signal in others if signal not in topics))
         answers = role.kind is RoleKind.ANSWERS
         heralds = [signal for signal in role.reads if signal in masters or (answers and signal not in INTEGRATED)]
         return topics if any(signal in heralds for signal in topics) else (*topics, heralds[0])
@@ -137,14 +140,10 @@ def _load_installed_methods(role: str) -> None:
 
 @cache
 def node_package(role: str) -> str:
-    """The package with the node of a role: it has methods for the role and an executable of the role's name.
-
-    LookupError unless there is exactly one.
-    """
-    offered = {point.value.partition(".")[0] for point in entry_points(group=_GROUP, name=role)}
-    found = {point.value.partition(".")[0] for point in entry_points(group="console_scripts", name=role)} & offered
+    """The package with the node of a role; LookupError unless there is exactly one."""
+    found = {point.value.partition(".")[0] for point in entry_points(group=_NODES, name=role)}
     if len(found) != 1:
-        raise LookupError(f"one package is wanted with methods and a node for {role}, found: {sorted(found)}")
+        raise LookupError(f"one package is wanted with a node for {role}, found: {sorted(found)}")
     return found.pop()
 
 
