@@ -18,6 +18,7 @@ from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS
 from ev_msgs_py.nodes.health import HEALTH
 from ev_msgs_py.nodes.reports import NOTED
 from ev_msgs_py.nodes.speaker import Speaker
+from ev_msgs_py.nodes.time_services import TIME
 from ev_msgs_py.nodes.timing import TIMING
 
 OBSERVER = "run_scenario"  # its name in the graph
@@ -33,6 +34,8 @@ class Observer(Node):
         self.time = 0.0
         self.warnings: list[str] = []
         self.timing: dict[str, Any] = {}  # how well real time was kept, as the master says at its end
+        self.rests = False  # whether a service has stopped time
+        self._words: list[str] = []
         self._noted: list[str] = []
         self._once: dict[str, str] = {}
         self._progress = self.create_subscription(Header, TOPICS[RECORDER_WRITES].name, lambda message: None, _QUALITY)
@@ -44,6 +47,11 @@ class Observer(Node):
     def notes(self) -> tuple[str, ...]:
         """What nodes note, and once for each node or topic that its messages were refused."""
         return (*self._noted, *self._once.values())
+
+    def new_words(self) -> tuple[str, ...]:
+        """What is to be said at once: that time was stopped, or goes on."""
+        words, self._words = tuple(self._words), []
+        return words
 
     def look(self) -> None:
         """Take what has come since the last look."""
@@ -71,6 +79,10 @@ class Observer(Node):
             self.timing = json.loads(next(value.value for value in status.values if value.key == TIMING))
             return
         text = f"{status.name}: {status.message}"
+        if status.name.endswith(TIME):
+            self.rests = "paused" in status.message
+            self._words.append(text)
+            return
         once = [value.value for value in status.values if value.key == NOTED]
         if once:
             self._once.setdefault(once[0], text)

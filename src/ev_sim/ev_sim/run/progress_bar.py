@@ -16,7 +16,8 @@ _FORMAT = "{desc} {percentage:3.0f} %|{bar:30}| {n:.1f}/{total:.1f} s simulated,
 
 def announce(text: str) -> None:
     """A line on standard error, to be said before the progress begins."""
-    print(text, file=sys.stderr, flush=True)
+    tqdm.write(text, file=sys.stderr)
+    sys.stderr.flush()
 
 
 @contextmanager
