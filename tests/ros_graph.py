@@ -29,6 +29,7 @@ from ev_msgs_py.nodes.health import HEALTH
 from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.nodes.spinning import spin
+from ev_msgs_py.nodes.time_services import TIME
 from ev_msgs_py.wire.message_classes import message_class
 from ev_msgs_py.wire.message_format import format_of
 from ev_sim.nodes.recorder import RecorderNode
@@ -105,6 +106,8 @@ class Probe(Node):
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
+            if status.name.endswith(TIME):
+                continue
             if status.name.endswith(HEALTH):
                 self.health[status.name] = {value.key: value.value for value in status.values}
             else:

@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 from rclpy.clock import Clock as RosClock
-from rclpy.clock import ClockType
+from rclpy.clock_type import ClockType
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest

@@ -19,6 +19,7 @@ from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.run.observer import Observer
 
 _HEARKEN = 0.6  # s to find the writers and to hear some repetitions, which come every 0.05 s
+_TO_COME_UP = 10.0  # s that nodes may take to start
 
 
 class Hanging:
@@ -50,7 +51,7 @@ class Hanging:
                 self._stop()
                 self._named = True
                 return f"node {who} does not answer, at {self._time:g} s of simulated time"
-        elif not self._named and now - self._since > self._wait:
+        elif not self._named and now - self._since > (self._wait if self._time else _TO_COME_UP):
             stopped = [name for name, pid in self._pids.items() if _is_stopped(pid)]
             if stopped:
                 self._named = True
