@@ -21,6 +21,7 @@ STUDIES = (
     "bench_convergence",
     "bench_difference",
     "compare",
+    "faults",
     "five_methods",
     "ge_ni2005_periods",
     "urban_sensitivity",
