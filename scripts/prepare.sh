@@ -31,7 +31,7 @@ environment_fingerprint() {
 }
 
 build_fingerprint() {
-    { cat .venv/.complete scripts/prepare.sh src/*/{package.xml,setup.py,setup.cfg} && find config -type f | sort; } | sha256sum
+    cat .venv/.complete scripts/prepare.sh src/*/{package.xml,setup.py,setup.cfg} | sha256sum
 }
 
 is_environment_ready() {
@@ -152,6 +152,11 @@ build_workspace() {
 
 if is_environment_ready && is_build_ready; then
     exit 0
+fi
+if [[ -e .venv && ! -O .venv ]]; then # what another user has made is neither repaired nor removed
+    echo "$root/.venv belongs to $(stat -c %U .venv) and is not ready for $(id -un): let $(stat -c %U .venv) run" \
+        "scripts/setup.sh, or work in a copy of your own" >&2
+    exit 1
 fi
 
 exec {lock}<"$root/scripts"

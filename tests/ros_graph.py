@@ -20,7 +20,7 @@ from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
-from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
 from ev_msgs_py.contract.topics import TOPICS, Topic
@@ -38,7 +38,7 @@ from ev_sim.run.recording.recording import load, signal_hash
 from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
 
 NAMESPACE = "/ev"
-NODES = (*ROLES, RECORDER)
+NODES = (*REQUIRED, RECORDER)
 SERVICES = ("pause", "resume", "step", "reset")
 PATIENCE = 30.0  # s of wall time after which a test that waits in vain fails
 _LOOK_PERIOD = 0.005

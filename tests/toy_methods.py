@@ -6,6 +6,7 @@ They are not registered, so that no list of methods shows them.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -67,6 +68,8 @@ def toy(role: str, reads: tuple[type, ...] | None = None, period: float = 0.01) 
     return Configuration(role, method, ToyParameters(), common, None)
 
 
-def toy_graph(period: float = 0.01, **reads: tuple[type, ...]) -> dict[str, Configuration]:
+def toy_graph(
+    period: float = 0.01, roles: Iterable[str] = tuple(ROLES), **reads: tuple[type, ...]
+) -> dict[str, Configuration]:
     """A toy for every role; `reads` says what some of them read."""
-    return {role: toy(role, reads.get(role), period) for role in ROLES}
+    return {role: toy(role, reads.get(role), period) for role in roles}

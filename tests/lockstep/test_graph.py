@@ -38,7 +38,7 @@ def graph(*roles: Role) -> dict[str, Role]:
 def test_the_chain_of_the_design():
     """design.md: driver -> electronic_differential -> asr -> plant; plant and column speak first."""
     assert step_order(ROLES) == ("driver", "electronic_differential", "asr")
-    assert sequence(ROLES) == ("plant", "steering_column", "driver", "electronic_differential", "asr")
+    assert sequence(ROLES) == ("plant", "steering_column", "test_bench", "driver", "electronic_differential", "asr")
 
 
 @given(st.permutations(range(6)), st.data())

@@ -8,7 +8,7 @@ from rclpy.node import Node
 from ros_graph import NAMESPACE, NODES, WAYS, Graph, graph, offline_hash, publisher, recorded_hash, shchur
 
 from ev_msgs_py.contract.frame import Frame, numbers_of
-from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.sensors.quantities import QUANTITIES
 from ev_msgs_py.wire.message_format import format_of
@@ -105,7 +105,7 @@ def test_everybody_waits_for_a_node_that_starts_late(late, tmp_path):
         assert nodes.probe.reports == []
 
 
-@pytest.mark.parametrize("dead", [name for name in ROLES if name != "plant"])
+@pytest.mark.parametrize("dead", [name for name in REQUIRED if name != "plant"])
 def test_the_master_names_a_dead_node_and_goes_on_with_its_successor(dead, tmp_path, capfd):
     run = shchur(0.5, plant__answer_timeout=0.2, plant__real_time_factor=1.0)
     with graph(run, tmp_path) as nodes:
@@ -124,7 +124,7 @@ def test_the_master_names_a_dead_node_and_goes_on_with_its_successor(dead, tmp_p
 def test_the_master_says_that_it_waits_for_the_recorder(tmp_path, capfd):
     """The recorder holds back the end, else the last steps could be lost."""
     run = shchur(0.5, plant__answer_timeout=0.2)
-    with graph(run, tmp_path, names=ROLES) as nodes:
+    with graph(run, tmp_path, names=REQUIRED) as nodes:
         said = Said(capfd)
         nodes.run(lambda: "waiting for the recorder at 0.0 s" in said.until_now())
         assert nodes.time == 0.0

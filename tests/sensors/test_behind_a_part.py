@@ -9,13 +9,13 @@ from sensors.rows import EVERYTHING
 from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import ROLES
-from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.parts import compiled_parts
 from ev_msgs_py.sensors.measuring import HEADING
 from ev_msgs_py.sensors.quantities import QUANTITIES
 
-PLANT = [quantity.name for quantity in QUANTITIES if quantity.signal is not SteeringColumnState]
+PLANT = [quantity.name for quantity in QUANTITIES if quantity.signal in ROLES["plant"].writes]
 
 
 def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> np.ndarray:
@@ -36,7 +36,7 @@ def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> 
 def test_a_bias_shows_in_its_own_numbers_and_nowhere_else(quantity):
     """A heading shows it as that of a quaternion about the vertical axis."""
     role = next(role.name for role in ROLES.values() if quantity.signal in role.writes)
-    method = "planar" if role == "plant" else "powered"
+    method = {"plant": "planar_electrical", "test_bench": "circuits"}.get(role, "powered")
     true, biased = (frames(role, method, errors)[0] for errors in ({}, {f"{quantity.name}.bias": 0.125}))
     own = list(quantity.places[: quantity.count])
     if quantity.kind == HEADING:

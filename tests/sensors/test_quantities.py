@@ -7,6 +7,7 @@ import zlib
 import pytest
 
 from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.bench_signals import BenchEnergy, BenchShafts, LoadCommand
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.signals import BatteryCondition
@@ -17,13 +18,17 @@ from ev_msgs_py.sensors.quantities import QUANTITIES, sensors_for
 
 
 def test_every_published_number_of_plant_and_column_has_one_sensor():
-    """But the capacity of the battery, which is no measurement."""
+    """But what is no measurement: the capacity of the battery, what is commanded on a bench, and its energies."""
+    unmeasured = {
+        BatteryCondition: ["capacity"],
+        LoadCommand: ["mode", "speed", "torque"],
+        BenchShafts: ["set_point", "machine_torque", "load_torque"],
+        BenchEnergy: list(shape_of(BenchEnergy).fields),
+    }
     for role in ROLES.values():
         for signal in role.writes if role.kind is RoleKind.INTEGRATES else ():
             measured = [name for quantity in QUANTITIES if quantity.signal is signal for name in quantity.fields]
-            assert sorted([*measured, *(["capacity"] if signal is BatteryCondition else [])]) == sorted(
-                shape_of(signal).fields
-            )
+            assert sorted([*measured, *unmeasured.get(signal, [])]) == sorted(shape_of(signal).fields)
 
 
 def test_numbers_of_one_sensor_have_one_unit():

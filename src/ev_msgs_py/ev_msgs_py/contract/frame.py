@@ -1,7 +1,7 @@
 """The frame: all signals of one instant in one row of float64, laid out once from the declared signals.
 
-The first number is the time. Then come the signals in the order in which their roles stand in `roles.ROLES`, field by
-field, wheel by wheel: the order that messages and recordings have as well.
+The first number is the time. Then come the signals in the order in which their roles stand in `roles.ROLES`, those of
+optional roles last, field by field, wheel by wheel: the order that messages and recordings have as well.
 """
 
 from __future__ import annotations
@@ -41,9 +41,21 @@ def channels() -> dict[str, int]:
     }
 
 
-def stack(instants: int, period: int) -> np.ndarray:
-    """Empty frames of so many instants from time zero, `period` nanoseconds apart: (instants, frame size)."""
-    frames = np.zeros((instants, SIZE))
+def units() -> dict[str, str]:
+    """The unit of every recorded channel."""
+    return {
+        name: unit
+        for signal in PLACES
+        for name, unit in zip(TOPICS[signal].channels, shape_of(signal).units, strict=True)
+    }
+
+
+def stack(instants: int, period: int, size: int = SIZE) -> np.ndarray:
+    """Empty frames of so many instants from time zero, `period` nanoseconds apart: (instants, size).
+
+    A `size` below that of the frame leaves out the last signals, which nobody writes then.
+    """
+    frames = np.zeros((instants, size))
     frames[:, TIME] = np.arange(instants) * period / stamps.NANOSECONDS
     return frames
 
@@ -52,18 +64,14 @@ _EMPTY = array("d", bytes(SIZE * _DOUBLE))
 
 
 class Frame:
-    """One frame in memory: `numbers` is a view of it, as long as it lasts."""
+    """One frame in memory: `numbers` is a view of it, as long as it lasts; compiled code finds it at `address`."""
 
-    __slots__ = ("_memory", "numbers")
+    __slots__ = ("address", "numbers")
 
     def __init__(self) -> None:
-        self._memory = _EMPTY[:]
-        self.numbers: memoryview[float] = memoryview(self._memory)
-
-    @property
-    def address(self) -> int:
-        """Where compiled code finds the numbers."""
-        return self._memory.buffer_info()[0]
+        memory = _EMPTY[:]
+        self.numbers: memoryview[float] = memoryview(memory)
+        self.address: int = memory.buffer_info()[0]
 
     def copy(self, other: Frame, where: slice) -> None:
         """Take numbers over from another frame."""

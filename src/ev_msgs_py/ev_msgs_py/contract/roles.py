@@ -9,14 +9,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from ev_msgs_py.contract.bench_signals import (
+    BenchElectrical,
+    BenchEnergy,
+    BenchShafts,
+    BenchTemperatures,
+    LoadCommand,
+)
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
+    CellCondition,
     DriverCommand,
     InertialMeasurement,
     Instant,
+    MotorElectrics,
     MotorStates,
+    MotorTemperatures,
     RecorderProgress,
     SteeringColumnState,
     TireForces,
@@ -37,8 +47,9 @@ class RoleKind(Enum):
 class Role:
     """What a node reads and writes, not how it does it.
 
-    `default_method` plays the role where no parameter says otherwise. A method reads only what it uses, and a plant
-    model writes only what it can know (`writes` is what it may write).
+    `default_method` plays the role where no parameter says otherwise; a role that is `optional` is played only where a
+    parameter chooses its method. A method reads only what it uses, and a plant model writes only what it can know
+    (`writes` is what it may write).
     """
 
     name: str
@@ -46,6 +57,7 @@ class Role:
     reads: tuple[type, ...]
     writes: tuple[type, ...]
     default_method: str
+    optional: bool = False
 
     def may_read(self, signal: type) -> bool:
         """Whether a method of this role may read the signal; everybody knows the instant."""
@@ -54,6 +66,7 @@ class Role:
 
 # In the order in which they are published: first what the driver waits for, with whom every step begins.
 _BODY = (WheelStates, BodyVelocity, BodyPose, InertialMeasurement, MotorStates, BatteryCondition)
+_ELECTRICAL = (MotorElectrics, MotorTemperatures, CellCondition)  # last: whoever does not write them has no gap
 
 ROLES = {
     role.name: role
@@ -61,8 +74,8 @@ ROLES = {
         Role(
             "plant",
             RoleKind.INTEGRATES,
-            reads=(WheelTorqueCommand, SteeringColumnState),
-            writes=(*_BODY, TireForces),
+            reads=(WheelTorqueCommand, SteeringColumnState, BenchShafts, BenchElectrical),
+            writes=(*_BODY, TireForces, *_ELECTRICAL, LoadCommand),
             default_method="kinematic",
         ),
         Role(
@@ -71,6 +84,14 @@ ROLES = {
             reads=(DriverCommand, WheelStates, TireForces),
             writes=(SteeringColumnState,),
             default_method="powered",
+        ),
+        Role(
+            "test_bench",
+            RoleKind.INTEGRATES,
+            reads=(WheelTorqueCommand, LoadCommand, BatteryCondition),
+            writes=(BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy),
+            default_method="circuits",
+            optional=True,
         ),
         Role(
             "driver",
@@ -97,9 +118,21 @@ ROLES = {
 }
 
 MASTER = "plant"
+REQUIRED = tuple(name for name, role in ROLES.items() if not role.optional)
 
 INTEGRATED = frozenset(signal for role in ROLES.values() if role.kind is RoleKind.INTEGRATES for signal in role.writes)
 
-RECORDED = tuple(signal for role in ROLES.values() for signal in role.writes)
+
+def _is_extra(signal: type) -> bool:
+    """Whether a signal is written, or read, by optional roles alone."""
+    writers = [role.optional for role in ROLES.values() if signal in role.writes]
+    readers = [role.optional for role in ROLES.values() if signal in role.reads]
+    return all(writers) or (any(readers) and all(readers))
+
+
+_ALL = tuple(signal for role in ROLES.values() for signal in role.writes)
+EXTRA = frozenset(filter(_is_extra, _ALL))
+# What only optional roles write or read comes last: a frame without them is as short as if there were none.
+RECORDED = tuple(sorted(_ALL, key=lambda signal: signal in EXTRA))
 RECORDER = "recorder"  # a node that plays no role
 RECORDER_WRITES = RecorderProgress

@@ -7,14 +7,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_msgs_py.contract.bench_signals import (
+    BenchElectrical,
+    BenchEnergy,
+    BenchShafts,
+    BenchTemperatures,
+    LoadCommand,
+)
 from ev_msgs_py.contract.shape import Shape, shape_of
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
+    CellCondition,
     DriverCommand,
     InertialMeasurement,
+    MotorElectrics,
     MotorStates,
+    MotorTemperatures,
     RecorderProgress,
     SteeringColumnState,
     TireForces,
@@ -65,6 +75,14 @@ TOPICS = {
         Topic("pose", BodyPose, "geometry_msgs/msg/PoseStamped", frame="odom"),
         Topic("battery", BatteryCondition, "sensor_msgs/msg/BatteryState"),
         Topic("tire_forces", TireForces, JOINT_STATE),
+        Topic("motor_electrics", MotorElectrics, JOINT_STATE),
+        Topic("motor_temperatures", MotorTemperatures, JOINT_STATE),
+        Topic("battery/cell", CellCondition, "sensor_msgs/msg/BatteryState"),
+        Topic("bench/load_command", LoadCommand, JOINT_STATE),
+        Topic("bench/shafts", BenchShafts, JOINT_STATE),
+        Topic("bench/electrical", BenchElectrical, JOINT_STATE),
+        Topic("bench/temperatures", BenchTemperatures, JOINT_STATE),
+        Topic("bench/energy", BenchEnergy, JOINT_STATE),
         Topic("recorder/progress", RecorderProgress, "std_msgs/msg/Header", frame=""),
     )
 }

@@ -187,8 +187,8 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
                 )
         for what, needed in configuration.method.requires.items():
             role, _, parameter = what.partition(".")
-            other = configurations[role]
-            chosen = other.values().get(parameter) if parameter else other.method.name
+            other = configurations.get(role)
+            chosen = other and (other.values().get(parameter) if parameter else other.method.name)
             if chosen != needed:
                 raise ParameterError(
                     f"{configuration.role} method {configuration.method.name} requires "

@@ -10,9 +10,10 @@ from functools import cache
 from importlib.metadata import entry_points
 from typing import Any, TypeVar
 
-from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
+from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.lockstep.hooks import refuse_lacking
+from ev_msgs_py.lockstep.installed_methods import load_installed_methods
 from ev_msgs_py.lockstep.law import Law, given_names
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
@@ -20,7 +21,7 @@ from ev_msgs_py.vehicle.layout import refusal
 
 T = TypeVar("T")
 
-_GROUP = "ev_stack.methods"  # of entry points, named after their roles
+_NODES = "ev_stack.nodes"  # of entry points, named after their roles
 _REGISTER: dict[str, dict[str, Method]] = {}
 
 
@@ -38,13 +39,15 @@ class Method:
     def inputs(self) -> tuple[type, ...]:
         """The signals that a step waits for: those it reads, and what else the node has to hear.
 
-        The master hears everybody else who integrates, so that it leaves nobody behind. The others hear the master
+        The master hears everybody else who integrates, so that it leaves nobody behind; of optional roles it reads
+        something where they are played, or nobody plays them. The others hear the master
         or, if they answer at once, somebody who does so before them: that is how they learn of a new run.
         """
         topics = tuple(signal for signal in self.reads if signal is not Instant)
         role, masters = ROLES[self.role], ROLES[MASTER].writes
         if self.role == MASTER:
-            return (*topics, *(signal for signal in role.reads if signal in INTEGRATED and signal not in topics))
+            others = (s for s in role.reads if s in INTEGRATED and s not in EXTRA)
+            return (*topics, *(signal for signal in others if signal not in topics))
         answers = role.kind is RoleKind.ANSWERS
         heralds = [signal for signal in role.reads if signal in masters or (answers and signal not in INTEGRATED)]
         return topics if any(signal in heralds for signal in topics) else (*topics, heralds[0])
@@ -93,9 +96,11 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
     declares and offers besides. A function comes with its parameter dataclass and, in `how`, what else
     `lockstep.law.Law` has.
 
-    The annotations of `step`, `advance` or the function name the signals that are read; TypeError if the role may not
-    read one of them, or if a hook is missing.
+    The annotations of `step`, `advance` or the function name the signals that are read; TypeError if there is no such
+    role, if it may not read one of them, or if a hook is missing.
     """
+    if role not in ROLES:
+        raise TypeError(f"method {name}: {role!r} is no role, allowed is one of {', '.join(ROLES)}")
 
     def register(defined: T) -> T:
         factory: Any = defined
@@ -126,31 +131,17 @@ def _stepping(role: str, factory: Any) -> Callable[..., Any]:
 
 
 @cache
-def _load_installed_methods(role: str) -> None:
-    """Import what installed packages offer for a role: entry points of this name in the group ev_stack.methods.
-
-    Only those of the role, because a plant takes longer to import than a node to start.
-    """
-    for entry_point in entry_points(group=_GROUP, name=role):
-        entry_point.load()
-
-
-@cache
 def node_package(role: str) -> str:
-    """The package with the node of a role: it has methods for the role and an executable of the role's name.
-
-    LookupError unless there is exactly one.
-    """
-    offered = {point.value.partition(".")[0] for point in entry_points(group=_GROUP, name=role)}
-    found = {point.value.partition(".")[0] for point in entry_points(group="console_scripts", name=role)} & offered
+    """The package with the node of a role; LookupError unless there is exactly one."""
+    found = {point.value.partition(".")[0] for point in entry_points(group=_NODES, name=role)}
     if len(found) != 1:
-        raise LookupError(f"one package is wanted with methods and a node for {role}, found: {sorted(found)}")
+        raise LookupError(f"one package is wanted with a node for {role}, found: {sorted(found)}")
     return found.pop()
 
 
 def methods_of(role: str) -> dict[str, Method]:
     """All methods of a role, by name."""
-    _load_installed_methods(role)
+    load_installed_methods(role)
     return dict(sorted(_REGISTER.get(role, {}).items()))
 
 
@@ -158,7 +149,8 @@ def find_method(role: str, name: str) -> Method:
     """The method of a role with this name; ParameterError that lists the known ones if there is none."""
     known = methods_of(role)
     if not isinstance(name, str) or name not in known:
-        raise unknown_name(f"{role} method", name, known)
+        failed = "".join(f"; not loaded: {line}" for line in load_installed_methods(role))
+        raise ParameterError(f"{unknown_name(f'{role} method', name, known)}{failed}")
     return known[name]
 
 

@@ -9,23 +9,26 @@ import numpy as np
 from ev_msgs_py.compiling.loop import FINISHED, NOT_FINITE, call_part, run_instants
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
-from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.shape import SignalError, shape_of
 from ev_msgs_py.lockstep.configuration import Configuration, check_graph
 from ev_msgs_py.lockstep.graph import step_order
+from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.parts import compiled_parts
 
 _CHUNK = 100  # instants between two looks at progress
 _CHUNKS_PER_LOOK = 50  # chunks between two looks at what the parts note
 
 
-def roles_in_order() -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The roles that answer, each after everything that it reads, and then those that integrate."""
-    return step_order(ROLES), tuple(role for role in ROLES if ROLES[role].kind is RoleKind.INTEGRATES)
+def roles_in_order(played: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Of the roles that are played those that answer, each after everything that it reads, and those that integrate."""
+    names = set(played)
+    integrating = (role for role in ROLES if ROLES[role].kind is RoleKind.INTEGRATES)
+    return tuple(role for role in step_order(ROLES) if role in names), tuple(r for r in integrating if r in names)
 
 
-def written_by(role: str) -> tuple[int, int]:
-    """Where what a role writes begins and ends in the frame."""
-    places = [frame.PLACES[signal] for signal in ROLES[role].writes]
+def written_by(method: Method) -> tuple[int, int]:
+    """Where what a method writes begins and ends in the frame."""
+    places = [frame.PLACES[signal] for signal in method.writes]
     return min(place.start for place in places), max(place.stop for place in places)
 
 
@@ -44,13 +47,14 @@ class GraphRun:
     def __init__(self, configurations: Mapping[str, Configuration], instants: int) -> None:
         check_graph(configurations)
         period = next(iter(configurations.values())).period
-        answering, integrating = roles_in_order()
+        answering, integrating = roles_in_order(configurations)
         self.writes = {role: configuration.method.writes for role, configuration in configurations.items()}
         roles = (*answering, *integrating)
         self.parts = [(role, part) for role in roles for part in compiled_parts(configurations[role])]
-        self.frames = frame.stack(instants, period)
+        written = {role: written_by(configuration.method) for role, configuration in configurations.items()}
+        self.frames = frame.stack(instants, period, max(end for _, end in written.values()))
         self._answering = len(answering)
-        self._rows = np.array([(*part.addresses(), *written_by(role)) for role, part in self.parts], np.int64)
+        self._rows = np.array([(*part.addresses(), *written[role]) for role, part in self.parts], np.int64)
         for place in range(self._answering, len(self.parts)):
             self._show_start(place)
 
@@ -70,13 +74,22 @@ class GraphRun:
             end = min(begin + _CHUNK, last)
             status = run_instants(self.frames, begin, end, end == last, self._rows, self._answering, stopped)
             if status != FINISHED:
-                role, part = self.parts[stopped[1]]
-                if status == NOT_FINITE:
-                    refuse_not_finite(self.frames[stopped[0]], self.writes[role])
-                raise part.error
+                raise self._error(status, *stopped.tolist())
             if end == last or end % (_CHUNK * _CHUNKS_PER_LOOK) == 0:
                 self._pass_on_notes(said, note)
             progress(float(self.frames[end, frame.TIME]))
+
+    def _error(self, status: int, instant: int, place: int) -> BaseException:
+        """What a part said that stopped at an instant, with the simulated time if a number is not finite."""
+        role, part = self.parts[place]
+        try:
+            if status == NOT_FINITE:
+                refuse_not_finite(self.frames[instant], self.writes[role])
+            raise part.error
+        except SignalError as error:
+            return SignalError(f"at {self.frames[instant, frame.TIME]:g} s: {role}: {error}")
+        except BaseException as error:  # of a law in plain Python: it is raised as it is
+            return error
 
     def _pass_on_notes(self, said: set[tuple[str, str]], note: Callable[[str, str], None]) -> None:
         """Tell what the parts note for the first time."""

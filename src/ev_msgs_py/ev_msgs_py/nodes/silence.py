@@ -7,7 +7,7 @@ import time
 from rclpy.node import Node
 
 from ev_msgs_py.contract import stamps
-from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.contract.roles import REQUIRED, ROLES
 from ev_msgs_py.lockstep.stepper import WRITERS
 
 
@@ -33,7 +33,8 @@ class Silence:
         self._named = wall
         space = self._node.get_namespace()
         there = {name for name, where in self._node.get_node_names_and_namespaces() if where == space}
-        gone = [role for role in ROLES if role not in there]
+        wanted = {*REQUIRED, *(WRITERS[kind] for kind in missing)}
+        gone = [role for role in ROLES if role in wanted and role not in there]
         where = f"not in the graph: {', '.join(gone)}" if gone else "all nodes are in the graph, one does not answer"
         if (where, missing) != self._said:
             self._said = where, missing

@@ -18,7 +18,17 @@ _SPEC = "parameter"
 
 
 class ParameterError(ValueError):
-    """A parameter was refused; the message names the parameter, the value and what is allowed."""
+    """A parameter was refused; the message names the parameter, the value and what is allowed.
+
+    `parameter` is its dotted name where there is one.
+    """
+
+    def __init__(self, text: str, parameter: str = "") -> None:
+        super().__init__(text)
+        self.parameter = parameter
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.parameter)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +44,7 @@ class Spec:
     read_only: bool = False
     lateral: bool = False
     per_wheel: bool = False
+    own: bool = False
 
     @property
     def allowed(self) -> str:
@@ -43,11 +54,12 @@ class Spec:
         unit = f" {self.unit}" if self.unit and self.unit != "1" else ""
         if self.low is None and self.high is None:
             return "any value of its type"
+        low, high = (f"{end:g}" if isinstance(end, float) else str(end) for end in (self.low, self.high))
         if self.high is None:
-            return f"at least {self.low:g}{unit}"
+            return f"at least {low}{unit}"
         if self.low is None:
-            return f"at most {self.high:g}{unit}"
-        return f"{self.low:g} to {self.high:g}{unit}"
+            return f"at most {high}{unit}"
+        return f"{low} to {high}{unit}"
 
 
 def parameter(
@@ -62,14 +74,16 @@ def parameter(
     read_only: bool = False,
     lateral: bool = False,
     per_wheel: bool = False,
+    own: bool = False,
 ) -> Any:
     """Declare one field of a parameter dataclass.
 
     `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and switches);
     for an array they hold for each element. `read_only` parameters are fixed when a node starts. Where left and
-    right are exchanged, `lateral` ones change their sign, and arrays `per_wheel` are in another order.
+    right are exchanged, `lateral` ones change their sign, and arrays `per_wheel` are in another order. Of `own` ones
+    everything that is described by such parameters has its own value: no default can stand for it.
     """
-    spec = Spec(about, unit, low, high, choices, source, read_only, lateral, per_wheel)
+    spec = Spec(about, unit, low, high, choices, source, read_only, lateral, per_wheel, own)
     return field(default=default, metadata={_SPEC: spec})
 
 

@@ -11,8 +11,10 @@ from functools import cache
 from typing import Any, TypeVar
 
 from ev_msgs_py.parameters.declaration import Entry, ParameterError, entries
+from ev_msgs_py.parameters.units import number_of, units_for
 
 P = TypeVar("P")
+_MANY, _SHOWN = 40, 12  # names: of more than so many, so many are listed
 
 
 def check(entry: Entry, value: Any) -> Any:
@@ -30,6 +32,8 @@ def check(entry: Entry, value: Any) -> Any:
 def _check_element(entry: Entry, value: Any) -> Any:
     spec = entry.spec
     if entry.type is float:
+        if isinstance(value, str):
+            value = _with_unit(entry, value)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise _refused(entry, value, f"a number, {spec.allowed}")
         try:
@@ -55,12 +59,22 @@ def _check_element(entry: Entry, value: Any) -> Any:
     return value
 
 
+def _with_unit(entry: Entry, text: str) -> float:
+    """What a text such as 80 km/h means in the unit of the parameter."""
+    number = number_of(text, entry.spec.unit)
+    if number is None:
+        units = units_for(entry.spec.unit)
+        with_unit = f", or a text of a number and one of {', '.join(units)}" if units else ""
+        raise _refused(entry, text, f"a number, {entry.spec.allowed}{with_unit}")
+    return number
+
+
 def _type_word(of: type) -> str:
     return {float: "numbers", int: "whole numbers", bool: "true or false", str: "texts"}[of]
 
 
 def _refused(entry: Entry, value: Any, allowed: str) -> ParameterError:
-    return ParameterError(f"parameter {entry.name}: {value!r} is refused, allowed is {allowed}")
+    return ParameterError(f"parameter {entry.name}: {value!r} is refused, allowed is {allowed}", entry.name)
 
 
 def build(of: type[P], values: Mapping[str, Any], prefix: str = "") -> P:
@@ -109,8 +123,10 @@ def _replaced(instance: Any, checked: Mapping[str, Any], prefix: str) -> Any:
 
 
 def unknown_name(kind: str, name: Any, known: Iterable[str]) -> ParameterError:
-    """The error for a name that does not exist: it lists the known ones, the most similar first."""
+    """The error for a name that does not exist: it lists known ones, the most similar first, not all of very many."""
     known = list(known)
     similar = difflib.get_close_matches(str(name), known, n=3)
-    rest = [k for k in known if k not in similar]
-    return ParameterError(f"unknown {kind} {name!r}; known: {', '.join([*similar, *sorted(rest)])}")
+    listed = [*similar, *sorted(k for k in known if k not in similar)]
+    more = f" and {len(listed) - _SHOWN} more" if len(listed) > _MANY else ""
+    listed = listed[: _SHOWN if more else None]
+    return ParameterError(f"unknown {kind} {name!r}; known: {', '.join(listed)}{more}", name)

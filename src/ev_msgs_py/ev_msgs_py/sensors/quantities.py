@@ -6,13 +6,17 @@ from dataclasses import dataclass, make_dataclass
 from functools import cache
 
 from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchShafts, BenchTemperatures
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
+    CellCondition,
     InertialMeasurement,
+    MotorElectrics,
     MotorStates,
+    MotorTemperatures,
     SteeringColumnState,
     TireForces,
     WheelStates,
@@ -30,7 +34,13 @@ _MEASURED = (
     BodyPose,
     BatteryCondition,
     TireForces,
+    MotorElectrics,
+    MotorTemperatures,
+    CellCondition,
     SteeringColumnState,
+    BenchShafts,
+    BenchElectrical,
+    BenchTemperatures,
 )
 # A heading is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and in which order.
 _SPECIAL = {

@@ -15,8 +15,6 @@ from functools import cache
 from operator import itemgetter
 from typing import Any, NamedTuple
 
-from rclpy.serialization import deserialize_message
-
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire.cdr import ENCAPSULATION, Serialized
@@ -78,6 +76,8 @@ class MessageFormat:
         return seconds * stamps.NANOSECONDS + nanoseconds, numbers
 
     def _read_other_layout(self, message: bytes) -> tuple[int, Sequence[float]]:
+        from rclpy.serialization import deserialize_message  # only nodes hear others: whoever just writes needs no ROS
+
         try:
             stamp = stamp_of(message)
             read: Any = deserialize_message(message, self.message_class)

@@ -24,6 +24,7 @@ class _Placed(NamedTuple):
     """A part of a role, which runs may share, and a state of a run's own."""
 
     role: str
+    writes: tuple[int, int]
     part: CompiledPart | sensors.SensorPart
     state: np.ndarray
 
@@ -31,7 +32,7 @@ class _Placed(NamedTuple):
     def row(self) -> tuple[int, ...]:
         """What the compiled loop has to know (`compiling.loop`)."""
         function, _, constants = self.part.addresses()
-        return function, self.state.ctypes.data, constants, *written_by(self.role)
+        return function, self.state.ctypes.data, constants, *self.writes
 
 
 class Runs:
@@ -51,7 +52,7 @@ class Runs:
     ) -> None:
         for role, configuration in configurations.items():
             _refuse_interpreted(role, configuration)
-        self._answering, self._integrating = roles_in_order()
+        self._answering, self._integrating = roles_in_order(configurations)
         self._base, self._initial_states = configurations, initial_states
         self._observation, self._times = observation, times
         self._varied = {role: variation.configurations(role) for role in configurations}
@@ -91,10 +92,11 @@ class Runs:
         except ParameterError as error:  # values that are allowed one by one and do not fit together
             raise ParameterError(f"run {run}: {role}: {error}") from None
         state = self._initial_states[role][run] if role in self._initial_states else part.state
-        placed = [_Placed(role, part, state.copy())]
+        writes = written_by(configuration.method)
+        placed = [_Placed(role, writes, part, state.copy())]
         if not configuration.is_ideal:
             measuring = sensors.SensorPart(configuration.sensors, configuration.common.seed)
-            placed.append(_Placed(role, measuring, measuring.state))
+            placed.append(_Placed(role, writes, measuring, measuring.state))
         return placed
 
 

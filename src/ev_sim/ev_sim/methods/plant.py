@@ -1,4 +1,5 @@
 """Registers the plants."""
 
 import ev_sim.plant.kinematic.plant
+import ev_sim.plant.planar.on_bench
 import ev_sim.plant.planar.plant  # noqa: F401

@@ -9,13 +9,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import add_outputs, add_overrides, command_of, overrides
 from ev_sim.report.metric import Metric
 from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.summary import versions, write_summary
+from ev_sim.run.outcome import RunFailed
 from ev_sim.run.output_folder import OutputFolder
 from ev_sim.run.progress_bar import bar_of_runs
-from ev_sim.study.case import Case
+from ev_sim.study.case import Case, run_of
 from ev_sim.study.study import Results, Study, study_named
 from ev_sim.study.workers import drive_cases
 
@@ -43,7 +45,8 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
             (*case.values, *common.values),
             case.run,
             (*case.files, *common.files),
-            common.duration or case.duration,
+            case.duration if common.duration is None else common.duration,
+            common.vehicle or case.vehicle,
         )
         for case in study.cases(given)
     ]
@@ -53,38 +56,55 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     """Drive all cases of a study and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     study, given = study_named(name), arguments(name, argv)
     cases = study_cases(study, given)
+    _refuse_if_none_can_be_driven(cases)
     folder = OutputFolder(given.out or Path("results") / name, ())
     start = time.monotonic()
     with bar_of_runs(name, len(cases)) as bar:
         driven = drive_cases(cases, study.measure, lambda result: bar.update(), given.scheduler, given.workers)
     wall_time = time.monotonic() - start
     results = {result.name: result for result in driven}
+    if all(result.refused for result in driven):
+        raise RunFailed(f"none of {len(driven)} runs was driven; {driven[0].name}: {driven[0].refused}")
     metrics = study.metrics(given, results)
-    from ev_sim.report.figures.drawing import save_figures  # what draws is not loaded into every worker
+    from ev_sim.report.figures.saving import save_figures  # what draws is not loaded into every worker
 
     figures = study.figures(given, results)
-    save_figures(figures, folder.directory)
+    save_figures(figures, folder.directory, given.figures)
     content = {**_summary(name, given, cases, results, metrics, wall_time), "command": command_of([name, *argv])}
     write_summary(folder.directory / "summary.json", content)
     tables = study.tables(given, results)
     if not given.no_report:
         from ev_sim.report.page.images import images_of
+        from ev_sim.report.page.measured import measured_signals
         from ev_sim.report.page.writing import NAME, Page, write_page
 
-        shown = Page(name, {"": content}, images=images_of(figures, folder.directory), table=tables)
+        signals = measured_signals({case: result.measured for case, result in results.items()})
+        shown = Page(name, {"": content}, signals, images_of(figures, folder.directory), tables)
         write_page(shown, folder.directory / NAME)
     if tables:
         print(tables, end="\n\n")
     print_metrics(metrics)
+    for reason in dict.fromkeys(result.refused for result in driven if result.refused):
+        print(f"not driven: {', '.join(result.name for result in driven if result.refused == reason)}: {reason}")
     for result in driven:
-        if result.refused:
-            print(f"not driven: {result.name}: {result.refused}")
         for note in result.notes:
             print(f"note: {result.name}: {note}")
     print(f"signal hash {content['signal_hash']}")
     print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s")
     page = "" if given.no_report else "report.html, "
     print(f"{page}figures and summary: {folder.directory}")
+
+
+def _refuse_if_none_can_be_driven(cases: Sequence[Case]) -> None:
+    """ParameterError with the first reason, before an earlier result is replaced, if every case is refused."""
+    reason = ""
+    for case in cases:
+        try:
+            run_of(case)
+            return
+        except ParameterError as error:
+            reason = reason or f"{case.name}: {error}"
+    raise ParameterError(f"none of {len(cases)} runs can be driven; {reason}")
 
 
 def _positive(text: str) -> int:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 STUDIES = (
     "asr_shootout",
+    "bench_convergence",
+    "bench_difference",
     "compare",
     "five_methods",
     "ge_ni2005_periods",

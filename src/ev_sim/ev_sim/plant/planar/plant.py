@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.contract.record import working_memory
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
@@ -10,13 +12,14 @@ from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.commands import guarded_steering, guarded_torques
 from ev_sim.plant.planar.drive_torques import apply_drives
+from ev_sim.plant.planar.electrical_outputs import ELECTRICAL_SIGNALS, electrical_outputs
 from ev_sim.plant.planar.energy import account
 from ev_sim.plant.planar.integrator import integrate
 from ev_sim.plant.planar.lift import note_lifted, notes
 from ev_sim.plant.planar.memory import STAGES, STEP, Stages, Step
 from ev_sim.plant.planar.outputs import SIGNALS, outputs
 from ev_sim.plant.planar.parameters import IMPOSED, PlanarParameters, load_files
-from ev_sim.plant.planar.prepare import PlanarConstants, prepare
+from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
 from ev_sim.plant.planar.road_under_wheels import find_road
 from ev_sim.plant.planar.start import at_start
 from ev_sim.plant.planar.state import HEADING, VX, VY, WHEEL_ANGLE, PlanarState
@@ -52,15 +55,62 @@ def planar(
 
     Over one period the torques are held and the steering angle goes on at its rate, as the guard accepts them.
     """
+    advance(p, car, c, s, period, command, column, apply_drives, account)
+
+
+@inlined
+def advance(
+    p: PlanarParameters,
+    car: Car,
+    c: PlanarConstants,
+    s: PlanarState,
+    period: float,
+    command: WheelTorqueCommand,
+    column: SteeringColumnState,
+    apply: Callable[..., None],
+    book: Callable[..., None],
+) -> None:
+    """One period; `apply` sets the torques of a step as `apply_drives` does, `book` its energies as `account` does."""
     torques = guarded_torques(c.limits, s.guard, command)
     angle, rate = guarded_steering(c.limits, s.guard, column, period)
     s.periods += 1.0
     s.imposed_acceleration = 0.0
     if p.speed == IMPOSED:
         s.imposed_acceleration = (value_at(c.imposed, s.periods * period) - s.motion[VX]) / period
-    _run(p, car, c, s, torques, angle, rate, working_memory(STEP), working_memory(STAGES))
+    _run(p, car, c, s, torques, angle, rate, apply, book, working_memory(STEP), working_memory(STAGES))
     s.road_wheel_angle = angle + rate * (c.steps * c.h)
     note_lifted(s, car, c.road)
+
+
+@method(
+    "plant",
+    "planar_electrical",
+    PlanarParameters,
+    state=PlanarState,
+    prepare=prepare_electrical,
+    start=at_start,
+    outputs=electrical_outputs,
+    notes=notes,
+    writes=ELECTRICAL_SIGNALS,
+    load_files=load_files,
+    heavy=True,
+    mirrored=True,
+)
+@inlined
+def planar_electrical(
+    p: PlanarParameters,
+    car: Car,
+    c: PlanarConstants,
+    s: PlanarState,
+    period: float,
+    command: WheelTorqueCommand,
+    column: SteeringColumnState,
+) -> None:
+    """The planar plant with currents, voltages and temperatures of its motors, and cells (docs/electrical.md).
+
+    Voltage of the DC link and temperatures limit the torque.
+    """
+    planar(p, car, c, s, period, command, column)
 
 
 @inlined
@@ -72,6 +122,8 @@ def _run(
     torques: WheelTorqueCommand,
     angle: float,
     rate: float,
+    apply: Callable[..., None],
+    book: Callable[..., None],
     steps: list[Step],
     stages: list[Stages],
 ) -> None:
@@ -84,7 +136,7 @@ def _run(
     for n in range(int(c.steps)):
         find_road(y, c.body, step, c.road, n == 0)
         steer(car, step, angle + rate * ((n + 0.5) * h))
-        apply_drives(s, p, car, c.power, c.lags, step, h)
+        apply(s, p, car, c.power, c.lags, step, h)
         vx, vy, heading = y[VX], y[VY], y[HEADING]
         for i in range(4):
             step.turned[i] = -y[WHEEL_ANGLE + i]
@@ -98,4 +150,4 @@ def _run(
         cosine, sine = cos(middle), sin(middle)
         s.x += h * (mean_x * cosine - mean_y * sine)
         s.y += h * (mean_y * cosine + mean_x * sine)
-        account(s, p, car, c.power, step, h)
+        book(s, p, car, c.power, step, h)

@@ -25,7 +25,14 @@ from ev_sim.plant.planar.state import (
 
 def at_start(p: PlanarParameters, car: Car, c: PlanarConstants) -> PlanarState:
     """Rolling straight ahead, freely or driven, or, without speed, parked: the carcasses hold the car on its slope."""
-    s = PlanarState(x=p.initial_x, y=p.initial_y, state_of_charge=car.battery.state_of_charge)
+    s = PlanarState()
+    begin(s, p, car, c)
+    return s
+
+
+def begin(s: PlanarState, p: PlanarParameters, car: Car, c: PlanarConstants) -> None:
+    """Set a new state to the start."""
+    s.x, s.y, s.state_of_charge = p.initial_x, p.initial_y, car.battery.state_of_charge
     y = s.motion
     y[VX], y[HEADING] = p.initial_speed, p.initial_heading
     for i in range(4):
@@ -36,7 +43,6 @@ def at_start(p: PlanarParameters, car: Car, c: PlanarConstants) -> PlanarState:
     if any(c.initial_drive_torque):
         begin_driven(s, car, c)
     note_lifted(s, car, c.road)
-    return s
 
 
 def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,8 @@ class ParameterFile:
         except (yaml.YAMLError, UnicodeDecodeError) as error:
             line = getattr(getattr(error, "problem_mark", None), "line", None)
             where = f" in line {line + 1}" if line is not None else ""
-            raise ParameterError(f"{path}: not readable as YAML{where}") from None
+            what = f": {error.problem}" if isinstance(error, yaml.MarkedYAMLError) else ""
+            raise ParameterError(f"{path}: not readable as YAML{where}{what}") from None
         if not isinstance(content, dict):
             raise ParameterError(f"{path}: a ROS parameter file has sections such as '/**/driver:', this one has none")
         self.sections = dict(self._sections(content))
@@ -40,6 +42,19 @@ class ParameterFile:
             if not isinstance(section, dict) or list(section) != [_SECTION] or not isinstance(section[_SECTION], dict):
                 raise ParameterError(f"{self.path}: section {pattern!r} does not hold '{_SECTION}:' with parameters")
             yield str(pattern), dict(flattened(section[_SECTION]))
+
+    def names(self) -> set[str]:
+        """The dotted names in all sections."""
+        return {name for section in self.sections.values() for name in section}
+
+    def without(self, prefix: str) -> ParameterFile:
+        """The same file without the parameters whose names begin so."""
+        made = copy(self)
+        made.sections = {
+            pattern: {name: value for name, value in section.items() if not name.startswith(prefix)}
+            for pattern, section in self.sections.items()
+        }
+        return made
 
     def values_for(self, node: str, by_name: bool = False) -> dict[str, Any]:
         """Dotted parameter names and values for a node by its full name; later sections go before earlier ones.

@@ -1,0 +1,203 @@
+"""The planar plant with its driven machines on a test bench: what is measured there drives the virtual car.
+
+Dissertation, section 4.1: the measured torque drives the driveline of the virtual car, which sets the load machines.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.can.conventions import SPEED_MODE
+from ev_msgs_py.compiling.compilable import compilable, inlined
+from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchShafts, LoadCommand
+from ev_msgs_py.contract.record import entry, per_wheel, working_memory
+from ev_msgs_py.contract.signals import (
+    BatteryCondition,
+    BodyPose,
+    BodyVelocity,
+    InertialMeasurement,
+    MotorStates,
+    SteeringColumnState,
+    TireForces,
+    WheelStates,
+    WheelTorqueCommand,
+)
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.battery.resistive import current_at_power
+from ev_sim.plant.commands import accepted
+from ev_sim.plant.planar.drive_torques import Lags, behind_gear
+from ev_sim.plant.planar.energy import PowerConstants, source_voltage
+from ev_sim.plant.planar.lift import notes
+from ev_sim.plant.planar.memory import STAGES, STEP, Step
+from ev_sim.plant.planar.outputs import SIGNALS, seen, wheels_from
+from ev_sim.plant.planar.parameters import PlanarParameters, load_files
+from ev_sim.plant.planar.plant import advance
+from ev_sim.plant.planar.prepare import PlanarConstants, prepare
+from ev_sim.plant.planar.start import begin
+from ev_sim.plant.planar.state import VX, WHEEL_SPEED, PlanarState
+
+_BEYOND = 2.0  # times its largest torque is what a machine is believed to give: the transducer may err
+_MOST_POWER = 1e7  # W, believed of the electrical measurement
+
+
+@dataclass(frozen=True, slots=True)
+class PlanarOnBenchParameters(PlanarParameters):
+    """The planar plant, and how it takes what the bench measures."""
+
+    rotor_share: float = parameter(
+        1.0,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="share of the rotor's torque J w' that is added to the measured one: the virtual car's wheel has the "
+        "rotor's inertia, but the torque behind the rotor, where the transducer sits, has moved the rotor already",
+        source="assumption: the source drives the wheel with the measured torque and does not speak of the rotor",
+    )
+
+
+@dataclass(slots=True)
+class PlanarOnBenchState(PlanarState):
+    """The same, and what the bench has measured last."""
+
+    measured_torque: list[float] = per_wheel(unit="N m", about="of the machine with its rotor, at the shaft")
+    measured_speed: list[float] = per_wheel(unit="rad/s", about="of the shaft")
+    measured_power: float = entry(unit="W", about="that the machines took from the battery")
+
+
+def at_start(p: PlanarOnBenchParameters, car: Car, c: PlanarConstants) -> PlanarOnBenchState:
+    """As the planar plant begins; the shafts rest."""
+    s = PlanarOnBenchState()
+    begin(s, p, car, c)
+    return s
+
+
+def individual_machines(_parameters: PlanarOnBenchParameters, vehicle: Vehicle) -> str:
+    """A circuit of the bench is one machine behind one wheel, and its torque is what the laws ask for."""
+    if vehicle.driveline.coupling != "individual":
+        return "driveline.coupling individual"
+    return "blend_brakes false" if vehicle.blend_brakes else ""
+
+
+@compilable
+def outputs(
+    p: PlanarOnBenchParameters, car: Car, c: PlanarConstants, s: PlanarOnBenchState
+) -> tuple[
+    WheelStates,
+    MotorStates,
+    InertialMeasurement,
+    BodyVelocity,
+    BodyPose,
+    BatteryCondition,
+    TireForces,
+    LoadCommand,
+]:
+    """All signals at the instant of the state; torque and speed of the motors are those that were measured."""
+    steps = working_memory(STEP)
+    said = seen(p, car, c, s, steps, working_memory(STAGES))
+    motors = MotorStates(wheels_from(s.measured_speed, 0), wheels_from(s.measured_torque, 0))
+    load = _load(car, c, s, steps[0])
+    return said[0], motors, said[2], said[3], said[4], said[5], said[6], load
+
+
+@compilable
+def _load(car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> LoadCommand:
+    """What wheel, road and brake ask of the load machines: n = i w, M = (F_x r + M_f + M_brake)/i (section 4.1)."""
+    y, gear = s.motion, car.gear_ratio
+    rolling = car.rolling_resistance + car.rolling_resistance_growth * y[VX] * y[VX]
+    mode, speed, torque = step.asked, step.shaft, step.target
+    for i in range(4):
+        radius = c.body.wheel_radius[i]
+        dry = s.guard.brake[i] + radius * step.load[i] * (rolling + step.tyre[i].rolling_resistance)
+        mode[i] = car.driven[i] * SPEED_MODE
+        speed[i] = car.driven[i] * gear * y[WHEEL_SPEED + i]
+        torque[i] = car.driven[i] * (radius * step.force_x[i] + step.motion[i] * dry) / gear
+    return LoadCommand(wheels_from(mode, 0), wheels_from(speed, 0), wheels_from(torque, 0))
+
+
+@method(
+    "plant",
+    "planar_on_bench",
+    PlanarOnBenchParameters,
+    state=PlanarOnBenchState,
+    prepare=prepare,
+    start=at_start,
+    outputs=outputs,
+    notes=notes,
+    writes=(*SIGNALS, LoadCommand),
+    load_files=load_files,
+    needs=(individual_machines,),
+    heavy=True,
+    mirrored=True,
+)
+@inlined
+def planar_on_bench(
+    p: PlanarOnBenchParameters,
+    car: Car,
+    c: PlanarConstants,
+    s: PlanarOnBenchState,
+    period: float,
+    command: WheelTorqueCommand,
+    column: SteeringColumnState,
+    shafts: BenchShafts,
+    electrical: BenchElectrical,
+) -> None:
+    """The planar plant, driven by the torque that a test bench measures, without a drive model of its own.
+
+    Of the command it takes the brakes. Measured torque and power are those of the period before: that is what the
+    exchange costs.
+    """
+    for i in range(4):
+        if car.driven[i] == 0.0:
+            continue
+        gained = (shafts.speed[i] - s.measured_speed[i]) / period
+        torque = shafts.torque[i] + p.rotor_share * car.motor.rotor_inertia * gained
+        most = _BEYOND * c.limits.drive[i] / car.gear_ratio
+        s.measured_torque[i] = accepted(s.guard, torque, 0.0, -most, most)
+        s.measured_speed[i] = shafts.speed[i]
+    driven, voltage, current = car.driven, electrical.voltage, electrical.current
+    front = driven[0] * voltage[0] * current[0] + driven[1] * voltage[1] * current[1]
+    power = front + (driven[2] * voltage[2] * current[2] + driven[3] * voltage[3] * current[3])
+    s.measured_power = accepted(s.guard, power, 0.0, -_MOST_POWER, _MOST_POWER)
+    advance(p, car, c, s, period, command, column, _apply, _book)
+
+
+@inlined
+def _apply(
+    s: PlanarOnBenchState,
+    p: PlanarOnBenchParameters,
+    car: Car,
+    power: PowerConstants,
+    lags: Lags,
+    step: Step,
+    h: float,
+) -> None:
+    """Set drive and brake torques of the wheels [N m]: those of the bench behind the gear, and of the brakes."""
+    for i in range(4):
+        step.motor[i] = s.motor_torque[i] = s.measured_torque[i]
+        step.drive[i] = behind_gear(car, step.motor[i] * car.gear_ratio, s.motion[WHEEL_SPEED + i])
+        step.brake[i] = step.brake_command[i]
+
+
+@inlined
+def _book(
+    s: PlanarOnBenchState, p: PlanarOnBenchParameters, car: Car, power: PowerConstants, step: Step, h: float
+) -> None:
+    """Book the energies of this step of h [s], and discharge the battery by the measured power."""
+    mechanical = drive = 0.0
+    for axle in range(2):
+        left, right = 2 * axle, 2 * axle + 1
+        left_speed, right_speed = step.turned[left] / h, step.turned[right] / h
+        mechanical += (step.motor[left] * left_speed + step.motor[right] * right_speed) * car.gear_ratio
+        drive += step.drive[left] * left_speed + step.drive[right] * right_speed
+    given = s.measured_power + car.battery.auxiliary_power
+    current = current_at_power(source_voltage(s, power), power.resistance, given)
+    s.state_of_charge -= current * h / power.capacity
+    s.battery_power = given
+    s.battery_work += given * h
+    s.motor_loss += (s.measured_power - mechanical) * h
+    s.driveline_loss += (mechanical - drive) * h
+    s.auxiliary_work += car.battery.auxiliary_power * h
+    s.drive_work += drive * h

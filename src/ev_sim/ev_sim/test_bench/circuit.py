@@ -1,0 +1,122 @@
+"""One circuit of the bench: machine under test, shaft with transducer, load machine."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
+from ev_msgs_py.can.drive_states import OPERATION_ENABLED, SWITCH_ON_DISABLED
+from ev_msgs_py.compiling.compilable import compilable
+from ev_sim.drives.losses import loss_power
+from ev_sim.inverter.parameters import InverterParameters
+from ev_sim.inverter.temperatures import advance_temperatures
+from ev_sim.inverter.torque import advance_torque
+from ev_sim.test_bench.parameters import CircuitsParameters
+from ev_sim.test_bench.set_points import follow, send
+from ev_sim.test_bench.shaft import Motion, turn
+from ev_sim.test_bench.state import CircuitState
+
+_NO_LIMIT = 2.0  # times its largest speed: the machine's own limit comes first
+
+
+class CircuitsConstants(NamedTuple):
+    """What is computed once."""
+
+    h: float  # width of a step [s]
+    steps: float  # in a control period
+    delay: float  # of the set-points of the machines under test [steps]
+    load_delay: float  # of those of the load machines [steps]
+    machine: InverterParameters  # machine under test
+
+
+class CircuitSetPoint(NamedTuple):
+    """What the two inverters of a circuit are told in a period; see `set_points.SetPoints`."""
+
+    torque: float
+    load_mode: float
+    load_torque: float
+    load_speed: float
+
+
+@compilable
+def power(s: CircuitState, enabled: bool, voltage: float, load_voltage: float) -> None:
+    """Supply both inverters [V] and enable or disable them: without a bus nothing else keeps them from it."""
+    s.machine.state = s.load.state = float(OPERATION_ENABLED if enabled else SWITCH_ON_DISABLED)
+    s.machine.dc_link.voltage, s.load.dc_link.voltage = voltage, load_voltage
+
+
+@compilable
+def advance_circuit(
+    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, told: CircuitSetPoint, period: float
+) -> None:
+    """One control period of a circuit."""
+    machine, load, most = c.machine.machine, p.load.machine, c.machine.machine.peak_torque
+    send(s.torque_path, periods, told.torque, most, p.set_point.torque_resolution)
+    send(s.load_torque_path, periods, told.load_torque, load.peak_torque, p.load_set_point.torque_resolution)
+    send(s.load_speed_path, periods, told.load_speed, load.maximum_speed, p.load_set_point.speed_resolution)
+    s.machine.command.mode, s.load.command.mode = float(TORQUE_MODE), told.load_mode
+    s.machine.command.torque_limit, s.load.command.torque_limit = most, load.peak_torque
+    s.machine.command.speed = _NO_LIMIT * machine.maximum_speed
+    s.mean_torque = s.mean_load_torque = s.mean_shaft_torque = s.power = s.load_power = 0.0
+    steps = int(c.steps)
+    for n in range(steps):
+        _step(p, c, s, periods, n)
+    advance_temperatures(c.machine.thermal, machine, s.machine, period)
+    advance_temperatures(p.load.thermal, load, s.load, period)
+
+
+@compilable
+def _step(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, n: int) -> None:
+    """Step n of a period: set-points, torques, shaft, energies."""
+    h, steps = c.h, int(c.steps)
+    drive, load = s.machine, s.load
+    rate, load_rate = h * p.set_point.torque_rate, h * p.load_set_point.torque_rate
+    drive.command.torque = follow(s.torque_path, periods, steps, n, c.delay, rate)
+    load.command.torque = -follow(s.load_torque_path, periods, steps, n, c.load_delay, load_rate)
+    load_acceleration = h * p.load_set_point.speed_rate
+    asked_speed = follow(s.load_speed_path, periods, steps, n, c.load_delay, load_acceleration)
+    in_speed_mode = int(load.command.mode) == SPEED_MODE
+    load.command.speed = asked_speed if in_speed_mode else p.load.machine.maximum_speed  # else it is a limit
+    before, load_before = drive.torque, load.torque
+    advance_torque(c.machine, drive, s.speed, h)
+    advance_torque(p.load, load, s.load_speed, h)
+    torque, load_torque = 0.5 * (before + drive.torque), 0.5 * (load_before + load.torque)
+    inertia, load_inertia = c.machine.machine.rotor_inertia, p.load.machine.rotor_inertia
+    moved = turn(p.shaft, s, inertia, load_inertia, torque, load_torque, h)
+    _account(p, c, s, moved, torque, load_torque)
+
+
+@compilable
+def _account(
+    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, moved: Motion, torque: float, load_torque: float
+) -> None:
+    """Book means and energies of a step.
+
+    What the load machine gives goes into the load resistor, what it takes comes from the mains (section 4.2).
+    """
+    h, share = c.h, 1.0 / c.steps
+    loss = loss_power(c.machine.machine, torque, moved.speed) + s.machine.weakening_loss
+    load_loss = loss_power(p.load.machine, load_torque, moved.load_speed) + s.load.weakening_loss
+    power, load_power = torque * moved.speed + loss, load_torque * moved.load_speed + load_loss
+    twisting = moved.speed - moved.load_speed
+    s.mean_torque += share * torque
+    s.mean_load_torque += share * load_torque
+    s.mean_shaft_torque += share * moved.torque
+    s.power += share * power
+    s.load_power += share * load_power
+    s.battery += h * power
+    s.machine_heat += h * loss
+    s.load_heat += h * load_loss
+    s.shaft_heat += h * (p.shaft.damping * twisting * twisting + p.shaft.friction * moved.load_speed * moved.load_speed)
+    if load_power >= 0.0:
+        s.mains += h * load_power
+    else:
+        s.resistor -= h * load_power
+
+
+@compilable
+def stored_energy(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState) -> float:
+    """Energy of the turning rotors and of the twisted shaft [J]."""
+    turning = c.machine.machine.rotor_inertia * s.speed * s.speed
+    load_turning = p.load.machine.rotor_inertia * s.load_speed * s.load_speed
+    return 0.5 * (turning + load_turning + p.shaft.stiffness * s.twist * s.twist)

@@ -1,0 +1,166 @@
+"""The test bench as a method of the role `test_bench`: a circuit of two machines for each driven wheel."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.bench_signals import (
+    BenchElectrical,
+    BenchEnergy,
+    BenchShafts,
+    BenchTemperatures,
+    LoadCommand,
+)
+from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.layout import any_driven
+from ev_sim.inverter.machine import Machine
+from ev_sim.inverter.parameters import InverterParameters
+from ev_sim.inverter.temperatures import coolant_outlet, winding_temperature
+from ev_sim.test_bench.circuit import (
+    CircuitsConstants,
+    CircuitSetPoint,
+    advance_circuit,
+    power,
+    stored_energy,
+)
+from ev_sim.test_bench.parameters import BOTH, LEFT, RIGHT, CircuitsParameters
+from ev_sim.test_bench.set_points import set_points
+from ev_sim.test_bench.state import LINE, CircuitsState
+
+_ROUNDING = 1e-12  # a period of a whole number of steps gets no more than that
+_LEAST_VOLTAGE = 1.0  # V, below it a supply is none
+
+
+def prepare(parameters: CircuitsParameters, vehicle: Vehicle, period: float) -> CircuitsConstants:
+    """Steps, delays and the machine under test; ParameterError for a delay of more periods than are kept."""
+    p = parameters
+    steps = max(math.ceil(period / p.step * (1.0 - _ROUNDING)), 1)
+    h = period / steps
+    for name, path in (("set_point", p.set_point), ("load_set_point", p.load_set_point)):
+        longest = (LINE - 2) * period
+        if path.delay > longest:
+            raise ParameterError(
+                f"{name}.delay: {path.delay!r} is refused, allowed is at most {longest:g} s, {LINE - 2} control periods"
+            )
+    motor = {field.name: getattr(vehicle.motor, field.name) for field in fields(Machine)}
+    machine = Machine(**{**motor, "rotor_inertia": max(vehicle.motor.rotor_inertia, p.least_rotor_inertia)})
+    inverter = InverterParameters(machine=machine, thermal=vehicle.motor.thermal)
+    return CircuitsConstants(h, float(steps), p.set_point.delay / h, p.load_set_point.delay / h, inverter)
+
+
+@compilable
+def outputs(
+    p: CircuitsParameters, car: Car, c: CircuitsConstants, s: CircuitsState
+) -> tuple[BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy]:
+    """All channels at the instant of the state: the one way out of the bench."""
+    n = s.circuits
+    shafts = BenchShafts(
+        Wheels(n[0].torque_path.now, n[1].torque_path.now, n[2].torque_path.now, n[3].torque_path.now),
+        Wheels(n[0].mean_torque, n[1].mean_torque, n[2].mean_torque, n[3].mean_torque),
+        Wheels(n[0].mean_shaft_torque, n[1].mean_shaft_torque, n[2].mean_shaft_torque, n[3].mean_shaft_torque),
+        Wheels(n[0].speed, n[1].speed, n[2].speed, n[3].speed),
+        Wheels(n[0].mean_load_torque, n[1].mean_load_torque, n[2].mean_load_torque, n[3].mean_load_torque),
+        Wheels(n[0].load_speed, n[1].load_speed, n[2].load_speed, n[3].load_speed),
+    )
+    u, mains = max(s.voltage, _LEAST_VOLTAGE), p.load.dc_link.supply_voltage
+    driven = Wheels(car.driven[0], car.driven[1], car.driven[2], car.driven[3])
+    electrical = BenchElectrical(
+        Wheels(driven[0] * u, driven[1] * u, driven[2] * u, driven[3] * u),
+        Wheels(driven[0] * mains, driven[1] * mains, driven[2] * mains, driven[3] * mains),
+        Wheels(n[0].power / u, n[1].power / u, n[2].power / u, n[3].power / u),
+        Wheels(n[0].load_power / mains, n[1].load_power / mains, n[2].load_power / mains, n[3].load_power / mains),
+    )
+    return shafts, electrical, _temperatures(p, c, s, driven), _energy(p, c, s)
+
+
+@compilable
+def _temperatures(p: CircuitsParameters, c: CircuitsConstants, s: CircuitsState, driven: Wheels) -> BenchTemperatures:
+    """Coolant of both machines and the rotor (figure 4.9), which is no model of its own, but as warm as the winding.
+
+    Places without a circuit are at 0 degC.
+    """
+    n, thermal, load = s.circuits, c.machine.thermal, p.load.thermal
+    cold, load_cold = thermal.coolant, load.coolant
+    return BenchTemperatures(
+        Wheels(driven[0] * cold, driven[1] * cold, driven[2] * cold, driven[3] * cold),
+        Wheels(
+            driven[0] * coolant_outlet(thermal, n[0].machine),
+            driven[1] * coolant_outlet(thermal, n[1].machine),
+            driven[2] * coolant_outlet(thermal, n[2].machine),
+            driven[3] * coolant_outlet(thermal, n[3].machine),
+        ),
+        Wheels(driven[0] * load_cold, driven[1] * load_cold, driven[2] * load_cold, driven[3] * load_cold),
+        Wheels(
+            driven[0] * coolant_outlet(load, n[0].load),
+            driven[1] * coolant_outlet(load, n[1].load),
+            driven[2] * coolant_outlet(load, n[2].load),
+            driven[3] * coolant_outlet(load, n[3].load),
+        ),
+        Wheels(
+            driven[0] * winding_temperature(thermal, n[0].machine),
+            driven[1] * winding_temperature(thermal, n[1].machine),
+            driven[2] * winding_temperature(thermal, n[2].machine),
+            driven[3] * winding_temperature(thermal, n[3].machine),
+        ),
+    )
+
+
+@compilable
+def _energy(p: CircuitsParameters, c: CircuitsConstants, s: CircuitsState) -> BenchEnergy:
+    """Sums over the circuits, left and right first."""
+    battery = mains = resistor = machines = loads = shafts = stored = 0.0
+    for axle in range(2):
+        left, right = s.circuits[2 * axle], s.circuits[2 * axle + 1]
+        battery += left.battery + right.battery
+        mains += left.mains + right.mains
+        resistor += left.resistor + right.resistor
+        machines += left.machine_heat + right.machine_heat
+        loads += left.load_heat + right.load_heat
+        shafts += left.shaft_heat + right.shaft_heat
+        stored += stored_energy(p, c, left) + stored_energy(p, c, right)
+    return BenchEnergy(battery, mains, resistor, machines, loads, shafts, stored)
+
+
+@method(
+    "test_bench",
+    "circuits",
+    CircuitsParameters,
+    state=CircuitsState,
+    prepare=prepare,
+    outputs=outputs,
+    writes=(BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy),
+    needs=(any_driven,),
+    requires={"plant": "planar_on_bench"},
+    mirrored=True,
+)
+@compilable
+def circuits(
+    p: CircuitsParameters,
+    car: Car,
+    c: CircuitsConstants,
+    s: CircuitsState,
+    period: float,
+    command: WheelTorqueCommand,
+    load: LoadCommand,
+    battery: BatteryCondition,
+) -> None:
+    """Each motor of the car on a shaft with a load machine, a transducer between them (dissertation, chapter 4).
+
+    The machine under test follows the torque that the laws ask for, the load machine what the virtual car asks for.
+    """
+    told = set_points(car, command, load)
+    s.voltage = battery.voltage
+    for i in range(4):
+        if car.driven[i] == 1.0:
+            enabled = p.enabled == BOTH or p.enabled == (LEFT if i % 2 == 0 else RIGHT)
+            power(s.circuits[i], enabled, battery.voltage, p.load.dc_link.supply_voltage)
+            own = CircuitSetPoint(told.torque[i], told.load_mode[i], told.load_torque[i], told.load_speed[i])
+            advance_circuit(p, c, s.circuits[i], s.periods, own, period)
+    s.periods += 1.0

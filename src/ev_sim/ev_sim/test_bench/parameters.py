@@ -1,0 +1,67 @@
+"""The devices of the test bench, as parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_sim.inverter.parameters import LoadInverter
+
+_ASSUMED = "assumption: not printed"
+_ANY_RATE = 1e9
+
+CIRCUITS = ("none", "right", "left", "both")
+NONE, RIGHT, LEFT, BOTH = range(len(CIRCUITS))
+
+
+@dataclass(frozen=True, slots=True)
+class SetPointParameters:
+    """How an inverter takes its set-points; by default at once and as they are."""
+
+    delay: float = parameter(0.0, unit="s", low=0.0, high=1.0, about="until a set-point acts", source=_ASSUMED)
+    torque_rate: float = parameter(
+        _ANY_RATE, unit="N m/s", low=1.0, high=_ANY_RATE, about="fastest change of a torque set-point", source=_ASSUMED
+    )
+    speed_rate: float = parameter(
+        _ANY_RATE, unit="rad/s^2", low=1.0, high=_ANY_RATE, about="fastest change of a speed set-point", source=_ASSUMED
+    )
+    torque_resolution: float = parameter(
+        0.0, unit="N m", low=0.0, high=10.0, about="step of torque set-points; 0: any value", source=_ASSUMED
+    )
+    speed_resolution: float = parameter(
+        0.0, unit="rad/s", low=0.0, high=10.0, about="step of speed set-points; 0: any value", source=_ASSUMED
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class ShaftParameters:
+    """Couplings and transducer between the two machines of a circuit."""
+
+    stiffness: float = parameter(
+        2e4, unit="N m/rad", low=100.0, high=1e8, about="of transducer and couplings", source=_ASSUMED
+    )
+    damping: float = parameter(4.0, unit="N m s/rad", low=0.0, high=1e5, about="of the same", source=_ASSUMED)
+    friction: float = parameter(
+        0.002, unit="N m s/rad", low=0.0, high=10.0, about="of the bearings, per speed", source=_ASSUMED
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class CircuitsParameters:
+    """One circuit for each driven wheel; its machine under test is the motor of the vehicle description."""
+
+    enabled: str = parameter(
+        "both",
+        choices=CIRCUITS,
+        about="circuits whose inverters are enabled; services of the node lead it step by step",
+    )
+    cooling: bool = parameter(True, about="whether the cooling is on; without it no step of the test sequence is taken")
+    step: float = parameter(5e-4, unit="s", low=1e-6, high=1e-3, about="longest step of the shafts")
+    set_point: SetPointParameters = group(SetPointParameters)
+    load_set_point: SetPointParameters = group(SetPointParameters)
+    least_rotor_inertia: float = parameter(
+        0.005, unit="kg m^2", low=1e-4, high=100.0,
+        about="of the machine under test, where the vehicle description has less", source="assumption",
+    )  # fmt: skip
+    shaft: ShaftParameters = group(ShaftParameters)
+    load: LoadInverter = group(LoadInverter, speed_gain=10.0, speed_integral_time=0.05)

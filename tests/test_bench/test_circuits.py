@@ -1,0 +1,92 @@
+"""One circuit of the bench by itself."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import pytest
+
+from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
+from ev_msgs_py.contract.bench_signals import LoadCommand
+from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
+from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
+from ev_msgs_py.lockstep.configuration import configure
+from ev_msgs_py.lockstep.law import namespace
+from ev_msgs_py.parameters.declaration import ParameterError, number_tree
+from ev_sim.test_bench.parameters import ShaftParameters
+from ev_sim.test_bench.shaft import turn
+from ev_sim.test_bench.state import CircuitState
+
+BATTERY = BatteryCondition(400.0, 0.0, 30.0, 60.0, 0.5)
+GEAR = 2.65  # of the default vehicle
+
+
+def bench(**values):
+    return configure("test_bench", {"vehicle.motor.rotor_inertia": 0.02, **values}).create()
+
+
+def run(circuits, torque, load, periods):
+    """Channels after some periods with drive torques at the front wheels [N m] and a load command."""
+    command = WheelTorqueCommand(Wheels.front(torque, torque), NO_WHEELS)
+    for _ in range(periods):
+        circuits.advance(command, load, BATTERY)
+    return circuits.outputs()
+
+
+def test_torque_against_torque_accelerates_both_rotors():
+    """(M_em - M_nu)/(J_1 + J_2) = (50 - 38)/(0.02 + 0.1) = 100 rad/s^2, without friction."""
+    load = LoadCommand(Wheels.front(TORQUE_MODE, TORQUE_MODE), NO_WHEELS, Wheels.front(38.0, 38.0))
+    circuits = bench(**{"shaft.friction": 0.0})
+    first = run(circuits, 50.0 * GEAR, load, 20)[0]
+    shafts = run(circuits, 50.0 * GEAR, load, 100)[0]
+    assert shafts.speed.front_left - first.speed.front_left == pytest.approx(100.0, rel=1e-3)
+    # The transducer sees what is left behind the rotor of the machine: 50 - 0.02 * 100.
+    assert shafts.torque.front_left == pytest.approx(48.0, rel=1e-3)
+    assert shafts.speed.rear_left == shafts.torque.rear_right == 0.0
+
+
+def test_the_load_machine_holds_a_speed():
+    """Then it takes what the machine gives, but for the friction of the bearings."""
+    load = LoadCommand(Wheels.front(SPEED_MODE, SPEED_MODE), Wheels.front(200.0, 200.0), NO_WHEELS)
+    shafts, electrical, temperatures, energy = run(bench(), 60.0 * GEAR, load, 120)
+    assert shafts.load_speed.front_left == pytest.approx(200.0, abs=1e-3)
+    assert shafts.torque.front_left == pytest.approx(60.0, abs=1e-3)
+    assert shafts.load_torque.front_left == pytest.approx(0.002 * 200.0 - 60.0, abs=1e-3)
+    assert electrical.load_current.front_left < 0.0 < electrical.current.front_left
+    assert temperatures.coolant_out.front_left > temperatures.coolant_in.front_left == 40.0
+    assert energy.resistor > 0.0
+
+
+def test_a_load_machine_at_its_limit_gives_way():
+    """Section 4.1: normally M_nu is above M_em; where it is not, the shaft runs away from the wanted speed."""
+    load = LoadCommand(Wheels.front(SPEED_MODE, SPEED_MODE), Wheels.front(50.0, 50.0), NO_WHEELS)
+    shafts, *_ = run(bench(**{"load.machine.generator_torque": 40.0}), 60.0 * GEAR, load, 100)
+    assert shafts.load_torque.front_left == pytest.approx(-40.0)
+    assert shafts.load_speed.front_left > 150.0
+
+
+def test_energy_comes_and_goes_without_a_rest():
+    """Battery + mains = resistor + heat + stored, up to rounding, also while everything swings."""
+    circuits = bench(**{"shaft.damping": 0.5})
+    for torque, speed in ((100.0, 120.0), (-80.0, 60.0), (60.0, 200.0), (0.0, 0.0)):
+        load = LoadCommand(Wheels.front(SPEED_MODE, SPEED_MODE), Wheels.front(speed, speed), NO_WHEELS)
+        energy = run(circuits, torque * GEAR, load, 15)[3]
+        gone = energy.resistor + energy.machines + energy.loads + energy.shafts + energy.stored
+        assert energy.battery + energy.mains == pytest.approx(gone, rel=1e-10)
+    assert min(energy) > 0.0
+
+
+def test_a_free_shaft_swings_at_its_frequency():
+    """Two rotors on a spring: w^2 = k (1/J_1 + 1/J_2); half a period after a twist it is twisted the other way."""
+    stiffness, one, other = 2e4, 0.02, 0.1
+    p, s = namespace(number_tree(ShaftParameters(stiffness, 0.0, 0.0))), CircuitState(twist=1e-3)
+    half, steps = 3.141592653589793 / sqrt(stiffness * (1.0 / one + 1.0 / other)), 1000
+    for _ in range(steps):
+        turn(p, s, one, other, 0.0, 0.0, half / steps)
+    assert s.twist == pytest.approx(-1e-3, rel=1e-6)
+    assert one * s.speed + other * s.load_speed == pytest.approx(0.0, abs=1e-12)
+
+
+def test_delays_beyond_what_is_kept_are_refused():
+    with pytest.raises(ParameterError, match=r"set_point.delay: 0\.7 is refused, allowed is at most 0\.62 s"):
+        bench(**{"set_point.delay": 0.7})
