@@ -15,7 +15,7 @@ from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.summary import versions, write_summary
 from ev_sim.run.output_folder import OutputFolder
 from ev_sim.run.progress_bar import bar_of_runs
-from ev_sim.study.case import Case
+from ev_sim.study.case import Case, CaseResult
 from ev_sim.study.study import Results, Study, study_named
 from ev_sim.study.workers import drive_cases
 
@@ -79,12 +79,22 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     for result in driven:
         if result.refused:
             print(f"not driven: {result.name}: {result.refused}")
-        for note in result.notes:
-            print(f"note: {result.name}: {note}")
+    _print_notes(driven)
     print(f"signal hash {content['signal_hash']}")
     print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s")
     page = "" if given.no_report else "report.html, "
     print(f"{page}figures and summary: {folder.directory}")
+
+
+def _print_notes(results: Sequence[CaseResult]) -> None:
+    """Each note once, with the first case that has it."""
+    cases: dict[str, list[str]] = {}
+    for result in results:
+        for note in result.notes:
+            cases.setdefault(note, []).append(result.name)
+    for note, names in cases.items():
+        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+        print(f"note: {names[0]}{more}: {note}")
 
 
 def _positive(text: str) -> int:

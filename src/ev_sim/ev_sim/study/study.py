@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 STUDIES = (
     "asr_shootout",
+    "bench_faults",
     "compare",
     "five_methods",
     "ge_ni2005_periods",
