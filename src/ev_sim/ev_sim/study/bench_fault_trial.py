@@ -73,7 +73,7 @@ def trial(what: str, seed: int) -> Case:
             ("inverter_gateway", "enable_at", begin + ENABLED_IN_VAIN),
             ("inverter_gateway", "reset_at", begin + RESET),
             ("inverter_gateway", "fault_stops", "both" if fault.both else "drive"),
-            ("driver", "pedals.drive_torque", [chance.uniform(500.0, 1800.0)]),
+            ("driver", "pedals.drive_torque", [chance.uniform(900.0, 1800.0)]),
         ),
         duration=begin + END,
     )
@@ -84,12 +84,13 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     p = run.configurations["test_bench"].parameters.inject
     side, other = p.drive, "left" if p.drive == "right" else "right"
     t = recording.time - p.begin
+    since = 0.0
     if p.kind == "load_limit":
-        t -= _apart_after(recording, side, t, run.configurations["inverter_gateway"].parameters.plausibility.speed)
+        since = _apart_after(recording, side, t, run.configurations["inverter_gateway"].parameters.plausibility.speed)
     torque, others = _torque(recording, side), _torque(recording, other)
     faulty = (t > CYCLE) & (t < RESET)
     return {
-        "gone_after": _gone_after(t, torque),
+        "gone_after": _gone_after(t, torque) - since,
         "other_gone_after": _gone_after(t, others),
         "least": float(np.abs(torque[(t > LASTS / 2) & (t < LASTS)]).max()),
         "before": float(torque[t < 0.0][-1]),
@@ -110,7 +111,7 @@ def _gone_after(t: np.ndarray, torque: np.ndarray) -> float:
 
 
 def _apart_after(recording: Recording, side: str, t: np.ndarray, least: float) -> float:
-    """When the shaft is so far [rad/s] from the wheel that it stands for [s]: before that nothing is wrong."""
+    """When the shaft is so far [rad/s] from the wheel that it stands for [s]; before that nothing can be noticed."""
     wheel = _SIDES[side][1]
     speed = recording.channels[f"bench.shafts.speed.{wheel}"]
     turned = GEAR_RATIO * recording.channels[f"wheel_states.velocity.{wheel}"]

@@ -25,7 +25,7 @@ TIMEOUT = 0.010  # s, of set-points, of feedback, and of what cannot be
 COLUMNS = ("fault", "passed", "that drive without torque after", "the other one", "on the bus and in the diagnosis")
 SUMS = ("passed", "latest")
 _HALF_STEP = 1e-6  # s, by which sums of periods may be off
-_DERATED = (20.0, 45.0)  # N m: a tenth of 360 N m is left at 138 degC, and 67 to 122 were asked for
+_DERATED = (20.0, 45.0)  # N m: a tenth of 360 N m is left at 138 degC, and 61 to 122 were asked for
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
