@@ -61,9 +61,9 @@ def best_time(make: Callable[[], Callable[[], Any]], repeats: int) -> float:
     return best
 
 
-def planar_plant(period: float) -> CompiledObject:
+def planar_plant(period: float, method: str = "planar") -> CompiledObject:
     """The Audi A2 at 15 m/s on dry asphalt, with drives, losses and battery."""
-    return CompiledObject(find_method("plant", "planar"), PARAMETERS, Vehicle(), period)
+    return CompiledObject(find_method("plant", method), PARAMETERS, Vehicle(), period)
 
 
 @njit
@@ -89,8 +89,8 @@ def own_rows(repeats: int) -> Iterator[Row]:
     steps = 3000
     planar_plant(STEP).advance(COMMAND, COLUMN)  # compiles
 
-    def fused() -> Callable[[], Any]:
-        car = planar_plant(steps * STEP)
+    def fused(method: str = "planar") -> Callable[[], Any]:
+        car = planar_plant(steps * STEP, method)
         return lambda: car.advance(COMMAND, COLUMN)
 
     def one_call_per_step() -> Callable[[], Any]:
@@ -102,6 +102,8 @@ def own_rows(repeats: int) -> Iterator[Row]:
         return lambda: [(car.advance(COMMAND, COLUMN), car.outputs()) for _ in range(steps // 10)]
 
     yield Row(REFERENCE, best_time(fused, repeats) / steps)
+    fused("planar_electrical")()  # compiles
+    yield Row("the same with its electrical side", best_time(lambda: fused("planar_electrical"), repeats) / steps)
     yield Row("planar plant, 10 ms period with all signals", best_time(control_period, repeats) / steps)
     yield Row("planar plant, one call per step", best_time(one_call_per_step, repeats) / steps)
     bare_loop(10)

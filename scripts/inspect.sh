@@ -3,4 +3,4 @@
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
-exec "$EV_STACK_ROOT/install/ev_sim/lib/ev_sim/inspect" "$@"
+exec "$EV_STACK_ROOT/install/ev_sim/lib/ev_sim/ev-stack" inspect "$@"

@@ -13,18 +13,25 @@ if [[ "$root" == *[[:space:]]* ]]; then
 fi
 export LC_ALL=C PIP_DISABLE_PIP_VERSION_CHECK=1
 
-# A ROS 2 distribution that is sourced goes before the wheels of requirements.txt.
+# A ROS 2 distribution that is sourced goes before the wheels of requirements.lock.
 distribution=""
 if [[ -n "${ROS_DISTRO:-}" ]] && command -v ros2 >/dev/null; then
     distribution="$ROS_DISTRO"
 fi
+case "$distribution" in
+    foxy | galactic | humble | iron)
+        echo "ROS 2 $distribution is sourced, whose Python is older than 3.11: source jazzy, kilted or rolling, or none," \
+            "then ROS 2 comes by pip (docs/installing.md)" >&2
+        exit 1
+        ;;
+esac
 
 environment_fingerprint() {
-    { echo "$root" "$distribution" && cat requirements.txt; } | sha256sum
+    { echo "$root" "$distribution" && cat requirements.txt requirements.lock; } | sha256sum
 }
 
 build_fingerprint() {
-    { cat .venv/.complete scripts/prepare.sh src/*/{package.xml,setup.py,setup.cfg} && find config -type f | sort; } | sha256sum
+    cat .venv/.complete scripts/prepare.sh src/*/{package.xml,setup.py,setup.cfg} | sha256sum
 }
 
 is_environment_ready() {
@@ -73,7 +80,16 @@ install_beside_distribution() {
 
 # Python compiles what it imports when it does; pip would compile everything, which takes as long as the rest.
 install_packages() {
-    .venv/bin/python -m pip install --no-compile "$@"
+    if command -v uv >/dev/null; then
+        uv pip install --python .venv/bin/python "$@"
+    else
+        .venv/bin/python -m pip install --no-compile "$@"
+    fi
+}
+
+# Exactly the files that the lock names, down to their hashes.
+install_locked() {
+    install_packages --require-hashes --requirement requirements.lock
 }
 
 update_environment() {
@@ -81,7 +97,7 @@ update_environment() {
     if [[ -n "$distribution" ]]; then
         step "updating .venv" install_beside_distribution
     else
-        step "updating .venv" install_packages --requirement requirements.txt
+        step "updating .venv" install_locked
     fi
     environment_fingerprint >.venv/.complete
 }
@@ -91,13 +107,13 @@ make_environment() {
     rm -rf .venv
     trap 'rm -rf "$root/.venv"' EXIT
     if [[ -n "$distribution" ]]; then
+        check_python "$python"
         step "making .venv beside ROS 2 $distribution" "$python" -m venv --system-site-packages .venv
         step "installing what $distribution lacks (once)" install_beside_distribution
     else
         check_python "$python"
         step "making .venv" "$python" -m venv .venv
-        step "installing ROS 2 and the tools of requirements.txt (once, about a minute)" \
-            install_packages --requirement requirements.txt
+        step "installing ROS 2 and the tools of requirements.lock (once, about a minute)" install_locked
     fi
     environment_fingerprint >.venv/.complete
     trap - EXIT

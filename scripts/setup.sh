@@ -36,7 +36,6 @@ if [[ ":${AMENT_PREFIX_PATH:-}:" != *":$EV_STACK_ROOT/install/ev_sim:"* ]]; then
 fi
 
 export EV_STACK_ROOT
-export EV_STACK_CONFIG="${EV_STACK_CONFIG:-$EV_STACK_ROOT/config}"
 
 # Discovery stays on this machine, unless the user says otherwise: by our profile where the middleware is Fast DDS 3
 # (from Kilted on), else by what ROS 2 itself offers.

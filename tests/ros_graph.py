@@ -23,7 +23,8 @@ from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
-from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.contract.topics import TOPICS, Topic
+from ev_msgs_py.lockstep.stepper import WRITERS
 from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.nodes.spinning import spin
@@ -81,6 +82,11 @@ def node_of(context: Context, name: str, values: dict[str, Any], namespace: str 
     return RecorderNode(**arguments) if name == RECORDER else make_node(name, **arguments)
 
 
+def publisher(node: Node, topic: Topic) -> Any:
+    """A node's publisher on a topic of the contract."""
+    return node.create_publisher(message_class(topic.message_type), topic.name, QUALITY)
+
+
 class Probe(Node):
     """Looks at a graph and speaks to it."""
 
@@ -89,6 +95,7 @@ class Probe(Node):
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self)
         self._publishers_of: dict[type, Any] = {}
+        self._mouths: dict[str, Node] = {}  # by role; only the node with its name may speak for it
         self.callers = {name: self.create_client(Trigger, f"plant/{name}") for name in SERVICES}
         self.heard: dict[type, list[tuple[int, Any]]] = {}
         self.reports: list[str] = []
@@ -119,11 +126,14 @@ class Probe(Node):
         return deserialize_message(packed, message_class(topic.message_type))
 
     def publisher_of(self, signal: type) -> Any:
-        """The probe's publisher of a signal."""
+        """A publisher of a signal, of a node with the name of the role that writes it."""
         if signal not in self._publishers_of:
-            topic = TOPICS[signal]
-            kind = message_class(topic.message_type)
-            self._publishers_of[signal] = self.create_publisher(kind, topic.name, QUALITY)
+            topic, role = TOPICS[signal], WRITERS[signal]
+            if role not in self._mouths:
+                self._mouths[role] = Node(
+                    role, context=self.context, namespace=NAMESPACE, start_parameter_services=False
+                )
+            self._publishers_of[signal] = publisher(self._mouths[role], topic)
         return self._publishers_of[signal]
 
     def look(self) -> None:

@@ -1,6 +1,16 @@
 """Build and install ev_control."""
 
+import sys
+
 from setuptools import find_packages, setup
+
+# What `ros2 run` starts is put into lib/ev_control by colcon; a wheel would put it on the PATH, under these bare names.
+NODES = [
+    "electronic_differential = ev_control.nodes.electronic_differential:main",
+    "asr = ev_control.nodes.asr:main",
+    "inverter_gateway = ev_control.nodes.inverter_gateway:main",
+]
+IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)
 
 setup(
     name="ev_control",
@@ -14,15 +24,12 @@ setup(
         ("share/ament_index/resource_index/packages", ["resource/ev_control"]),
         ("share/ev_control", ["package.xml"]),
     ],
-    install_requires=["setuptools"],
-    extras_require={"test": ["pytest"]},
+    python_requires=">=3.11",
+    install_requires=["ev_msgs_py==0.1.0", "numpy>=1.26.4"],
     zip_safe=True,
     entry_points={
-        "console_scripts": [
-            "electronic_differential = ev_control.nodes.electronic_differential:main",
-            "asr = ev_control.nodes.asr:main",
-            "inverter_gateway = ev_control.nodes.inverter_gateway:main",
-        ],
+        "console_scripts": NODES if IS_COLCON else [],
+        "ev_stack.nodes": NODES,
         "ev_stack.methods": [
             "electronic_differential = ev_control.methods.electronic_differential",
             "asr = ev_control.methods.asr",

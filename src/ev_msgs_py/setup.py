@@ -14,7 +14,11 @@ setup(
         ("share/ament_index/resource_index/packages", ["resource/ev_msgs_py"]),
         ("share/ev_msgs_py", ["package.xml"]),
     ],
-    install_requires=["setuptools"],
-    extras_require={"test": ["pytest"]},
+    python_requires=">=3.11",
+    install_requires=[
+        "numba==0.68.*",  # and with it llvmlite, whose version decides the last bit of a result
+        "numpy>=1.26.4",
+    ],
+    extras_require={"can": ["cantools>=45.1", "msgpack", "python-can>=4.6.1"]},
     zip_safe=True,
 )

@@ -1,18 +1,24 @@
 """Build and install ev_sim."""
 
+import sys
 from pathlib import Path
 
 from setuptools import find_packages, setup
 
+# What `ros2 run` starts is put into lib/ev_sim by colcon; a wheel would put it on the PATH, under these bare names.
+NODES = [
+    "plant = ev_sim.nodes.plant:main",
+    "steering_column = ev_sim.nodes.steering_column:main",
+    "driver = ev_sim.nodes.driver:main",
+    "test_bench = ev_sim.nodes.test_bench:main",
+    "recorder = ev_sim.nodes.recorder:main",
+    "inverter = ev_sim.nodes.inverter:main",
+    "can_hub = ev_sim.commands.can_hub:main",
+]
+IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)
 
-def config_files() -> list[tuple[str, list[str]]]:
-    """Every folder of config/ (a link to the one at the top of the repository) with its files."""
-    folders = [Path("config"), *sorted(path for path in Path("config").rglob("*") if path.is_dir())]
-    return [
-        (f"share/ev_sim/{folder}", [str(path) for path in sorted(folder.iterdir()) if path.is_file()])
-        for folder in folders
-    ]
-
+# ev_sim/config is a link to the folder at the top of the repository.
+CONFIG = [str(path.relative_to("ev_sim")) for path in sorted(Path("ev_sim", "config").rglob("*")) if path.is_file()]
 
 setup(
     name="ev_sim",
@@ -22,29 +28,33 @@ setup(
     maintainer_email="maintainers@ev-control-stack.org",
     license="Apache-2.0",
     packages=find_packages(exclude=["test"]),
-    package_data={"ev_sim.report.page": ["templates/*", "vendor/*"]},
+    package_data={"ev_sim": CONFIG, "ev_sim.report.page": ["templates/*", "vendor/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
-        ("share/ament_index/resource_index/ev_stack_config", ["resource/ev_sim"]),
         ("share/ev_sim", ["package.xml"]),
-        *config_files(),
     ],
-    install_requires=["setuptools"],
-    extras_require={"test": ["pytest"]},
-    zip_safe=True,
+    python_requires=">=3.11",
+    install_requires=[
+        "ev_control==0.1.0",
+        "ev_msgs_py==0.1.0",
+        "Jinja2>=3.1",
+        "matplotlib>=3.9",
+        "numpy>=1.26.4",
+        "PyYAML>=6.0",
+        "scipy>=1.13",
+        "tqdm>=4.66",
+    ],
+    extras_require={
+        "bag": ["rosbags==0.11.*"],
+        "can": ["ev_msgs_py[can]==0.1.0"],
+        "cluster": ["dask", "distributed"],
+        "frame": ["pandas"],
+    },
+    zip_safe=False,  # config is read as files
     entry_points={
-        "console_scripts": [
-            "plant = ev_sim.nodes.plant:main",
-            "steering_column = ev_sim.nodes.steering_column:main",
-            "driver = ev_sim.nodes.driver:main",
-            "test_bench = ev_sim.nodes.test_bench:main",
-            "recorder = ev_sim.nodes.recorder:main",
-            "inverter = ev_sim.nodes.inverter:main",
-            "can_hub = ev_sim.commands.can_hub:main",
-            "run_scenario = ev_sim.commands.run_scenario:main",
-            "security_policies = ev_sim.commands.security_policies:main",
-            "inspect = ev_sim.commands.inspect_graph:main",
-        ],
+        "console_scripts": ["ev-stack = ev_sim.commands.ev_stack:main", *(NODES if IS_COLCON else [])],
+        "ev_stack.nodes": NODES,
+        "ev_stack.config": ["ev_sim = ev_sim"],
         "ev_stack.methods": [
             "plant = ev_sim.methods.plant",
             "steering_column = ev_sim.methods.steering_column",

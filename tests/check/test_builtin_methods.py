@@ -11,7 +11,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 pytestmark = pytest.mark.slow
 
-STEPS = {"planar": 15}  # plain Python takes about 2 ms for a step of 1 ms
+STEPS = {"planar": 15, "planar_electrical": 15}  # plain Python takes about 2 ms for a step of 1 ms
 # Laws of other sources need rear drives, or all four.
 DRIVEN = {"slip_target": ["rear_left", "rear_right"], "axle_redistribution": list(WHEEL_NAMES)}
 METHODS = [(role, name) for role in ROLES for name in own_methods(role)]

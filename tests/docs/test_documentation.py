@@ -27,11 +27,6 @@ DURATION = 1.0  # s of simulated time of the runs with the examples; the car is 
 LIMIT = 50.0  # N m, far below the 250 N m for each wheel that the acceleration takes
 
 
-@pytest.fixture(autouse=True)
-def config_of_this_repository(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setenv("EV_STACK_CONFIG", str(ROOT / "config"))
-
-
 def test_generated_parts_are_fresh():
     stale = [str(page.relative_to(ROOT)) for page in stale_pages(ROOT)]
     assert not stale, "run scripts/document.sh"

@@ -1,5 +1,6 @@
 """The workspace is one that colcon, pip and bash understand."""
 
+import os
 import re
 import subprocess
 import sys
@@ -36,6 +37,32 @@ def test_requirements_are_pinned():
     assert not loose
 
 
+def test_the_lock_has_every_requirement_and_a_hash_for_every_package():
+    """scripts/lock.sh writes it; whoever changes requirements.txt alone would install what was there before."""
+    wanted = re.findall(r"^([\w.-]+)(?:\[\w+\])?==(\S+)", (ROOT / "requirements.txt").read_text(), re.MULTILINE)
+    locked = (ROOT / "requirements.lock").read_text()
+    packages = re.findall(
+        r"^([\w.-]+)(?:\[[\w,]+\])?==(\S+)(.*\n {4}--hash=sha256:[0-9a-f]{64})?", locked, re.MULTILINE
+    )
+    versions = {name: version for name, version, _ in packages}
+    assert {(name.lower().replace("_", "-").replace(".", "-"), version) for name, version in wanted} <= set(
+        versions.items()
+    )
+    assert [name for name, _, first_hash in packages if not first_hash] == []
+    assert "://" not in locked, "whoever installs names the index"
+
+
+@pytest.mark.parametrize("distribution", ["foxy", "humble", "iron"])
+def test_a_distribution_with_an_older_python_is_refused_before_anything_is_made(distribution, tmp_path):
+    command = tmp_path / "ros2"
+    command.write_text("#!/bin/sh\n")
+    command.chmod(0o755)
+    environment = {**os.environ, "ROS_DISTRO": distribution, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    done = subprocess.run([ROOT / "scripts/prepare.sh"], env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert distribution in done.stderr and "jazzy, kilted or rolling" in done.stderr
+
+
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.name)
 def test_script_is_valid_and_executable(script: Path):
     subprocess.run(["bash", "-n", str(script)], check=True)
@@ -47,3 +74,9 @@ def test_help_needs_no_set_up(name: str):
     script = ROOT / "scripts" / name
     shown = subprocess.run([script, "--help"], check=True, capture_output=True, text=True)
     assert f"scripts/{name}" in shown.stdout
+
+
+def test_every_page_is_in_the_site():
+    """scripts/site.sh builds it from mkdocs.yml; README and CHANGELOG are its first and its last page."""
+    listed = set(re.findall(r": (\w+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE))
+    assert listed == {page.name for page in (ROOT / "docs").glob("*.md")} | {"index.md", "changelog.md"}

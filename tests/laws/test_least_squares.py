@@ -12,7 +12,7 @@ from traction import INERTIA, PERIOD, Control, spinning_at
 
 from ev_control.shared.least_squares_parameters import LeastSquaresParameters
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.parameters.config_directory import config_directory
+from ev_msgs_py.parameters.csv_file import find_file
 from ev_msgs_py.parameters.declaration import ParameterError
 
 
@@ -119,7 +119,7 @@ def test_least_squares_leaves_dry_driving_alone():
         ("plant", "road.left", ("dry_asphalt",)),
         ("plant", "road.right", ("dry_asphalt",)),
         ("driver", "method", "speed_profile"),
-        ("driver", "speed_profile.file", str(config_directory() / "cycles" / "trrl_1_1.csv")),
+        ("driver", "speed_profile.file", str(find_file("cycles/trrl_1_1.csv"))),
         ("driver", "speed_control.max_drive_torque", 4000.0),
         ("steering_column", "method", "manual"),
         ("asr", "method", "least_squares"),

@@ -1,12 +1,17 @@
 """All nodes in one process over DDS: the same numbers as offline, however they are run and whoever comes and goes."""
 
+import math
 from pathlib import Path
 
 import pytest
-from ros_graph import NODES, WAYS, Graph, graph, offline_hash, recorded_hash, shchur
+from rclpy.node import Node
+from ros_graph import NAMESPACE, NODES, WAYS, Graph, graph, offline_hash, publisher, recorded_hash, shchur
 
+from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
+from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.sensors.quantities import QUANTITIES
+from ev_msgs_py.wire.message_format import format_of
 from ev_sim.run.node_parameters import RECORDER
 from ev_sim.run.recording.recording import load
 from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
@@ -40,6 +45,29 @@ def test_the_graph_gives_the_same_numbers_as_the_offline_runner(way, tmp_path):
         nodes.run(way=way)
         assert nodes.probe.reports == []
     assert recorded_hash(tmp_path) == offline_hash(run)
+
+
+def test_a_stranger_on_every_topic_changes_nothing_and_is_named_once_by_each_node(tmp_path):
+    """It repeats every stamp with other numbers, and with a number that is none, from before the first step on."""
+    run = shchur(1.0)
+    with graph(run, tmp_path) as nodes:
+        stranger = Node("stranger", context=nodes.context, namespace=NAMESPACE)
+        mouths = [(format_of(signal), publisher(stranger, topic)) for signal, topic in TOPICS.items()]
+        other = Frame()
+
+        def says_what_it_likes() -> bool:
+            for number in (7.0, math.nan):
+                other.numbers[:] = numbers_of([number] * len(other.numbers))
+                for format_, mouth in mouths:
+                    mouth.handle.publish_raw(format_.pack(nodes.nodes["plant"].now, other))
+            return nodes.nodes[RECORDER].done
+
+        nodes.run(says_what_it_likes)
+        reports = nodes.probe.reports
+    assert recorded_hash(tmp_path) == offline_hash(run)
+    assert {report.partition(": ")[2].partition(" is refused: ")[0] for report in reports} == {"/ev/stranger"}
+    named_by = [report.partition(": ")[0] for report in reports]
+    assert len(named_by) == len(set(named_by)) and {"/ev/plant", "/ev/recorder"} <= set(named_by)
 
 
 def test_sensors_show_the_same_over_dds_as_offline(tmp_path):

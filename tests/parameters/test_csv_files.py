@@ -91,9 +91,8 @@ def test_the_plant_opens_no_files(tmp_path):
         plant(vehicle_with("map.csv"))
 
 
-def test_the_example_map_is_that_of_the_loss_model(monkeypatch):
+def test_the_example_map_is_that_of_the_loss_model():
     """As its header says; it is written with four digits."""
-    monkeypatch.setenv("EV_STACK_CONFIG", str(ROOT / "config"))
     motor = class_b(map_file="efficiency_maps/yasa_400.csv").motor
     efficiency = iter(motor.map_efficiency)
     for speed in motor.map_speed:
@@ -107,9 +106,8 @@ def test_the_example_map_is_that_of_the_loss_model(monkeypatch):
 
 
 @pytest.mark.parametrize("initial_speed", [5.0, 0.0])
-def test_a_drive_takes_the_same_energy_with_the_map_as_with_the_loss_model(monkeypatch, initial_speed):
+def test_a_drive_takes_the_same_energy_with_the_map_as_with_the_loss_model(initial_speed):
     """Within 1 % between the map's points: accelerating from 5 m/s or from rest, then braking electrically."""
-    monkeypatch.setenv("EV_STACK_CONFIG", str(ROOT / "config"))
     loss = {}
     for file in ("", "efficiency_maps/yasa_400.csv"):
         car = plant(class_b(map_file=file), initial_speed=initial_speed)

@@ -416,7 +416,7 @@ def test_speed_is_that_along_the_path():
 )
 def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
     """Also where channels or whole runs are missing; the panel then says what is not there."""
-    from ev_sim.report.figures.drawing import save_figures
+    from ev_sim.report.figures.saving import save_figures
 
     figures = report_for(scenario).figures(runs, VEHICLE, {})
     assert list(figures) == names

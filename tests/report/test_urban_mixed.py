@@ -15,9 +15,11 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.drives.losses import loss_power
 from ev_sim.profiles.cycle_modes import MODES, TRACTION
 from ev_sim.report.figures.cycle_bands import stretches
+from ev_sim.report.figures.motors_and_cells import motors_and_cells
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import circuits
 from ev_sim.report.quantities import traction_windows as cycle
+from ev_sim.report.quantities.motors_and_cells import electrical_metrics
 from ev_sim.report.quantities.slip_curve import first_passed_peak
 from ev_sim.report.quantities.surfaces_under import share_of, surfaces_under
 from ev_sim.report.reports import report_for
@@ -269,9 +271,34 @@ def test_figures_have_quantities_and_units(driver):
     assert samples < len(driven(driver).time) / 2
 
 
+def test_motors_and_cells_are_shown_where_they_are_modelled():
+    """Two seconds with a winding above its warm temperature; without these channels there are no such numbers."""
+    time = np.arange(200) * 0.05
+    hot = CAR.motor.thermal.winding_warm + 1.0
+    channels = {
+        f"{quantity}.{wheel}": np.full(200, 40.0)
+        for quantity in (
+            "motor_electrics.current", "motor_electrics.voltage", "motor_electrics.power", "motor_temperatures.winding",
+            "motor_temperatures.inverter", "motor_temperatures.coolant_outlet",
+        )
+        for wheel in CAR.driven_wheels
+    }  # fmt: skip
+    channels["motor_temperatures.winding.front_left"] = np.where((time > 3.0) & (time < 5.02), hot, 40.0)
+    channels |= {"battery.cell.voltage": 3.3 - 0.01 * time, "battery.cell.temperature": 25.0 + 0.1 * time}
+    report, run = report_for("urban_mixed"), Recording(time, channels)
+    metrics = report.metrics({"urban_mixed": run}, CAR, {"driver": {}})
+    assert metrics["derated_time"].value == pytest.approx(2.0)
+    assert metrics["peak_winding_temperature"].value == hot
+    assert metrics["least_cell_voltage"].value == pytest.approx(3.3 - 0.01 * 9.95)
+    sheet = motors_and_cells(run, CAR, {})
+    assert not any("not measured" in text.get_text() for axes in sheet.axes for text in axes.texts)
+    assert all(axes.get_ylabel().endswith("]") for axes in sheet.axes)
+    assert electrical_metrics(Recording(time, {}), CAR) == {}
+
+
 def test_figures_say_what_is_missing(tmp_path):
     """No cycle, no tyre forces, all wheels driven: drawn, with the reason in place of curves."""
-    from ev_sim.report.figures.drawing import save_figures
+    from ev_sim.report.figures.saving import save_figures
 
     few = Recording(np.arange(200) * PERIOD, {"twist.longitudinal": np.zeros(200), "twist.lateral": np.zeros(200)})
     for car in (CAR, dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES), dataclasses.replace(CAR, driven_wheels=())):

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
 
 from ev_msgs_py.contract.roles import REQUIRED
-from ev_msgs_py.parameters.config_directory import config_directory
+from ev_msgs_py.parameters.config_folders import config_folders
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.run.scenarios.scenario import Overrides, describe_scenario, load_scenario, scenario_names
 
-CONFIG = config_directory()
+CONFIG = config_folders()[-1]
 HEAD = "/**/scenario:\n  ros__parameters: {about: a test, duration: 2.0}\n"
 
 
 @pytest.fixture
 def config(tmp_path, monkeypatch) -> Path:
-    """A config folder of its own, with the vehicles of the real one."""
-    (tmp_path / "scenarios").mkdir()
-    shutil.copytree(CONFIG / "vehicles", tmp_path / "vehicles")
+    """A config folder of its own, in front of the real one."""
+    for kind in ("scenarios", "vehicles"):
+        (tmp_path / kind).mkdir()
     monkeypatch.setenv("EV_STACK_CONFIG", str(tmp_path))
     return tmp_path
 
@@ -102,7 +101,7 @@ def test_later_words_go_before_earlier_ones(scenario, more, config):
 
 
 def test_the_vehicle_reaches_every_node(scenario, config):
-    text = (config / "vehicles" / "audi_a2.yaml").read_text().replace("audi_a2", "lorry")
+    text = (CONFIG / "vehicles" / "audi_a2.yaml").read_text().replace("audi_a2", "lorry")
     (config / "vehicles" / "lorry.yaml").write_text(text)
     loaded = load_scenario(scenario(HEAD.replace("about", "vehicle: lorry, about")))
     assert {c.common.vehicle.name for c in loaded.runs[0].configurations.values()} == {"lorry"}
@@ -136,8 +135,8 @@ def test_a_law_brings_the_column_that_it_requires(scenario):
 
 def test_unknown_scenarios_and_vehicles_list_the_known_ones(scenario):
     scenario(HEAD)
-    assert refused("tset") == "unknown scenario 'tset'; known: test"
-    assert refused("../scenarios/test").startswith("unknown scenario")
+    assert refused("tset").startswith("unknown scenario 'tset'; known: test, ")
+    assert refused("../scenarios/gone.yaml") == "../scenarios/gone.yaml: No such file or directory"
     text = refused(scenario(HEAD.replace("about", "vehicle: audi_a3, about")))
     assert text.startswith("unknown vehicle 'audi_a3'; known: audi_a2")
 
@@ -188,3 +187,39 @@ def test_runs_that_are_not_named_are_not_resolved():
     ]
     with pytest.raises(ParameterError, match=r"^unknown run of shchur2019_steps 'nobody'; known: "):
         load_scenario("shchur2019_steps", only=("nobody",))
+
+
+def own_car(folder, change=lambda text: text) -> str:
+    path = folder / "my_car.yaml"
+    path.write_text(change((CONFIG / "vehicles" / "audi_a2.yaml").read_text().replace("audi_a2", "my_car")))
+    return str(path)
+
+
+def test_a_scenario_and_a_vehicle_may_be_any_file(scenario, tmp_path):
+    """The vehicle of one's own is the whole car: what a scenario changes about its car is left out, and said."""
+    text = HEAD + section("/**", "{vehicle.mass: 1000.0, vehicle.rear_steering_ratio: 0.1}")
+    path = tmp_path / "elsewhere.yaml"
+    path.write_text(text)
+    loaded = load_scenario(str(path), Overrides(vehicle=own_car(tmp_path)))
+    car = loaded.runs[0].configurations["asr"].common.vehicle
+    assert (loaded.name, car.name, car.mass, car.rear_steering_ratio) == ("elsewhere", "my_car", 1400.0, 0.0)
+    said = f"left out for another vehicle: vehicle.mass, vehicle.rear_steering_ratio of {path}"
+    assert loaded.notes == (said,)
+    on_top = Overrides(vehicle=own_car(tmp_path), values=[("*", "vehicle.mass", 900.0)])
+    assert load_scenario(str(path), on_top).runs[0].configurations["asr"].common.vehicle.mass == 900.0
+
+
+def test_a_vehicle_that_does_not_say_everything_about_itself_is_refused(scenario, tmp_path):
+    """Else it would silently be filled up from another car."""
+    path = own_car(tmp_path, lambda text: text.replace("mass: 1400.0", "").replace("resistance: 0.1 ", "#"))
+    said = f"{path}: a vehicle says everything about itself, missing: vehicle.mass, vehicle.battery.resistance"
+    assert refused(scenario(HEAD), Overrides(vehicle=path)) == said
+
+
+def test_a_scenario_may_borrow_a_report_and_bring_metrics(scenario):
+    text = HEAD.replace("about", "report: double_lane_change, metrics: ['end = last(pose.x)'], about")
+    assert load_scenario(scenario(text)).parameters.report == "double_lane_change"
+    assert "unknown report 'lane_change'; known: " in refused(scenario(text.replace("double_lane", "lane")))
+    assert "unknown reduction 'lost'; known: last, " in refused(scenario(text.replace("= last", "= lost")))
+    assert "unknown channel 'pose.q'; known: pose." in refused(scenario(text.replace("pose.x", "pose.q")))
+    assert "allowed is NAME = REDUCTION(CHANNEL)" in refused(scenario(text.replace("end =", "")))

@@ -13,7 +13,13 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.frame import Frame
-from ev_msgs_py.contract.signals import BatteryCondition, DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_msgs_py.contract.signals import (
+    BatteryCondition,
+    CellCondition,
+    DriverCommand,
+    SteeringColumnState,
+    WheelTorqueRequest,
+)
 from ev_msgs_py.contract.topics import JOINT_STATE, TOPICS, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.wire.cdr import Serialized
@@ -29,6 +35,7 @@ JOINTS = pytest.mark.parametrize(
     "topic", [topic for topic in TOPICS.values() if topic.message_type == JOINT_STATE], ids=lambda topic: topic.name
 )
 SINGLE_MAX = float(np.finfo(np.float32).max)
+SINGLE = (BatteryCondition, CellCondition)  # signals in single precision
 # Bit patterns that tend to get lost: the sign of a zero, the smallest and the largest number, the last bit.
 SPECIAL = (-0.0, 5e-324, -2.2250738585072014e-308, 1.7976931348623157e308, math.nextafter(1.0, 2.0), 0.1)
 finite = st.floats(allow_nan=False, allow_infinity=False) | st.sampled_from(SPECIAL)
@@ -38,7 +45,7 @@ stamp_values = st.integers(0, (2**31 - 1) * stamps.NANOSECONDS)
 
 @cache
 def numbers_of(topic: Topic) -> st.SearchStrategy[tuple[float, ...]]:
-    kind = single if topic.signal is BatteryCondition else finite
+    kind = single if topic.signal in SINGLE else finite
     return st.tuples(*[kind] * len(topic.channels))
 
 
@@ -203,11 +210,13 @@ def test_joints_in_another_order_mean_the_same(topic, data):
 
 
 @WITH_NUMBERS
-def test_another_frame_name_and_further_content_are_read_too(topic):
-    """They make the message longer, so that the numbers sit elsewhere; also when no message is laid out as ours."""
+def test_without_a_frame_name_it_is_read_and_of_another_frame_refused(topic):
+    """Without one the message is shorter and the numbers sit elsewhere; also when no message is laid out as ours."""
     values = ordinary(topic)
     message = message_of(topic, values, 5)
     message.header.frame_id = "somewhere/else"
+    assert refusal(topic, serialize_message(message)).startswith("frame_id is 'somewhere/else', allowed is ")
+    message.header.frame_id = ""
     serialized = serialize_message(message)
     assert read(topic, serialized) == bits(values)
     for messages in ([serialized, packed(topic, values, 5)], [serialized, serialized]):
@@ -284,7 +293,7 @@ def test_a_number_that_is_not_finite_is_refused_wherever_it_stands(topic, bad):
 @WITH_NUMBERS
 def test_huge_finite_numbers_are_not_taken_for_infinite(topic):
     """The quick look at the sum overflows for them."""
-    huge = [SINGLE_MAX if topic.signal is BatteryCondition else 1.7e308] * len(topic.channels)
+    huge = [SINGLE_MAX if topic.signal in SINGLE else 1.7e308] * len(topic.channels)
     assert read(topic, packed(topic, huge)) == bits(huge)
 
 

@@ -17,6 +17,7 @@ from ev_msgs_py.can.frames import LOADS
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.nodes.signal_io import SignalReader
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of
@@ -26,21 +27,21 @@ _QUEUE = 10
 
 
 class Commands:
-    """Hands the newest command of each topic to the station; what is refused is said to `warn`."""
+    """Hands the newest command of each topic to the station; `reports` is told what is refused."""
 
     def __init__(
         self, node: Node, station: GatewayStation, parameters: Callable[[], GatewayParameters],
-        warn: Callable[[str], None],
+        reports: Reports,
     ) -> None:  # fmt: skip
-        self._station, self._parameters, self._warn = station, parameters, warn
-        self._torques = SignalReader(node, TOPICS[WheelTorqueCommand], self._take_torques)
+        self._station, self._parameters, self._reports = station, parameters, reports
+        self._torques = SignalReader(node, TOPICS[WheelTorqueCommand], self._take_torques, reports.refuse)
         self._loads: Any = node.create_subscription(JointState, LOAD_COMMAND, self._take_loads, _QUEUE)
 
     def take(self) -> bool:
         """Take all that has come; False if there was nothing."""
         progressed = False
-        while (taken := self._torques.take()) is not None:
-            self._torques.receive(taken[0])
+        while (message := self._torques.take()) is not None:
+            self._torques.receive(message)
             progressed = True
         while (taken := self._loads.handle.take_message(JointState, False)) is not None:
             self._take_loads(taken[0])
@@ -52,7 +53,7 @@ class Commands:
         try:
             _, torques = format_of(WheelTorqueCommand).read(message)
         except MessageError as error:
-            self._warn(f"torque_command ignored: {error}")
+            self._reports.refuse("torque_command", f"torque_command ignored: {error}")
             return
         p = self._parameters()
         for name, wheel in (("Drive11", p.wheel_11), ("Drive12", p.wheel_12)):
@@ -64,8 +65,9 @@ class Commands:
         ours = {NAMES[name]: name for name in LOADS}
         wrong = set(message.name) - set(ours) or len(values) != len(message.name) or not all(map(isfinite, values))
         if wrong or (message.velocity and message.effort):
-            self._warn(
-                f"{LOAD_COMMAND} ignored: needed are the names {', '.join(ours)} and either efforts or velocities"
+            self._reports.refuse(
+                LOAD_COMMAND,
+                f"{LOAD_COMMAND} ignored: needed are the names {', '.join(ours)} and either efforts or velocities",
             )
             return
         for name, value in zip(message.name, values, strict=True):

@@ -30,7 +30,7 @@ class InverterGatewayNode(BusNode):
     def prepare(self) -> None:
         """What leads the inverters, what hears the graph, what speaks to it."""
         self.station = GatewayStation(self.database, self.parameters)
-        self._commands = Commands(self, self.station, lambda: self.parameters, self.reports.warn)
+        self._commands = Commands(self, self.station, lambda: self.parameters, self.reports)
         self._feedback = FeedbackPublisher(self, self.station.devices)
 
     def changed(self) -> None:

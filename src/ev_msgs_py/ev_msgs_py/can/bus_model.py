@@ -59,9 +59,7 @@ class ChannelState:
     released: list[float] = series(PLACES, unit="bit", about="since when")
     low: list[float] = series(PLACES, unit="1", about="its words")
     high: list[float] = series(PLACES, unit="1")
-    came: list[float] = series(
-        PLACES, unit="1", about="whether a frame is on the wire or was not taken yet"
-    )
+    came: list[float] = series(PLACES, unit="1", about="whether a frame is on the wire or was not taken yet")
     arrives: list[float] = series(PLACES, unit="bit", about="when")
     came_low: list[float] = series(PLACES, unit="1", about="its words")
     came_high: list[float] = series(PLACES, unit="1")

@@ -39,10 +39,10 @@ def register_functions() -> None:
 
 @cache
 def cache_folder() -> Path:
-    """Where compiled code is kept: beside the package, or where the user may write."""
-    beside = Path(__file__).parents[1] / "__pycache__"
-    for parent in (beside, Path(tempfile.gettempdir()) / f"ev_stack-{os.getuid()}"):
-        folder = parent / "compiled"
+    """Where compiled code is kept: where EV_STACK_CACHE says, beside the package, or where the user may write."""
+    beside = Path(__file__).parents[1] / "__pycache__" / "compiled"
+    own = Path(tempfile.gettempdir()) / f"ev_stack-{os.getuid()}" / "compiled"
+    for folder in (Path(os.environ.get("EV_STACK_CACHE") or beside), beside, own):
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError:

@@ -41,6 +41,15 @@ def channels() -> dict[str, int]:
     }
 
 
+def units() -> dict[str, str]:
+    """The unit of every recorded channel."""
+    return {
+        name: unit
+        for signal in PLACES
+        for name, unit in zip(TOPICS[signal].channels, shape_of(signal).units, strict=True)
+    }
+
+
 def stack(instants: int, period: int, size: int = SIZE) -> np.ndarray:
     """Empty frames of so many instants from time zero, `period` nanoseconds apart: (instants, size).
 

@@ -21,10 +21,13 @@ from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
+    CellCondition,
     DriverCommand,
     InertialMeasurement,
     Instant,
+    MotorElectrics,
     MotorStates,
+    MotorTemperatures,
     RecorderProgress,
     SteeringColumnState,
     TireForces,
@@ -64,6 +67,7 @@ class Role:
 
 # In the order in which they are published: first what the driver waits for, with whom every step begins.
 _BODY = (WheelStates, BodyVelocity, BodyPose, InertialMeasurement, MotorStates, BatteryCondition)
+_ELECTRICAL = (MotorElectrics, MotorTemperatures, CellCondition)  # last: whoever does not write them has no gap
 
 ROLES = {
     role.name: role
@@ -72,7 +76,7 @@ ROLES = {
             "plant",
             RoleKind.INTEGRATES,
             reads=(WheelTorqueCommand, SteeringColumnState, BenchShafts, BenchElectrical),
-            writes=(*_BODY, TireForces, LoadCommand),
+            writes=(*_BODY, TireForces, *_ELECTRICAL, LoadCommand),
             default_method="kinematic",
         ),
         Role(
@@ -139,4 +143,5 @@ _ALL = tuple(signal for role in ROLES.values() for signal in role.writes)
 EXTRA = frozenset(filter(_is_extra, _ALL))
 # What only optional roles write or read comes last: a frame without them is as short as if there were none.
 RECORDED = tuple(sorted(_ALL, key=lambda signal: signal in EXTRA))
+RECORDER = "recorder"  # a node that plays no role
 RECORDER_WRITES = RecorderProgress

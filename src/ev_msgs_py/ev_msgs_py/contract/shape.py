@@ -38,6 +38,7 @@ class Shape:
         self.per_wheel = per_wheel == {True}
         ends = [f".{wheel}" for wheel in WHEEL_NAMES] if self.per_wheel else [""]
         self.channels = tuple(f"{name}{end}" for name in self.fields for end in ends)
+        self.units = tuple(field.unit for field in self.fields.values() for _ in ends)
         self.size = len(self.channels)
         self.has_single = any(field.single_precision for field in self.fields.values())
         self.single = tuple(field.single_precision for field in self.fields.values() for _ in ends)

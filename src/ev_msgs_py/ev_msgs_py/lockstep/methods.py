@@ -20,7 +20,8 @@ from ev_msgs_py.vehicle.layout import refusal
 
 T = TypeVar("T")
 
-_GROUP = "ev_stack.methods"  # of entry points, named after their roles
+_GROUP = "ev_stack.methods"  # of entry points, named after their roles,
+_NODES = "ev_stack.nodes"  # as their nodes are
 _REGISTER: dict[str, dict[str, Method]] = {}
 
 
@@ -139,14 +140,10 @@ def _load_installed_methods(role: str) -> None:
 
 @cache
 def node_package(role: str) -> str:
-    """The package with the node of a role: it has methods for the role and an executable of the role's name.
-
-    LookupError unless there is exactly one.
-    """
-    offered = {point.value.partition(".")[0] for point in entry_points(group=_GROUP, name=role)}
-    found = {point.value.partition(".")[0] for point in entry_points(group="console_scripts", name=role)} & offered
+    """The package with the node of a role; LookupError unless there is exactly one."""
+    found = {point.value.partition(".")[0] for point in entry_points(group=_NODES, name=role)}
     if len(found) != 1:
-        raise LookupError(f"one package is wanted with methods and a node for {role}, found: {sorted(found)}")
+        raise LookupError(f"one package is wanted with a node for {role}, found: {sorted(found)}")
     return found.pop()
 
 

@@ -21,17 +21,17 @@ class Polled:
         progressed = False
         for signal in self.wanted():
             reader = self.readers[signal]
-            taken = reader.take()
-            if taken is not None:
-                reader.receive(taken[0])
+            message = reader.take()
+            if message is not None:
+                reader.receive(message)
                 progressed = True
         return progressed
 
     def sweep(self) -> None:
         """Take everything: what nobody waits for are repetitions, and they tell that somebody misses an answer."""
         for reader in self.readers.values():
-            while (taken := reader.take()) is not None:
-                reader.receive(taken[0])
+            while (message := reader.take()) is not None:
+                reader.receive(message)
 
     def forget(self, signal: type) -> None:
         """Take what has come of a signal, if the node reads it, and do nothing with it."""

@@ -8,15 +8,18 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.lockstep.inbox import Arrival
 from ev_msgs_py.lockstep.stepper import Answer, Stepper
+from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 
 
 class Reception:
-    """Feeds serialized messages to a stepper; `warn` is told what is odd, `publish` what there is to say."""
+    """Feeds serialized messages to a stepper; `reports` is told what is odd, `publish` what there is to say."""
 
-    def __init__(self, stepper: Stepper, warn: Callable[[str], None], publish: Callable[[Answer], None]) -> None:
-        self._stepper, self._warn, self._publish = stepper, warn, publish
+    def __init__(self, stepper: Stepper, reports: Reports, publish: Callable[[Answer], None]) -> None:
+        self._stepper, self._reports, self._publish = stepper, reports, publish
+        self.arrivals = dict.fromkeys(Arrival, 0)  # of messages that were not just kept
+        self.refused = 0  # messages that could not be read, or that the topic table does not allow
         self._gaps: set[Topic] = set()
         self._joined_late = False
         self._before_reset = -1  # stamp up to which late messages may still be of the run before a reset
@@ -45,6 +48,7 @@ class Reception:
 
     def _note(self, topic: Topic, stamp: int, arrival: Arrival, last: int | None) -> None:
         """Report what cannot belong to the run; remember up to where messages may be of a run before."""
+        self.arrivals[arrival] += 1
         if arrival is Arrival.GAP:
             self._report_gap(topic, stamp)
         elif arrival is Arrival.RESTART and last is not None:
@@ -54,7 +58,9 @@ class Reception:
         """Report a first answer that is not that of the beginning of a run."""
         if stamp > 0 and not self._joined_late:
             self._joined_late = True
-            self._warn(f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible")
+            self._reports.warn(
+                f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible"
+            )
 
     def reader(self, topic: Topic) -> Callable[[bytes], tuple[int, Sequence[float]] | None]:
         """A function that reads stamp and numbers of a message of a topic; None, and a report, if it is refused."""
@@ -70,15 +76,16 @@ class Reception:
         return try_to_read
 
     def refuse(self, topic: Topic, message: bytes, error: MessageError) -> None:
-        """Report a message that is ignored."""
-        self._warn(f"{topic.name}{_when(message)} ignored: {error}")
+        """Count a message that is ignored, and report the first of each topic."""
+        self.refused += 1
+        self._reports.refuse(topic.name, f"{topic.name}{_when(message)} ignored: {error}")
 
     def _report_gap(self, topic: Topic, stamp: int) -> None:
         if topic in self._gaps or stamp <= self._before_reset:
             return
         self._gaps.add(topic)
         due = stamps.to_seconds(self._stepper.inbox.last + self._stepper.period)
-        self._warn(f"{topic.name} at {stamps.to_seconds(stamp)} s ignored (reported once): {due} s is due")
+        self._reports.warn(f"{topic.name} at {stamps.to_seconds(stamp)} s ignored (reported once): {due} s is due")
 
 
 def _when(message: bytes) -> str:

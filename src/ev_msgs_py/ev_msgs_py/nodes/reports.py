@@ -8,6 +8,8 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
+REFUSED = "refused"  # key of a diagnostic value: what is ignored, without harm to the run
+_NAMED = 20  # of what is refused; more than these are counted only
 _LOOK_PERIOD = 0.1  # s of wall time between looks at what a part notes
 
 
@@ -20,12 +22,21 @@ class Reports:
         self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._part: Any = None
         self._said: set[str] = set()
+        self._refused: set[str] = set()
         self._next_look = 0.0
 
     def warn(self, text: str) -> None:
         """Say something in the log and in /diagnostics: the run may not be reproducible."""
         self._node.get_logger().warning(text)
         self._diagnose(DiagnosticStatus.WARN, text)
+
+    def refuse(self, what: str, text: str) -> None:
+        """Say, once of each node or topic, that its messages are refused: that costs time, and changes no number."""
+        if what in self._refused or len(self._refused) >= _NAMED:
+            return
+        self._refused.add(what)
+        self._node.get_logger().warning(text)
+        self._diagnose(DiagnosticStatus.WARN, text, KeyValue(key=REFUSED, value=what))
 
     def pass_on_now_and_then(self, part: Any) -> None:
         """As `pass_on`, unless the last look was a moment ago: a part is asked much less often than it steps."""
@@ -43,9 +54,9 @@ class Reports:
                 self._node.get_logger().info(text)
                 self._diagnose(DiagnosticStatus.OK, text)
 
-    def _diagnose(self, level: bytes, text: str) -> None:
+    def _diagnose(self, level: bytes, text: str, *more: KeyValue) -> None:
         status = DiagnosticStatus(level=level, name=self._node.get_fully_qualified_name(), message=text)
-        status.values = [KeyValue(key="role", value=self._role)]
+        status.values = [KeyValue(key="role", value=self._role), *more]
         report = DiagnosticArray(status=[status])
         report.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(report)

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 
 from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
+from ev_msgs_py.lockstep.stepper import WRITERS
+from ev_msgs_py.nodes.speaker import Refuse, Speaker
 from ev_msgs_py.wire.message_format import format_of
 
 SubscriptionHandle = rclpy_implementation.Subscription  # what rclpy's Subscription wraps
 QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last
+_HEARD = QoSProfile(depth=20 * QUEUE_DEPTH)  # until they are taken; those of strangers shall not displace the others
 
 
 class SignalWriter:
@@ -34,13 +40,54 @@ class SignalWriter:
             self._publish(self._pack(stamp, here))
 
 
-class SignalReader:
-    """Receives one signal: gives each serialized message to `receive`, from an executor or when somebody takes it."""
+class PolledGroup(MutuallyExclusiveCallbackGroup):
+    """Subscriptions that executors leave alone while `spinning.spin` takes their messages, and who has sent them."""
 
-    def __init__(self, node: Node, topic: Topic, receive: Callable[[bytes], None]) -> None:
-        message_class = format_of(topic.signal).message_class
-        self.receive = receive
-        self._subscription = node.create_subscription(message_class, topic.name, receive, QUALITY, raw=True)
+    polled = False
+
+    def can_execute(self, entity: Any) -> bool:
+        """Whether an executor may take what has come."""
+        return not self.polled and super().can_execute(entity)
+
+
+class Reader:
+    """Receives a topic from the one who may speak on it, from everybody without a `speaker`.
+
+    Serialized messages go to `receive` if an executor takes them, else to whoever calls `take`.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        message_class: type,
+        name: str,
+        receive: Callable[[bytes], None],
+        speaker: Speaker | None,
+    ) -> None:
+        self.receive, self.speaker = receive, speaker
+        self._subscription = node.create_subscription(
+            message_class, name, self._receive_from_executor, _HEARD, callback_group=PolledGroup(), raw=True
+        )
         self.handle: SubscriptionHandle = self._subscription.handle
-        # Gives a message and what is known of it, or None.
-        self.take = partial(self.handle.take_message, message_class, True)
+        self._take = partial(self.handle.take_message, message_class, True)
+
+    def take(self) -> bytes | None:
+        """The next message that is admitted, None if there is none."""
+        while (taken := self._take()) is not None:
+            message, info = taken
+            if self.speaker is None or self.speaker.admits(info):
+                return message
+        return None
+
+    def _receive_from_executor(self, message: bytes) -> None:
+        """Not every executor tells who has sent a message."""
+        if self.speaker is None or self.speaker.admits({}):
+            self.receive(message)
+
+
+class SignalReader(Reader):
+    """Receives a signal from the node of the role that writes it; `refuse` is told of others who speak of it."""
+
+    def __init__(self, node: Node, topic: Topic, receive: Callable[[bytes], None], refuse: Refuse) -> None:
+        speaker = Speaker(node, topic.name, WRITERS.get(topic.signal, RECORDER), refuse)
+        super().__init__(node, format_of(topic.signal).message_class, topic.name, receive, speaker)

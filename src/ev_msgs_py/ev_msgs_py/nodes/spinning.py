@@ -17,9 +17,10 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.service import Service
 
-from ev_msgs_py.nodes.signal_io import SubscriptionHandle
+from ev_msgs_py.nodes.signal_io import PolledGroup, SubscriptionHandle
 
 _SERVICE_PERIOD = 0.05  # s between looks at services
+_SWEEP_PERIOD = 0.01  # s between looks at everything, at least
 
 
 class Spinnable(Protocol):
@@ -53,7 +54,8 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
     services = [service for node in nodes for service in node.services]  # type: ignore[attr-defined]
     rest = _Rest(nodes, context)
     alone = len(nodes) == 1  # who has stepped waits for others; nodes of one process wait for each other first
-    next_look, came = 0.0, True
+    next_look, next_sweep, came = 0.0, 0.0, True
+    _take_over(nodes, True)
     while not finished():
         if time.monotonic() >= next_look:
             if not context.ok():
@@ -69,11 +71,24 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
         for node in nodes:
             came |= node.poll()
         if not came:
+            # Where strangers wake it up all the time, a node need not look each time for what nobody waits for.
+            sweeps = rested and time.monotonic() >= next_sweep
+            if sweeps:
+                next_sweep = time.monotonic() + _SWEEP_PERIOD
             for node in nodes:
-                if rested:
+                if sweeps:
                     node.sweep()
                 node.idle()
+    _take_over(nodes, False)
     executor.shutdown(timeout_sec=0.0)
+
+
+def _take_over(nodes: Sequence[Spinnable], polled: bool) -> None:
+    """Keep the executor off what the nodes poll, or leave it to executors again."""
+    for node in nodes:
+        for subscription in node.subscriptions:  # type: ignore[attr-defined]
+            if isinstance(subscription.callback_group, PolledGroup):
+                subscription.callback_group.polled = polled
 
 
 def _answer(service: Service) -> None:

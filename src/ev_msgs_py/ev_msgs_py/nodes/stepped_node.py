@@ -42,11 +42,14 @@ class SteppedNode(Node, Polled):
         self.stepper = Stepper(
             configuration.method, lambda: _new_part(self.configuration), configuration.period, self.realtime
         )
-        self.reception = Reception(self.stepper, self.reports.warn, self.publish)
+        self.reception = Reception(self.stepper, self.reports, self.publish)
         writes = sorted(configuration.method.writes, key=arrival_place)
         self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in writes}
         reads = self.also_reads(self.stepper.reads)
-        self.readers = {signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal])) for signal in reads}
+        self.readers = {
+            signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal]), self.reports.refuse)
+            for signal in reads
+        }
         if configuration.unused:
             names = ", ".join(configuration.unused)
             self.get_logger().info(f"method {configuration.method.name} does not use: {names}")

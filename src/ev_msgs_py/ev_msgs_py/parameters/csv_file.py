@@ -8,22 +8,19 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TypeVar
 
-from ev_msgs_py.parameters.config_directory import config_directory
+from ev_msgs_py.parameters.config_folders import find_in_config
 from ev_msgs_py.parameters.declaration import ParameterError
 
 T = TypeVar("T")
 
 
 def find_file(name: str) -> Path:
-    """The file that a parameter names: a relative name counts from the config folder, else from the working directory.
+    """The file that a parameter names: a relative name counts from the config folders, else from the working directory.
 
-    FileNotFoundError if the name is relative and there is no config folder.
+    FileNotFoundError if the name is relative and a config folder that is named is not there.
     """
     path = Path(name)
-    if path.is_absolute():
-        return path
-    in_config = config_directory() / path
-    return in_config if in_config.exists() else path
+    return path if path.is_absolute() else find_in_config(name) or path
 
 
 def read_csv(parameter: str, name: str, columns: tuple[Mapping[str, float], ...], make: Callable[..., T]) -> T:

@@ -34,6 +34,7 @@ class Spec:
     read_only: bool = False
     lateral: bool = False
     per_wheel: bool = False
+    own: bool = False
 
     @property
     def allowed(self) -> str:
@@ -62,14 +63,16 @@ def parameter(
     read_only: bool = False,
     lateral: bool = False,
     per_wheel: bool = False,
+    own: bool = False,
 ) -> Any:
     """Declare one field of a parameter dataclass.
 
     `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and switches);
     for an array they hold for each element. `read_only` parameters are fixed when a node starts. Where left and
-    right are exchanged, `lateral` ones change their sign, and arrays `per_wheel` are in another order.
+    right are exchanged, `lateral` ones change their sign, and arrays `per_wheel` are in another order. Of `own` ones
+    everything that is described by such parameters has its own value: no default can stand for it.
     """
-    spec = Spec(about, unit, low, high, choices, source, read_only, lateral, per_wheel)
+    spec = Spec(about, unit, low, high, choices, source, read_only, lateral, per_wheel, own)
     return field(default=default, metadata={_SPEC: spec})
 
 

@@ -20,15 +20,19 @@ class Vehicle:
     The defaults are the Audi A2 of Shchur (2019).
     """
 
-    name: str = parameter("audi_a2", about="name of the vehicle file")
-    mass: float = parameter(1400.0, unit="kg", low=50.0, high=60000.0, about="mass with load, m")
-    wheelbase: float = parameter(2.405, unit="m", low=0.3, high=12.0, about="distance of the axles, L")
-    front_track: float = parameter(1.462, unit="m", low=0.2, high=4.0, about="distance of the front wheels, d")
-    rear_track: float = parameter(1.462, unit="m", low=0.2, high=4.0, about="distance of the rear wheels")
-    centre_of_mass_to_rear_axle: float = parameter(
-        1.08225, unit="m", low=0.0, high=12.0, about="centre of mass in front of the rear axle, l_cm L"
+    name: str = parameter("audi_a2", about="name of the vehicle file", own=True)
+    mass: float = parameter(1400.0, unit="kg", low=50.0, high=60000.0, about="mass with load, m", own=True)
+    wheelbase: float = parameter(2.405, unit="m", low=0.3, high=12.0, about="distance of the axles, L", own=True)
+    front_track: float = parameter(
+        1.462, unit="m", low=0.2, high=4.0, about="distance of the front wheels, d", own=True
     )
-    wheel_radius: float = parameter(0.294, unit="m", low=0.05, high=1.5, about="rolling radius of the wheels, r_k")
+    rear_track: float = parameter(1.462, unit="m", low=0.2, high=4.0, about="distance of the rear wheels", own=True)
+    centre_of_mass_to_rear_axle: float = parameter(
+        1.08225, unit="m", low=0.0, high=12.0, about="centre of mass in front of the rear axle, l_cm L", own=True
+    )
+    wheel_radius: float = parameter(
+        0.294, unit="m", low=0.05, high=1.5, about="rolling radius of the wheels, r_k", own=True
+    )
     wheel_radius_ratio: tuple[float, ...] = parameter(
         (1.0, 1.0, 1.0, 1.0),
         unit="1",
@@ -39,19 +43,22 @@ class Vehicle:
         per_wheel=True,
     )
     steering_ratio: float = parameter(
-        16.0, unit="1", low=1.0, high=40.0, about="steering-wheel angle over road-wheel angle, i"
+        16.0, unit="1", low=1.0, high=40.0, about="steering-wheel angle over road-wheel angle, i", own=True
     )
-    gear_ratio: float = parameter(2.65, unit="1", low=0.1, high=50.0, about="motor speed over wheel speed")
+    gear_ratio: float = parameter(2.65, unit="1", low=0.1, high=50.0, about="motor speed over wheel speed", own=True)
     driven_wheels: tuple[str, ...] = parameter(
         ("front_left", "front_right"),
         choices=("front_left", "front_right", "rear_left", "rear_right"),
         about="wheels with a motor",
+        own=True,
     )
     rolling_resistance: float = parameter(
-        0.015, unit="1", low=0.0, high=0.5, about="rolling resistance coefficient, k_r or f_0"
+        0.015, unit="1", low=0.0, high=0.5, about="rolling resistance coefficient, k_r or f_0", own=True
     )
-    drag_coefficient: float = parameter(0.3, unit="1", low=0.0, high=3.0, about="aerodynamic drag coefficient, c_d")
-    frontal_area: float = parameter(2.1, unit="m^2", low=0.0, high=20.0, about="frontal area, A")
+    drag_coefficient: float = parameter(
+        0.3, unit="1", low=0.0, high=3.0, about="aerodynamic drag coefficient, c_d", own=True
+    )
+    frontal_area: float = parameter(2.1, unit="m^2", low=0.0, high=20.0, about="frontal area, A", own=True)
     side_drag_coefficient: float = parameter(
         0.0,
         unit="1",
@@ -75,8 +82,10 @@ class Vehicle:
         about="added: f = f_0 + k_f V^2 with V in m/s; relative: f = f_0 (1 + k_f V^2) with V in km/h",
         source="dissertation, eq 2.8, which leaves the unit of V open: added is its literal form",
     )
-    yaw_inertia: float = parameter(1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z")
-    centre_of_mass_height: float = parameter(0.55, unit="m", low=0.0, high=4.0, about="above the road, h")
+    yaw_inertia: float = parameter(
+        1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z", own=True
+    )
+    centre_of_mass_height: float = parameter(0.55, unit="m", low=0.0, high=4.0, about="above the road, h", own=True)
     centre_of_mass_offset: float = parameter(
         0.0, unit="m", low=-2.0, high=2.0, about="centre of mass left of the car's middle", lateral=True
     )
@@ -89,7 +98,7 @@ class Vehicle:
         about="accelerations that move the wheel loads; a source may leave out the longitudinal one, or both",
         source="lateral: Ge & Ni 2005; none: Tatar & Chudzik",
     )
-    wheel_inertia: float = parameter(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w")
+    wheel_inertia: float = parameter(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w", own=True)
     undriven_inertia_ratio: float = parameter(
         1.0,
         unit="1",

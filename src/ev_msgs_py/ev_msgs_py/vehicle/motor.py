@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
+from ev_msgs_py.vehicle.thermal import ThermalParameters
+from ev_msgs_py.vehicle.winding import Winding
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,20 +17,24 @@ class Motor:
     The defaults are assumptions for a small city car's front drive with two motors.
     """
 
-    peak_torque: float = parameter(250.0, unit="N m", low=0.0, high=1e5, about="at the shaft, for a short time")
-    nominal_torque: float = parameter(150.0, unit="N m", low=1e-3, high=1e5, about="at the shaft, for ever")
-    peak_power: float = parameter(40e3, unit="W", low=1.0, high=1e7, about="mechanical power for a short time")
+    peak_torque: float = parameter(
+        250.0, unit="N m", low=0.0, high=1e5, about="at the shaft, for a short time", own=True
+    )
+    nominal_torque: float = parameter(150.0, unit="N m", low=1e-3, high=1e5, about="at the shaft, for ever", own=True)
+    peak_power: float = parameter(
+        40e3, unit="W", low=1.0, high=1e7, about="mechanical power for a short time", own=True
+    )
     overload_time: float = parameter(
         60.0, unit="s", low=0.1, high=1e5, about="thermal time constant that ends the short time"
     )
     maximum_speed: float = parameter(
-        1000.0, unit="rad/s", low=1.0, high=1e5, about="of the shaft; no drive torque beyond"
+        1000.0, unit="rad/s", low=1.0, high=1e5, about="of the shaft; no drive torque beyond", own=True
     )
     generator_torque: float = parameter(
-        150.0, unit="N m", low=0.0, high=1e5, about="largest torque when the motor feeds the battery"
+        150.0, unit="N m", low=0.0, high=1e5, about="largest torque when the motor feeds the battery", own=True
     )
     generator_power: float = parameter(
-        25e3, unit="W", low=0.0, high=1e7, about="largest mechanical power that the motor takes"
+        25e3, unit="W", low=0.0, high=1e7, about="largest mechanical power that the motor takes", own=True
     )
     torque_lag: float = parameter(0.005, unit="s", low=1e-4, high=10.0, about="time constant of the torque control")
     rotor_inertia: float = parameter(0.0, unit="kg m^2", low=0.0, high=100.0, about="of one rotor, at the shaft")
@@ -60,6 +66,8 @@ class Motor:
         about="CSV file with the columns speed_radps or speed_rpm, torque_nm and efficiency, instead of the map; empty "
         "for none",
     )
+    winding: Winding = group(Winding)
+    thermal: ThermalParameters = group(ThermalParameters)
 
     def __post_init__(self) -> None:
         if len(self.map_efficiency) != len(self.map_speed) * len(self.map_torque):

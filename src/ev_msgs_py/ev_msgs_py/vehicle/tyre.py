@@ -19,6 +19,7 @@ class Tyre:
         "burckhardt",
         choices=("burckhardt", "rational", "two_exponential", "magic_formula", "linear"),
         about="friction curve over slip",
+        own=True,
     )
     coefficients: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0, 0.0),

@@ -61,7 +61,13 @@ def _used_arrays(topic: Topic) -> list[str]:
 
 
 def numbers_in(topic: Topic, message: Any) -> list[float]:
-    """The numbers of a message object, joints in any order; MessageError if names or numbers are missing."""
+    """The numbers of a message object, joints in any order; MessageError if names or numbers are missing.
+
+    A message may leave out in which frame its numbers are, but not name another one.
+    """
+    frame = getattr(message, "header", message).frame_id
+    if frame not in ("", topic.frame):
+        raise MessageError(f"frame_id is {frame!r}, allowed is {topic.frame!r}")
     names = joint_names(topic)
     if not names:
         return [_at(message, path) for path in paths(topic)]

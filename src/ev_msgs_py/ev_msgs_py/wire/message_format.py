@@ -2,7 +2,7 @@
 
 Making a message object, filling it and letting the middleware serialize it costs some fifty microseconds, and as much
 to take one apart; a node does this several times per step. The places never change within a topic, so a few copies of
-bytes do the same. What another sender wrote in another layout (joints in another order, another frame name) is still
+bytes do the same. What another sender wrote in another layout (joints in another order, no frame name) is still
 read, by way of the message object.
 """
 
@@ -14,8 +14,6 @@ from collections.abc import Sequence
 from functools import cache
 from operator import itemgetter
 from typing import Any, NamedTuple
-
-from rclpy.serialization import deserialize_message
 
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.topics import TOPICS, Topic
@@ -78,6 +76,8 @@ class MessageFormat:
         return seconds * stamps.NANOSECONDS + nanoseconds, numbers
 
     def _read_other_layout(self, message: bytes) -> tuple[int, Sequence[float]]:
+        from rclpy.serialization import deserialize_message  # only nodes hear others: whoever just writes needs no ROS
+
         try:
             stamp = stamp_of(message)
             read: Any = deserialize_message(message, self.message_class)

@@ -11,13 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.parameters.config_directory import config_directory
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import build, unknown_name
+from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.analysis.linearised_plant import LinearisedPlant, OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
-from ev_sim.report.figures.drawing import save_figures
+from ev_sim.report.figures.saving import save_figures
 from ev_sim.report.quantities.understeer import (
     axle_cornering_stiffnesses,
     axle_masses,
@@ -25,7 +24,7 @@ from ev_sim.report.quantities.understeer import (
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.run.scenarios.parameter_file import ParameterFile
+from ev_sim.run.scenarios.configured_file import vehicle_file
 from ev_sim.surfaces.table import REFERENCE, SURFACES
 
 _PREFIX = "vehicle."
@@ -48,17 +47,13 @@ def main(argv: Sequence[str] | None = None) -> None:
     from ev_sim.analysis.bode_figure import bode_figure
 
     given.out.mkdir(parents=True, exist_ok=True)
-    (path,) = save_figures({f"bode_{given.vehicle}": bode_figure(model, plant)}, given.out)
+    (path,) = save_figures({f"bode_{vehicle.name}": bode_figure(model, plant)}, given.out)
     print(f"figure: {path}")
 
 
 def load_vehicle(name: str) -> Vehicle:
-    """The vehicle of a file in config/vehicles; ParameterError, in one line, if there is none or it is refused."""
-    folder = config_directory() / "vehicles"
-    known = sorted(path.stem for path in folder.glob("*.yaml"))
-    if name not in known:
-        raise unknown_name("vehicle", name, known)
-    values = ParameterFile(folder / f"{name}.yaml").values_for("/ev/plant")
+    """The vehicle of a name or a path; ParameterError, in one line, if there is none or it is refused."""
+    values = vehicle_file(name).values_for("/ev/plant")
     return build(Vehicle, {key: value for key, value in values.items() if key.startswith(_PREFIX)}, _PREFIX)
 
 
@@ -103,7 +98,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         prog="python -m ev_sim.analysis",
         description="How a vehicle steers: understeer gradient, W12, and the planar plant linearised numerically.",
     )
-    parser.add_argument("vehicle", help="name of a file in config/vehicles")
+    parser.add_argument("vehicle", help="name of a file in config/vehicles, or path of your own")
     parser.add_argument("--surface", default=REFERENCE, choices=sorted(SURFACES), help="default: %(default)s")
     parser.add_argument("--speed", type=float, default=8.0, metavar="M/S", help="default: %(default)s")
     parser.add_argument("--road-wheel-angle", type=float, default=0.0, metavar="DEG", help="of steady cornering")

@@ -25,7 +25,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="run.sh", description="Run a scenario: every node its own process over DDS, unless told otherwise."
     )
-    parser.add_argument("scenario", nargs="?", help="name of a scenario; --list shows them")
+    parser.add_argument("scenario", nargs="?", help="name of a scenario, --list shows them, or path of your own")
     way = parser.add_mutually_exclusive_group()
     way.add_argument("--offline", action="store_true", help="no DDS, one process")
     way.add_argument("--in-process", action="store_true", help="all nodes in one process, over DDS")
@@ -52,6 +52,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
 def add_overrides(parser: argparse.ArgumentParser) -> None:
     """Declare the options that `overrides` reads."""
     parser.add_argument("--method", action="append", default=[], metavar="NODE=NAME", help="method of a node")
+    parser.add_argument("--vehicle", metavar="FILE", help="another car: a complete vehicle file, or a name")
     parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
     parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
     parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
@@ -60,7 +61,17 @@ def add_overrides(parser: argparse.ArgumentParser) -> None:
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:
     """Declare the options that say what a run or a study leaves behind besides its summary."""
+    parser.add_argument(
+        "--figures", type=_formats, default=(), metavar="pdf,svg", help="figures also so, as wide as a paper's column"
+    )
     parser.add_argument("--no-report", action="store_true", help="no report.html; metrics and figures all the same")
+
+
+def _formats(text: str) -> tuple[str, ...]:
+    formats = tuple(dict.fromkeys(text.split(",")))
+    if not {"pdf", "svg"}.issuperset(formats):
+        raise argparse.ArgumentTypeError(f"{text!r} is refused, allowed is pdf, svg or pdf,svg")
+    return formats
 
 
 def command_of(words: Sequence[str]) -> str:
@@ -96,7 +107,7 @@ def overrides(given: argparse.Namespace) -> Overrides:
         values.append((_EVERY_NODE, "seed", given.seed))
     if getattr(given, "realtime", False):
         values.append((_EVERY_NODE, "mode", "realtime"))
-    return Overrides(given.params, values, given.duration)
+    return Overrides(given.params, values, given.duration, given.vehicle)
 
 
 def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:

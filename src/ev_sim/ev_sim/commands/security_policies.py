@@ -20,7 +20,7 @@ _DISCOVERY_TIME = 2.0  # s that nodes have to answer before the graph is taken a
 
 
 def main(argv: list[str] | None = None) -> None:
-    """ros2 run ev_sim security_policies [--namespace /ev] [--check]"""
+    """ev-stack security_policies [--namespace /ev] [--check]"""
     parser = argparse.ArgumentParser(prog="security_policies", description=__doc__)
     parser.add_argument("--namespace", type=_namespace, default="/ev", help="of the nodes; default /ev")
     parser.add_argument(

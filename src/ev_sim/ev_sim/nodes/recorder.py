@@ -10,9 +10,10 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 
 from ev_msgs_py.contract.frame import Frame
-from ev_msgs_py.contract.roles import RECORDER_WRITES, ROLES
+from ev_msgs_py.contract.roles import RECORDER, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes import ros_parameters
+from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.nodes.run_role import run_node
 from ev_msgs_py.nodes.signal_io import SignalWriter
 from ev_msgs_py.parameters.declaration import entries
@@ -37,9 +38,10 @@ class RecorderNode(Node):
         ros_parameters.declare(self, entries(p))
         topics = [topic for topic in TOPICS.values() if topic.name in p.topics]
         self._output = OutputOfRun(p, topics, [self.resolve_topic_name(topic.name) for topic in topics])
-        self._input = RecorderInput(self, topics, self._output.recorder, beside=p.bag)
+        self._input = RecorderInput(self, topics, self._output.recorder, p.bag, Reports(self, RECORDER))
         self._told = -1
         self._progress = SignalWriter(self, TOPICS[RECORDER_WRITES])
+        # For rclpy's own executors; `spinning.spin` polls by itself.
         self.create_timer(POLL_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
 
     def poll(self) -> bool:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import inspect
 import pkgutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from ev_msgs_py.parameters.values import unknown_name
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report import scenarios
 from ev_sim.report.metric import Metric
+from ev_sim.report.own_metrics import parsed
 from ev_sim.report.samples import Parameters, Runs
 
 if TYPE_CHECKING:
@@ -46,6 +48,14 @@ def _call(function: Callable[..., Any], *given: Any) -> Any:
         if name not in by_name:
             raise TypeError(f"{function.__module__}.{function.__name__}: {name} is none of {', '.join(GIVEN)}")
     return function(**{name: by_name[name] for name in names})
+
+
+def refuse_unknown_report(report: str, metrics: Sequence[str]) -> None:
+    """ParameterError if a scenario names a report that there is not, or a metric of its own that is none."""
+    if report and report not in OWN_REPORTS:
+        raise unknown_name("report", report, OWN_REPORTS)
+    for text in metrics:
+        parsed(text)
 
 
 def report_for(scenario: str) -> Report:

@@ -11,6 +11,7 @@ from typing import Any
 import rclpy
 from rclpy.parameter import Parameter
 
+from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.security import security_is_asked_for
 from ev_msgs_py.nodes.spinning import spin
@@ -18,7 +19,7 @@ from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.run.domain import free_domain
-from ev_sim.run.node_parameters import RECORDER, node_parameters, write_parameter_file
+from ev_sim.run.node_parameters import node_parameters, write_parameter_file
 from ev_sim.run.observer import Observer
 from ev_sim.run.outcome import Outcome, Progress, RunFailed, not_reproducible
 from ev_sim.run.progress_bar import announce
@@ -68,7 +69,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
                 node.close()
                 node.destroy_node()
             context.try_shutdown()
-    warnings, notes = not_reproducible(run, observer.warnings), tuple(observer.notes)
+    warnings, notes = not_reproducible(run, observer.warnings), observer.notes
     return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes)
 
 

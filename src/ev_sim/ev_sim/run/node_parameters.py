@@ -7,12 +7,10 @@ from typing import Any
 
 import yaml
 
-from ev_msgs_py.contract.roles import MASTER, RECORDED
+from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_sim.run.recording.atomic import atomic_file
 from ev_sim.run.scenarios.scenario import Run
-
-RECORDER = "recorder"
 
 
 def recorded_topics(run: Run) -> list[Topic]:

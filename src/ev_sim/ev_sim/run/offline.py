@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.run import GraphRun
+from ev_sim.run.outcome import Outcome, Progress
 from ev_sim.run.recording.recording import Recording, recording_of
-
-Progress = Callable[[float], None]
+from ev_sim.run.scenarios.scenario import Run
 
 
 def run_offline(
@@ -29,6 +30,17 @@ def run_offline(
     run.drive(progress, note)
     written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
     return recording_of(run.frames, [topic for signal, topic in TOPICS.items() if signal in written])
+
+
+def drive_offline(run: Run, progress: Progress = lambda time: None) -> Outcome:
+    """Drive one run of a scenario; raises what `run_offline` does. To compile does not count as driving."""
+    load_compiled(run.configurations)
+    start = time.monotonic()
+    notes: list[str] = []
+    recording = run_offline(
+        run.configurations, run.duration, progress, lambda role, text: notes.append(f"{run.namespace}/{role}: {text}")
+    )
+    return Outcome(recording, time.monotonic() - start, notes=tuple(notes))
 
 
 def load_compiled(configurations: Mapping[str, Configuration]) -> None:

@@ -11,6 +11,7 @@ from ev_sim.run.scenarios.scenario import Run
 
 _OF_A_SCENARIO = ("summary.json", "report.html")
 _OF_A_RUN = ("bag", "bag_before_reset_*", "log", "signals.npz", "parameters.yaml")
+_FIGURES = ("*.png", "*.pdf", "*.svg")
 _MARKS = ("summary.json", "parameters.yaml")  # what a run leaves behind, first and last
 
 
@@ -36,7 +37,7 @@ class OutputFolder:
     def _clear(self, folder: Path) -> None:
         found = [path for pattern in _OF_A_RUN + _OF_A_SCENARIO for path in sorted(folder.glob(pattern))]
         if any((folder / mark).exists() for mark in _MARKS):
-            for path in (*found, *folder.glob("*.png")):
+            for path in (*found, *(each for kind in _FIGURES for each in folder.glob(kind))):
                 _remove(path)
         elif found:
             names = ", ".join(path.name for path in found)

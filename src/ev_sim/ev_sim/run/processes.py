@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ev_msgs_py.contract import stamps
-from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.roles import MASTER, RECORDER
 from ev_msgs_py.lockstep.methods import node_package
 from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_sim.run.domain import free_domain
-from ev_sim.run.node_parameters import RECORDER, node_parameters, write_parameter_file
+from ev_sim.run.node_parameters import node_parameters, write_parameter_file
 from ev_sim.run.observer import Observer
 from ev_sim.run.observing import enclave, observing
 from ev_sim.run.outcome import Outcome, Progress, RunFailed, not_reproducible
@@ -152,7 +152,7 @@ def _watch(
     now = time.monotonic()
     wall_time = (ended or now) - (started or now)
     progress(run.duration)
-    warnings, notes = not_reproducible(run, observer.warnings), tuple(observer.notes)
+    warnings, notes = not_reproducible(run, observer.warnings), observer.notes
     return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes)
 
 

@@ -133,5 +133,5 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
             for result in drawn
             if result.measured
         ]
-        panels.append(Panel(f"{road}: slip of the front left wheel", "1", tuple(curves)))
+        panels.append(Panel(f"{road}: slip of the front left wheel", "slip ratio [1]", tuple(curves)))
     return {"slip": sheet(panels, "time [s]")}

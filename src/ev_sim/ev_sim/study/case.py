@@ -28,6 +28,7 @@ class Case:
     run: str = ""
     files: tuple[Path, ...] = ()
     duration: float | None = None
+    vehicle: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +72,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
 
 def run_of(case: Case) -> Run:
     """The configured graph of a case; ParameterError, in one line, if something in it is refused."""
-    overrides = Overrides(case.files, case.values, case.duration)
+    overrides = Overrides(case.files, case.values, case.duration, case.vehicle)
     scenario = load_scenario(case.scenario, overrides, only=(case.run,) if case.run else ())
     if len(scenario.runs) > 1:
         raise unknown_name(f"run of {case.scenario}", case.run, [run.name for run in scenario.runs])

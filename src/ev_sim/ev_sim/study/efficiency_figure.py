@@ -14,20 +14,25 @@ _OURS, _PRINTED = STROKES[0][0], STROKES[1][0]
 def efficiency_figure(
     points: Mapping[str, Mapping[int, Sequence[float]]], printed: Mapping[int, float], titles: Mapping[int, str]
 ) -> Figure:
-    """One panel for each driver: the seeds as dots, their mean as a bar, the printed value as a line, by method."""
+    """One panel for each driver: the seeds as dots, their mean and the printed value as lines, by method."""
     figure = Figure(figsize=(3.6 * len(points), 3.0), dpi=DPI, layout="constrained")
     panels = figure.subplots(1, len(points), sharey=True, squeeze=False)[0]
     for axes, (driver, by_method) in zip(panels, points.items(), strict=True):
         for method, values in by_method.items():
             if values:
-                axes.bar(method, sum(values) / len(values), width=0.7, color=_OURS, alpha=0.35)
-                axes.plot([method] * len(values), values, ".", color=_OURS, markersize=3)
-            axes.hlines(printed[method], method - 0.4, method + 0.4, color=_PRINTED, linewidth=1.6)
+                axes.plot([method] * len(values), values, ".", color=_OURS, markersize=3, label="a seed")
+                mean = sum(values) / len(values)
+                axes.hlines(mean, method - 0.3, method + 0.3, color=_OURS, linewidth=1.6, label="mean of the seeds")
+            ends = method - 0.4, method + 0.4
+            axes.hlines(printed[method], *ends, color=_PRINTED, linestyle=STROKES[1][1], linewidth=1.6, label="printed")
         axes.set_title(f"driver {driver}", loc="left", fontsize=TITLE_SIZE)
         axes.set_xticks(list(by_method), [titles[method].replace(" ", "\n") for method in by_method])
         axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
         axes.set_ylim(0.4, 1.0)
         axes.grid(True, axis="y", color="0.88", linewidth=0.6)
         axes.spines[["top", "right"]].set_visible(False)
-    panels[0].set_ylabel("wheel efficiency [1]; lines: printed", fontsize=TEXT_SIZE)
+    panels[0].set_ylabel("wheel efficiency [1]", fontsize=TEXT_SIZE)
+    handles, labels = panels[0].get_legend_handles_labels()
+    entries = dict(zip(labels, handles, strict=True))
+    figure.legend(entries.values(), entries, loc="outside upper center", ncols=3, fontsize=TEXT_SIZE, frameon=False)
     return figure

@@ -43,7 +43,8 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
             (*case.values, *common.values),
             case.run,
             (*case.files, *common.files),
-            common.duration or case.duration,
+            case.duration if common.duration is None else common.duration,
+            common.vehicle or case.vehicle,
         )
         for case in study.cases(given)
     ]
@@ -60,10 +61,10 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     wall_time = time.monotonic() - start
     results = {result.name: result for result in driven}
     metrics = study.metrics(given, results)
-    from ev_sim.report.figures.drawing import save_figures  # what draws is not loaded into every worker
+    from ev_sim.report.figures.saving import save_figures  # what draws is not loaded into every worker
 
     figures = study.figures(given, results)
-    save_figures(figures, folder.directory)
+    save_figures(figures, folder.directory, given.figures)
     content = {**_summary(name, given, cases, results, metrics, wall_time), "command": command_of([name, *argv])}
     write_summary(folder.directory / "summary.json", content)
     tables = study.tables(given, results)

@@ -12,7 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.parameters.config_directory import config_directory
+from ev_msgs_py.parameters.config_folders import config_folders
 from ev_sim.report.summary import versions
 from ev_sim.run.recording.atomic import atomic_file
 from ev_sim.run.recording.recording import Recording, load, save
@@ -92,7 +92,7 @@ def recording_at(path: Path) -> Recording:
 
 def case_key(case: Case) -> str:
     """A digest of what a case drives, whatever its name."""
-    said = repr((case.scenario, case.values, case.run, [str(file) for file in case.files], case.duration))
+    said = repr((case.scenario, case.values, case.run, [str(file) for file in case.files], case.duration, case.vehicle))
     return hashlib.sha256(said.encode()).hexdigest()[:24]
 
 
@@ -111,7 +111,7 @@ def _files(without: tuple[str, ...]) -> Iterable[tuple[str, Path]]:
             # What the compiler leaves beside the sources says nothing that they do not.
             if "__pycache__" not in path.parts and not name.startswith(tuple(f"{each}/" for each in without)):
                 yield name, path
-    config = config_directory()
-    for path in config.rglob("*"):
-        if path.is_file() and "published" not in path.relative_to(config).parts:
-            yield f"config/{path.relative_to(config).as_posix()}", path
+    for config in config_folders():
+        for path in config.rglob("*"):
+            if path.is_file() and "published" not in path.relative_to(config).parts:
+                yield f"config/{path.relative_to(config).as_posix()}", path

@@ -42,7 +42,7 @@ def draw_panels(
     source: str, shown: Sequence[PublishedPanel], driven: Mapping[Need, Driven], folder: Path
 ) -> list[Path]:
     """Draw those panels of a source that can be drawn."""
-    from ev_sim.report.figures.drawing import save_figures
+    from ev_sim.report.figures.saving import save_figures
 
     paths = []
     for panel in shown:

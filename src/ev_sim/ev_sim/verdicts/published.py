@@ -6,7 +6,7 @@ import csv
 from dataclasses import dataclass
 from functools import cache
 
-from ev_msgs_py.parameters.config_directory import config_directory
+from ev_msgs_py.parameters.csv_file import find_file
 
 KINDS = ("printed", "follows", "words", "axes", "lost")
 
@@ -30,7 +30,7 @@ class Published:
 @cache
 def published(source: str) -> dict[str, Published]:
     """Everything that a source published by id, in the order of its list; ValueError for a line that is not one."""
-    path = config_directory() / "published" / f"{source}.csv"
+    path = find_file(f"published/{source}.csv")
     lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
     listed: dict[str, Published] = {}
     for row in csv.reader(lines[1:]):

@@ -9,6 +9,7 @@ from ev_msgs_py.vehicle.car import Car
 from ev_sim.driveline.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, wheel_torques
 from ev_sim.drives.drive import advance_drive
 from ev_sim.drives.torque_controlled import limited_torque
+from ev_sim.plant.planar.electrical import within_electrical_limits
 from ev_sim.plant.planar.energy import PowerConstants, battery_scale, terminal_voltage
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.parameters import TORQUE_CONTROLLED, PlanarParameters
@@ -45,10 +46,16 @@ def apply_drives(
     motor_commands(car, asked, target)
     if car.driveline.coupling == CLUTCH:
         follow_shares(car, asked, s.torque_share, lags.clutch)
+    modelled = power.electrical.modelled == 1.0
+    if modelled:
+        step.voltage = terminal_voltage(s, power)
     for i in range(4):
         target[i] /= gear
         if p.drive == TORQUE_CONTROLLED and car.driven[i] == 1.0:
-            target[i] = limited_torque(car.motor, target[i], shaft[i] * gear, s.motor_heat[i])
+            heat = 0.0 if modelled else s.motor_heat[i]  # temperatures decide how long the peak torque lasts
+            target[i] = limited_torque(car.motor, target[i], shaft[i] * gear, heat)
+            if modelled:
+                target[i] = within_electrical_limits(s, car, i, target[i], step.voltage, shaft[i] * gear)
     scale = battery_scale(s, p, car, power, step)
     for i in range(4):
         if car.driven[i] == 0.0:
@@ -62,7 +69,7 @@ def apply_drives(
             s.motor_heat[i] += lags.heat * (use * use - s.motor_heat[i])
         else:
             drive = s.drives[i]
-            voltage = terminal_voltage(s, car, power.voltage)
+            voltage = terminal_voltage(s, power)
             advance_drive(drive, p, scale * target[i], shaft[i] * gear, voltage, h)
             motor[i] = drive.mean_torque
             s.motor_torque[i] = drive.torque

@@ -6,9 +6,12 @@ from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.car import Car
+from ev_sim.battery.cells import cell_power_limits, relaxed, temperature_share
 from ev_sim.battery.resistive import current_at_power, open_circuit_voltage, power_limits
 from ev_sim.driveline.couplings import shaft_speeds
+from ev_sim.drives.field_weakening import weakening_loss
 from ev_sim.drives.losses import loss_power, map_loss_power
+from ev_sim.plant.planar.electrical import Electrical, heat_cells, heat_motors
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.parameters import TORQUE_CONTROLLED, PlanarParameters
 from ev_sim.plant.planar.state import PlanarState
@@ -27,7 +30,9 @@ class PowerConstants(NamedTuple):
 
     capacity: float  # charge between empty and full [A s]
     voltage: tuple[float, ...]  # open circuit, at equally spaced states of charge from empty to full [V]
+    resistance: float  # of the battery, at once [ohm]
     map: EfficiencyMap
+    electrical: Electrical
 
 
 @inlined
@@ -44,10 +49,28 @@ def motor_loss(p: PlanarParameters, car: Car, map: EfficiencyMap, torque: float,
 
 
 @inlined
-def terminal_voltage(s: PlanarState, car: Car, voltages: tuple[float, ...]) -> float:
+def source_voltage(s: PlanarState, power: PowerConstants) -> float:
+    """Voltage of the battery without what its resistance takes at once [V]."""
+    return open_circuit_voltage(power.voltage, s.state_of_charge) - s.relaxation
+
+
+@inlined
+def terminal_voltage(s: PlanarState, power: PowerConstants) -> float:
     """Voltage at the terminals of the battery under the power of the last step [V]."""
-    source, resistance = open_circuit_voltage(voltages, s.state_of_charge), car.battery.resistance
-    return source - resistance * current_at_power(source, resistance, s.battery_power)
+    source = source_voltage(s, power)
+    return source - power.resistance * current_at_power(source, power.resistance, s.battery_power)
+
+
+@inlined
+def _limits(s: PlanarState, car: Car, power: PowerConstants) -> tuple[float, float]:
+    """Largest power out of and into the battery [W]."""
+    source = source_voltage(s, power)
+    if power.electrical.modelled == 0.0:
+        return power_limits(car.battery, source, s.state_of_charge)
+    temperature = car.battery.cells.ambient + s.cells_rise
+    discharging = temperature_share(power.electrical.discharge_temperature, temperature)
+    charging = temperature_share(power.electrical.charge_temperature, temperature)
+    return cell_power_limits(car.battery, source, power.resistance, s.state_of_charge, discharging, charging)
 
 
 @inlined
@@ -60,20 +83,20 @@ def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerCon
     mechanical = wanted = 0.0
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
-        left_loss = _loss(p, car, power.map, left, target[left], shaft[left])
-        right_loss = _loss(p, car, power.map, right, target[right], shaft[right])
+        left_loss = drive_loss(p, car, power, step, left, target[left], shaft[left])
+        right_loss = drive_loss(p, car, power, step, right, target[right], shaft[right])
         wanted += left_loss + right_loss
         mechanical += (target[left] * shaft[left] + target[right] * shaft[right]) * car.gear_ratio
     wanted += mechanical + car.battery.auxiliary_power
-    give, take = power_limits(car.battery, open_circuit_voltage(power.voltage, s.state_of_charge), s.state_of_charge)
+    give, take = _limits(s, car, power)
     too_much_given, too_much_taken = wanted > give, wanted < -take and mechanical < 0.0
     if not too_much_given and not too_much_taken:
         return 1.0  # nearly always: the idle losses need not be looked up
     idle = 0.0
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
-        left_idle = _loss(p, car, power.map, left, 0.0, shaft[left])
-        idle += left_idle + _loss(p, car, power.map, right, 0.0, shaft[right])
+        left_idle = drive_loss(p, car, power, step, left, 0.0, shaft[left])
+        idle += left_idle + drive_loss(p, car, power, step, right, 0.0, shaft[right])
     idle += car.battery.auxiliary_power
     if too_much_given and wanted > idle:
         return min(max((give - idle) / (wanted - idle), 0.0), 1.0)
@@ -83,9 +106,19 @@ def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerCon
 
 
 @inlined
-def _loss(p: PlanarParameters, car: Car, map: EfficiencyMap, i: int, torque: float, shaft: float) -> float:
-    """Loss of the motor of wheel i [W], at the speed of its shaft behind the gear [rad/s]; none where there is none."""
-    return 0.0 if car.driven[i] == 0.0 else motor_loss(p, car, map, torque, shaft * car.gear_ratio)
+def drive_loss(
+    p: PlanarParameters, car: Car, power: PowerConstants, step: Step, i: int, torque: float, shaft: float
+) -> float:
+    """Loss of the motor of wheel i [W], at the speed of its shaft behind the gear [rad/s]; none where there is none.
+
+    A map knows what field weakening takes.
+    """
+    if car.driven[i] == 0.0:
+        return 0.0
+    loss = motor_loss(p, car, power.map, torque, shaft * car.gear_ratio)
+    if power.electrical.modelled == 0.0 or len(power.map.efficiency) > 0:
+        return loss
+    return loss + weakening_loss(car.motor, torque, step.voltage, shaft * car.gear_ratio)
 
 
 @inlined
@@ -100,8 +133,8 @@ def account(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants
         left, right = 2 * axle, 2 * axle + 1
         left_speed, right_speed = shaft[left] * gear, shaft[right] * gear
         mechanical += motor[left] * left_speed + motor[right] * right_speed
-        left_loss = _loss(p, car, power.map, left, motor[left], shaft[left])
-        loss += left_loss + _loss(p, car, power.map, right, motor[right], shaft[right])
+        left_loss = drive_loss(p, car, power, step, left, motor[left], shaft[left])
+        loss += left_loss + drive_loss(p, car, power, step, right, motor[right], shaft[right])
         drive += step.drive[left] * mean_speed[left] + step.drive[right] * mean_speed[right]
     if p.drive != TORQUE_CONTROLLED:
         loss = 0.0
@@ -109,7 +142,12 @@ def account(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants
             loss += s.drives[2 * axle].electrical_power + s.drives[2 * axle + 1].electrical_power
         loss -= mechanical
     given = mechanical + loss + car.battery.auxiliary_power
-    current = current_at_power(open_circuit_voltage(power.voltage, s.state_of_charge), car.battery.resistance, given)
+    current = current_at_power(source_voltage(s, power), power.resistance, given)
+    if power.electrical.modelled == 1.0:
+        electrical = power.electrical
+        heat_motors(s, car, electrical, step)
+        heat_cells(s, car, electrical, power.resistance, current)
+        s.relaxation = relaxed(s.relaxation, current, electrical.relaxation_resistance, electrical.relaxation_share)
     s.state_of_charge -= current * h / power.capacity
     s.battery_power = given
     s.battery_work += given * h

@@ -44,6 +44,7 @@ class Step:
     force_y: list[float] = per_wheel(unit="N", about="of the road on the tyre, in the frame of the wheel")
     acceleration_x: float = entry(unit="m/s^2", about="of the centre of mass")
     acceleration_y: float = entry(unit="m/s^2", about="of the centre of mass")
+    voltage: float = entry(unit="V", about="of the DC link, where the electrical side is modelled")
     asked: list[float] = per_wheel(unit="N m", about="of the motors, at the wheels")
     shaft: list[float] = per_wheel(unit="rad/s", about="speed of the motor's shaft, at the wheel side of the gear")
     target: list[float] = per_wheel(unit="N m", about="of the motor, then what comes out behind its gear")

@@ -22,18 +22,17 @@ from ev_msgs_py.contract.signals import (
     WheelStates,
     WheelTorqueCommand,
 )
-from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import parameter
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
+from ev_sim.battery.resistive import current_at_power
 from ev_sim.plant.commands import accepted
 from ev_sim.plant.planar.drive_torques import Lags, behind_gear
-from ev_sim.plant.planar.energy import PowerConstants
+from ev_sim.plant.planar.energy import PowerConstants, source_voltage
 from ev_sim.plant.planar.lift import notes
 from ev_sim.plant.planar.memory import STAGES, STEP, Step
-from ev_sim.plant.planar.outputs import SIGNALS, seen
+from ev_sim.plant.planar.outputs import SIGNALS, seen, wheels_from
 from ev_sim.plant.planar.parameters import PlanarParameters, load_files
 from ev_sim.plant.planar.plant import advance
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare
@@ -98,7 +97,7 @@ def outputs(
     """All signals at the instant of the state; torque and speed of the motors are those that were measured."""
     steps = working_memory(STEP)
     said = seen(p, car, c, s, steps, working_memory(STAGES))
-    motors = MotorStates(_wheels(s.measured_speed), _wheels(s.measured_torque))
+    motors = MotorStates(wheels_from(s.measured_speed, 0), wheels_from(s.measured_torque, 0))
     load = _load(car, c, s, steps[0])
     return said[0], motors, said[2], said[3], said[4], said[5], said[6], load
 
@@ -115,12 +114,7 @@ def _load(car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> Lo
         mode[i] = car.driven[i] * SPEED_MODE
         speed[i] = car.driven[i] * gear * y[WHEEL_SPEED + i]
         torque[i] = car.driven[i] * (radius * step.force_x[i] + step.motion[i] * dry) / gear
-    return LoadCommand(_wheels(mode), _wheels(speed), _wheels(torque))
-
-
-@compilable
-def _wheels(values: list[float]) -> Wheels:
-    return Wheels(values[0], values[1], values[2], values[3])
+    return LoadCommand(wheels_from(mode, 0), wheels_from(speed, 0), wheels_from(torque, 0))
 
 
 @method(
@@ -197,7 +191,7 @@ def _book(
         mechanical += (step.motor[left] * left_speed + step.motor[right] * right_speed) * car.gear_ratio
         drive += step.drive[left] * left_speed + step.drive[right] * right_speed
     given = s.measured_power + car.battery.auxiliary_power
-    current = current_at_power(open_circuit_voltage(power.voltage, s.state_of_charge), car.battery.resistance, given)
+    current = current_at_power(source_voltage(s, power), power.resistance, given)
     s.state_of_charge -= current * h / power.capacity
     s.battery_power = given
     s.battery_work += given * h

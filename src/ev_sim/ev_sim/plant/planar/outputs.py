@@ -16,11 +16,11 @@ from ev_msgs_py.contract.signals import (
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.elementary import asin, cos, sin
 from ev_msgs_py.vehicle.car import Car
-from ev_sim.battery.resistive import current_at_power, open_circuit_voltage
+from ev_sim.battery.resistive import current_at_power
 from ev_sim.driveline.couplings import shaft_speeds
 from ev_sim.plant.planar.body import rates
 from ev_sim.plant.planar.contact import slips
-from ev_sim.plant.planar.energy import PowerConstants
+from ev_sim.plant.planar.energy import PowerConstants, source_voltage
 from ev_sim.plant.planar.memory import STAGES, STEP, Stages, Step
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.prepare import PlanarConstants
@@ -57,27 +57,27 @@ def seen(
         slip_y[i] = -asin(min(max(sine, -1.0), 1.0))
     tyre = step.tyre
     return (
-        WheelStates(_wheels(y, WHEEL_ANGLE), _wheels(y, WHEEL_SPEED), _wheels(s.mean_drive, 0)),
-        MotorStates(_wheels(step.shaft, 0), _wheels(s.motor_torque, 0)),
+        WheelStates(wheels_from(y, WHEEL_ANGLE), wheels_from(y, WHEEL_SPEED), wheels_from(s.mean_drive, 0)),
+        MotorStates(wheels_from(step.shaft, 0), wheels_from(s.motor_torque, 0)),
         InertialMeasurement(y[YAW_RATE], step.acceleration_x, step.acceleration_y),
         BodyVelocity(y[VX], y[VY], y[YAW_RATE]),
         BodyPose(s.x, s.y, sin(y[HEADING] / 2), cos(y[HEADING] / 2)),
-        battery_condition(s, car, c.power),
+        battery_condition(s, c.power),
         TireForces(
-            _wheels(step.force_x, 0),
-            _wheels(step.force_y, 0),
-            _wheels(step.load, 0),
-            _wheels(slip_x, 0),
-            _wheels(slip_y, 0),
+            wheels_from(step.force_x, 0),
+            wheels_from(step.force_y, 0),
+            wheels_from(step.load, 0),
+            wheels_from(slip_x, 0),
+            wheels_from(slip_y, 0),
             Wheels(tyre[0].friction, tyre[1].friction, tyre[2].friction, tyre[3].friction),
         ),
     )
 
 
 @compilable
-def battery_condition(s: PlanarState, car: Car, power: PowerConstants) -> BatteryCondition:
+def battery_condition(s: PlanarState, power: PowerConstants) -> BatteryCondition:
     """Terminal values under the power of the last step; the current counts into the battery."""
-    source, resistance = open_circuit_voltage(power.voltage, s.state_of_charge), car.battery.resistance
+    source, resistance = source_voltage(s, power), power.resistance
     current = current_at_power(source, resistance, s.battery_power)
     capacity = power.capacity / 3600.0
     return BatteryCondition(
@@ -86,6 +86,6 @@ def battery_condition(s: PlanarState, car: Car, power: PowerConstants) -> Batter
 
 
 @compilable
-def _wheels(values: list[float], place: int) -> Wheels:
+def wheels_from(values: list[float], place: int) -> Wheels:
     """Four values from a place on."""
     return Wheels(values[place], values[place + 1], values[place + 2], values[place + 3])

@@ -12,13 +12,14 @@ from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.commands import guarded_steering, guarded_torques
 from ev_sim.plant.planar.drive_torques import apply_drives
+from ev_sim.plant.planar.electrical_outputs import ELECTRICAL_SIGNALS, electrical_outputs
 from ev_sim.plant.planar.energy import account
 from ev_sim.plant.planar.integrator import integrate
 from ev_sim.plant.planar.lift import note_lifted, notes
 from ev_sim.plant.planar.memory import STAGES, STEP, Stages, Step
 from ev_sim.plant.planar.outputs import SIGNALS, outputs
 from ev_sim.plant.planar.parameters import IMPOSED, PlanarParameters, load_files
-from ev_sim.plant.planar.prepare import PlanarConstants, prepare
+from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
 from ev_sim.plant.planar.road_under_wheels import find_road
 from ev_sim.plant.planar.start import at_start
 from ev_sim.plant.planar.state import HEADING, VX, VY, WHEEL_ANGLE, PlanarState
@@ -79,6 +80,37 @@ def advance(
     _run(p, car, c, s, torques, angle, rate, apply, book, working_memory(STEP), working_memory(STAGES))
     s.road_wheel_angle = angle + rate * (c.steps * c.h)
     note_lifted(s, car, c.road)
+
+
+@method(
+    "plant",
+    "planar_electrical",
+    PlanarParameters,
+    state=PlanarState,
+    prepare=prepare_electrical,
+    start=at_start,
+    outputs=electrical_outputs,
+    notes=notes,
+    writes=ELECTRICAL_SIGNALS,
+    load_files=load_files,
+    heavy=True,
+    mirrored=True,
+)
+@inlined
+def planar_electrical(
+    p: PlanarParameters,
+    car: Car,
+    c: PlanarConstants,
+    s: PlanarState,
+    period: float,
+    command: WheelTorqueCommand,
+    column: SteeringColumnState,
+) -> None:
+    """The planar plant with currents, voltages and temperatures of its motors, and cells (docs/electrical.md).
+
+    Voltage of the DC link and temperatures limit the torque.
+    """
+    planar(p, car, c, s, period, command, column)
 
 
 @inlined

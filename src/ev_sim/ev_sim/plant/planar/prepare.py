@@ -13,6 +13,7 @@ from ev_sim.drives.drive import DRIVES
 from ev_sim.plant.commands import GuardLimits, guard_limits
 from ev_sim.plant.planar.constants import BodyConstants, body_constants
 from ev_sim.plant.planar.drive_torques import Lags
+from ev_sim.plant.planar.electrical import Electrical, electrical_over
 from ev_sim.plant.planar.energy import EfficiencyMap, PowerConstants
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.road_under_wheels import RoadTables, road_tables
@@ -50,12 +51,27 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
         power=PowerConstants(
             capacity=vehicle.battery.capacity * 3600.0,
             voltage=vehicle.battery.open_circuit_voltage,
+            resistance=vehicle.battery.resistance,
             map=EfficiencyMap((), (), ()) if brushless else efficiency_map(vehicle),
+            electrical=Electrical(),
         ),
         road=road_tables(p.road, vehicle),
         initial_drive_torque=checked_initial_torque(p, vehicle),
         imposed=wanted_speed(p.imposed_speed, "imposed_speed"),
     )
+
+
+def prepare_electrical(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> PlanarConstants:
+    """The same with cells and the electrical side of the motors."""
+    if parameters.drive in DRIVES:
+        raise ParameterError(f"planar_electrical needs drive torque_controlled, not {parameters.drive}")
+    c, cells = prepare(parameters, vehicle, period), vehicle.battery.cells
+    power = c.power._replace(
+        voltage=tuple(cells.in_series * voltage for voltage in cells.open_circuit_voltage),
+        resistance=cells.in_series * cells.resistance,
+        electrical=electrical_over(c.h, vehicle),
+    )
+    return c._replace(power=power)
 
 
 def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tuple[float, ...]:

@@ -1,17 +1,17 @@
-"""Sheets of time series as PNG files. Imports matplotlib: import this module only where something is drawn."""
+"""Sheets of time series. Imports matplotlib: import this module only where something is drawn."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
+from itertools import cycle
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from ev_sim.report.figures.chatter import chatter
 from ev_sim.report.figures.panels import Curve, Panel
-from ev_sim.run.recording.atomic import atomic_file
 
 DPI = 110
 PANEL_WIDTH, PANEL_HEIGHT = 4.6, 1.9  # of a panel with its labels [inch]
@@ -35,6 +35,7 @@ STROKES = (
     ("#56B4E9", MIXED),
 )
 CHARACTER, STROKE = 0.06, 0.37  # width of a letter of a legend, and of a stroke with its gaps [inch]
+BAND = "band: lowest to highest, line: mean"
 LEGEND_COLUMNS, LEGEND_ROW = 5, 0.17  # of that legend, the height of a row in [inch]
 
 
@@ -53,8 +54,10 @@ def sheet(
     apart = list(
         dict.fromkeys(c.label for p in panels if not _legend_fits(p, panel_width) for c in p.curves if c.label)
     )
-    above = LEGEND_ROW * -(-len(apart) // LEGEND_COLUMNS) + 0.1 if apart else 0.0
-    width, height = panel_width * columns, PANEL_HEIGHT * rows + 0.35 + above
+    width = panel_width * columns
+    abreast = _legend_columns(apart, width)
+    above = LEGEND_ROW * -(-len(apart) // abreast) + 0.1 if apart else 0.0
+    height = PANEL_HEIGHT * rows + 0.35 + above
     figure = Figure(figsize=(width, height), dpi=DPI)
     # Fixed margins: matplotlib's layout engines draw everything twice to find them.
     figure.subplots_adjust(
@@ -66,9 +69,9 @@ def sheet(
         hspace=0.45 / (PANEL_HEIGHT - 0.45),
     )
     begin, end = _time_limits(panels, start)
-    for number, panel in enumerate(panels):
+    for number, (panel, span) in enumerate(zip(panels, _spans(panels), strict=True)):
         axes = figure.add_subplot(rows, columns, number + 1)
-        _draw(axes, panel, panel_width)
+        _draw(axes, panel, panel_width, span)
         axes.set_xlim(begin, end)
         if number + columns >= len(panels):
             axes.set_xlabel(xlabel, fontsize=TEXT_SIZE)
@@ -77,20 +80,8 @@ def sheet(
     if apart:
         lines = {line.get_label(): line for axes in figure.axes for line in axes.lines}
         handles = [lines[label] for label in apart]
-        figure.legend(handles, apart, loc="upper center", ncols=LEGEND_COLUMNS, fontsize=TEXT_SIZE, frameon=False)
+        figure.legend(handles, apart, loc="upper center", ncols=abreast, fontsize=TEXT_SIZE, frameon=False)
     return figure
-
-
-def save_figures(figures: Mapping[str, Figure], folder: Path | str) -> list[Path]:
-    """Write each figure as NAME.png and return the paths."""
-    paths = []
-    for name, figure in figures.items():
-        path = Path(folder) / f"{name}.png"
-        with atomic_file(path) as file:
-            # The lightest compression costs some kilobytes and saves half of the time to save.
-            FigureCanvasAgg(figure).print_png(file, pil_kwargs={"compress_level": 1})
-        paths.append(path)
-    return paths
 
 
 def thinned(time: np.ndarray, values: np.ndarray, columns: int) -> tuple[np.ndarray, np.ndarray]:
@@ -117,12 +108,36 @@ def _time_limits(panels: Sequence[Panel], start: float | None) -> tuple[float, f
     return begin, end if end > begin else begin + 1.0
 
 
-def _draw(axes: Axes, panel: Panel, width: float) -> None:
+def _spans(panels: Sequence[Panel]) -> list[tuple[float, float] | None]:
+    """Lowest and highest value that each panel shows, alike for all of one scale; None where there is nothing."""
+    spans = [_span(panel) for panel in panels]
+    of_scale: dict[str, list[tuple[float, float]]] = {}
+    for panel, span in zip(panels, spans, strict=True):
+        if panel.scale and span:
+            of_scale.setdefault(panel.scale, []).append(span)
+    together = {scale: (min(low for low, _ in of), max(high for _, high in of)) for scale, of in of_scale.items()}
+    return [together.get(panel.scale, span) for panel, span in zip(panels, spans, strict=True)]
+
+
+def _span(panel: Panel) -> tuple[float, float] | None:
+    finite = [curve.values[np.isfinite(curve.values)] for curve in panel.curves]
+    finite = [values for values in finite if len(values)]
+    if not finite:
+        return None
+    low, high = min(float(v.min()) for v in finite), max(float(v.max()) for v in finite)
+    return (max(low, panel.within[0]), min(high, panel.within[1])) if panel.within else (low, high)
+
+
+def _draw(axes: Axes, panel: Panel, width: float, span: tuple[float, float] | None) -> None:
     columns = int(width * DPI)
-    for number, curve in enumerate(panel.curves):
-        colour, dashes = STROKES[number % len(STROKES)]
-        time, values = thinned(curve.time, curve.values, columns)
-        axes.plot(time, values, color=colour, linestyle=dashes, linewidth=1.2, label=curve.label or None)
+    ours = [curve for curve in panel.curves if not curve.published]
+    for curve, (colour, dashes) in zip(ours, cycle(STROKES), strict=False):
+        _draw_curve(axes, curve, columns, {"color": colour, "linestyle": dashes, "linewidth": 1.2})
+    named = False  # all that is published is one entry of the legend
+    for curve in (curve for curve in panel.curves if curve.published):
+        label = "_" if named else curve.label
+        axes.plot(curve.time, curve.values, color="black", linestyle=DOTTED, linewidth=1.6, zorder=3, label=label)
+        named = True
     axes.set_title(panel.title, loc="left", fontsize=TITLE_SIZE, pad=3)
     axes.set_ylabel(panel.ylabel, fontsize=TEXT_SIZE)
     axes.yaxis.set_label_coords(-0.5 / (width - 0.85), 0.5)  # in line with the panels above and below
@@ -138,27 +153,47 @@ def _draw(axes: Axes, panel: Panel, width: float) -> None:
             loc="upper right",
             fontsize=TEXT_SIZE,
             frameon=False,
-            ncols=len(panel.curves),
+            ncols=len(_labels(panel)),
             borderaxespad=0.0,
             handlelength=1.8,
             handletextpad=0.4,
             columnspacing=1.0,
         )
-    _leave_room(axes, panel.curves, own_legend)
+    if span:
+        _leave_room(axes, *span, own_legend)
+
+
+def _draw_curve(axes: Axes, curve: Curve, columns: int, stroke: dict[str, Any]) -> None:
+    """A line; where it would be solid ink a band from its lowest to its highest values, with their mean."""
+    found = chatter(curve.time, curve.values, columns)
+    line = curve.values if found is None else found.line
+    axes.plot(*thinned(curve.time, line, columns), label=curve.label or None, **stroke)
+    if found is None:
+        return
+    ends = [np.append(each, each[-1]) for each in (found.lowest, found.highest)]
+    axes.fill_between(found.edges, *ends, step="post", color=stroke["color"], alpha=0.3, linewidth=0.0)
+    axes.plot(found.edges, np.append(found.mean, found.mean[-1]), drawstyle="steps-post", **stroke)
+    if not axes.texts:
+        axes.text(0.995, 0.03, BAND, transform=axes.transAxes, ha="right", fontsize=TEXT_SIZE - 1.5, zorder=4)
 
 
 def _legend_fits(panel: Panel, width: float) -> bool:
     """Whether the legend fits into one row of the panel; where one does not, the figure has one above all panels."""
-    letters = sum(len(curve.label) for curve in panel.curves)
-    return letters * CHARACTER + len(panel.curves) * STROKE <= width - 0.85
+    labels = _labels(panel)
+    return sum(map(len, labels)) * CHARACTER + len(labels) * STROKE <= width - 0.85
 
 
-def _leave_room(axes: Axes, curves: Sequence[Curve], own_legend: bool) -> None:
+def _legend_columns(labels: Sequence[str], width: float) -> int:
+    """How many entries stand abreast in the legend of a figure of a width [inch]."""
+    widest = max(map(len, labels), default=0) * CHARACTER + STROKE + 0.2
+    return max(1, min(LEGEND_COLUMNS, int(width / widest)))
+
+
+def _labels(panel: Panel) -> list[str]:
+    return list(dict.fromkeys(curve.label for curve in panel.curves if curve.label))
+
+
+def _leave_room(axes: Axes, low: float, high: float, own_legend: bool) -> None:
     """Limits in which a constant does not look like noise and the legend stands above the curves."""
-    finite = [curve.values[np.isfinite(curve.values)] for curve in curves]
-    finite = [values for values in finite if len(values)]
-    if not finite:
-        return
-    low, high = min(float(v.min()) for v in finite), max(float(v.max()) for v in finite)
     margin = max(0.06 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-6)
     axes.set_ylim(low - margin, high + margin * (4.5 if own_legend else 1.0))

@@ -10,18 +10,22 @@ from matplotlib.figure import Figure
 from ev_sim.report.figures.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE
 from ev_sim.report.figures.panels import Curve
 
-WIDTH, HEIGHT = 9.2, 3.2  # [inch]
+WIDTH = 9.2  # of the figure, and of the margins around what is drawn [inch]
+LEFT, RIGHT, BOTTOM, ABOVE = 0.7, 0.15, 0.48, 0.32
+LOWEST, HIGHEST = 1.3, 5.5  # of what is drawn [inch]
+LEGEND_ROW = 0.2  # [inch]
+MAGNIFIED = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # times that a narrow course is drawn across
 
 
 def plan_view(
     title: str, tracks: Sequence[Curve], cones: np.ndarray | None = None, hit: np.ndarray | None = None
 ) -> Figure:
-    """A figure of tracks, y over x [m], to the scale that fits (across and along differ).
+    """A figure of tracks, y over x [m], along and across to the same scale.
 
-    `cones` (n, 2) [m] are drawn as rings, filled where `hit` (n,) says so.
+    A course that would be too narrow to be seen is drawn larger across, and its title says how much. `cones` (n, 2)
+    [m] are drawn as rings, filled where `hit` (n,) says so.
     """
-    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI)
-    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.15, top=0.9)
+    figure = Figure(dpi=DPI)
     axes = figure.add_subplot()
     for number, track in enumerate(tracks):
         colour, dashes = STROKES[number % len(STROKES)]
@@ -31,12 +35,33 @@ def plan_view(
         axes.plot(*cones[~hit].T, "o", mfc="none", mec="0.4", ms=4.0, label="cones")
         if hit.any():
             axes.plot(*cones[hit].T, "o", color="#D55E00", ms=5.0, label="cones hit")
-    axes.set_title(title, loc="left", fontsize=TITLE_SIZE, pad=3)
+    named = bool(axes.get_legend_handles_labels()[1])
+    times = _arrange(figure, named)
+    across = f", across {times} times as large as along" if times > 1 else ""
+    axes.set_title(title + across, loc="left", fontsize=TITLE_SIZE, pad=3)
     axes.set_xlabel("x [m]", fontsize=TEXT_SIZE)
     axes.set_ylabel("y [m]", fontsize=TEXT_SIZE)
     axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
     axes.grid(True, color="0.88", linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend(loc="best", fontsize=TEXT_SIZE, frameon=False)
+    if named:
+        figure.legend(loc="upper center", ncols=6, fontsize=TEXT_SIZE, frameon=False)
     return figure
+
+
+def _arrange(figure: Figure, named: bool) -> int:
+    """Size of figure and axes for what is drawn, and how many times larger it is across than along."""
+    (axes,) = figure.axes
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    ratio = (high - low) / (right - left)
+    width = WIDTH - LEFT - RIGHT
+    times = next((each for each in MAGNIFIED if ratio * width * each >= LOWEST), MAGNIFIED[-1])
+    height = min(ratio * width * times, HIGHEST)
+    above = ABOVE + LEGEND_ROW * named
+    total = height + BOTTOM + above
+    figure.set_size_inches(WIDTH, total)
+    figure.subplots_adjust(
+        left=LEFT / WIDTH, right=1 - RIGHT / WIDTH, bottom=BOTTOM / total, top=1 - above / total
+    )  # fmt: skip
+    axes.set_aspect(times, adjustable="datalim" if height == HIGHEST else "box")
+    return times

@@ -11,6 +11,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.samples import Runs, channel, run_named
+from ev_sim.run.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,16 +29,23 @@ def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequ
         return lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(quantity(run)))
 
     panels = [
-        panel("Speed", "speed [m/s]", lambda: motion.curve_of_each_run(runs, derived.speed)),
+        panel("Speed over ground", "speed [m/s]", lambda: motion.curve_of_each_run(runs, _over_ground)),
         panel("Heading", "heading [deg]", degrees(motion.heading)),
         panel("Steering-wheel angle", "angle [deg]", degrees(lambda run: channel(run, motion.STEERING_WHEEL_ANGLE))),
         *(
-            panel(f"Rim speeds, {run}", "speed [m/s]", lambda run=run: _rims(runs, run, vehicle, wheels))
+            panel(
+                f"Rim speeds, {run.replace('_', ' ')}", "speed [m/s]", lambda run=run: _rims(runs, run, vehicle, wheels)
+            )
             for run in runs
         ),
     ]
     tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), key.replace("_", " ")) for key, run in runs.items()]
     return {name: sheet(panels, "time [s]"), "path": plan_view("Path of the centre of mass", tracks)}
+
+
+def _over_ground(run: Recording) -> np.ndarray:
+    """Speed without a sign, which would jump where a car that turns round goes across, (n,) [m/s]."""
+    return np.abs(derived.speed(run))
 
 
 def _rims(runs: Runs, name: str, vehicle: Vehicle, wheels: Sequence[str]) -> list[Curve]:

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.figures.panels import Curve, Panel, panel
+from ev_sim.report.figures.panels import Curve, Panel, level, panel
 from ev_sim.report.metric import Metric, metric
+from ev_sim.report.papers import ge_ni2005 as paper
 from ev_sim.report.quantities import motion
 from ev_sim.report.quantities.two_rear_motors import QUANTITIES, SIDES, ground_speed, rim_speed, slip
 from ev_sim.report.samples import Parameters, Runs, channel, run_named
@@ -23,13 +24,14 @@ from ev_sim.run.recording.recording import Recording
 from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.sources.ge_ni2005 import claims, law
-from ev_sim.verdicts.sources.ge_ni2005.runs import BASELINE, CASES, READINGS
+from ev_sim.verdicts.sources.ge_ni2005.runs import BASELINE, CASES, FREE_SPEED, READINGS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CHATTER_ALONE = (law.SWITCHED, "_lower_target")  # runs that differ from others in this only
 CHATTERING = ("rate_lower_target", "offset_lower_target", "increment")  # runs that come to their target slip
+SETTLED = (2.0, 3.0)  # [s], where the steady turn with equal torques is drawn that follows from the printed equations
 WIDEST_RADIUS = 200.0  # [m], beyond which fig. (b) shows nothing: the path begins straight
 
 
@@ -57,6 +59,7 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
             lambda name=name, side=side: _curves(
                 runs, (name, name + law.SWITCHED), lambda run: channel(run, f"torque_request.drive.rear_{side}")
             ),
+            scale=name,
         )
         for name in CHATTERING
         for side in SIDES
@@ -70,47 +73,85 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
 def panels(runs: Runs, vehicle: Vehicle, names: Sequence[str]) -> dict[str, list[Panel]]:
     """The panels of figs 3 and 4 by their letter, with a curve for each of the runs."""
 
-    def of(title: str, ylabel: str, quantity: Callable[[Recording], np.ndarray]) -> Panel:
-        return panel(title, ylabel, lambda: _curves(runs, names, quantity))
+    def of(
+        title: str, ylabel: str, quantity: Callable[[Recording], np.ndarray], steady: float, scale: str = ""
+    ) -> Panel:
+        published = [level(steady, *SETTLED, "published, equal torque")] if BASELINE in names else []
+        return panel(title, ylabel, lambda: [*_curves(runs, names, quantity), *published], scale)
 
     def radius(run: Recording) -> np.ndarray:
         values = motion.radius_of_path(run)
         return np.where(np.abs(values) < WIDEST_RADIUS, values, np.nan)
 
-    def wheels(title: str, ylabel: str, quantity: Callable[[Recording, str], np.ndarray]) -> list[Panel]:
-        return [of(f"{title}, rear {side}", ylabel, lambda run, side=side: quantity(run, side)) for side in SIDES]
+    def wheels(
+        title: str, ylabel: str, quantity: Callable[[Recording, str], np.ndarray], steady: Sequence[float]
+    ) -> list[Panel]:
+        return [
+            of(f"{title}, rear {side}", ylabel, lambda run, side=side: quantity(run, side), value, title)
+            for side, value in zip(SIDES, steady, strict=True)
+        ]
+
+    turn = paper.steady_turn()
+    speeds, slips = paper.rear_speeds(), [paper.slip_of(load) for load in paper.rear_loads()]
+    rims = [speed / (1 - each) for speed, each in zip(speeds, slips, strict=True)]
 
     return {
-        "a": [of("a  Sideslip angle", "angle [deg]", lambda run: np.degrees(motion.sideslip_angle(run)))],
-        "b": [of("b  Radius of the path", "radius [m]", radius)],
-        "c": [of("c  Centripetal acceleration", "acceleration [m/s²]", motion.lateral_acceleration_on_path)],
-        "d": [
-            of("d  Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE)),
-            of("d  Lateral speed", "speed [m/s]", lambda run: channel(run, "twist.lateral")),
+        "a": [
+            of(
+                "a  Sideslip angle",
+                "angle [deg]",
+                lambda run: np.degrees(motion.sideslip_angle(run)),
+                np.degrees(turn.sideslip),
+            )
         ],
-        "e": wheels("e  Slip", "slip [1]", slip),
+        "b": [of("b  Radius of the path", "radius [m]", radius, turn.radius)],
+        "c": [
+            of(
+                "c  Centripetal acceleration",
+                "acceleration [m/s²]",
+                motion.lateral_acceleration_on_path,
+                turn.centripetal_acceleration,
+            )
+        ],
+        "d": [
+            of("d  Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE), turn.yaw_rate),
+            of("d  Lateral speed", "speed [m/s]", lambda run: channel(run, "twist.lateral"), turn.lateral_speed),
+        ],
+        "e": wheels("e  Slip", "slip [1]", slip, slips),
         "f": [
             *wheels(
-                "f  Ground speed along the wheel", "speed [m/s]", lambda run, side: ground_speed(run, side, vehicle)
+                "f  Ground speed along the wheel",
+                "speed [m/s]",
+                lambda run, side: ground_speed(run, side, vehicle),
+                speeds,
             ),
-            *wheels("f  Rim speed", "speed [m/s]", lambda run, side: rim_speed(run, side, vehicle)),
+            *wheels("f  Rim speed", "speed [m/s]", lambda run, side: rim_speed(run, side, vehicle), rims),
         ],
     }
 
 
 def _case(runs: Runs, vehicle: Vehicle, case: str) -> list[Panel]:
-    """All panels of a case of car and speed, and the speed of the car."""
+    """All panels of a case of car and speed, and the speed of the car where it is free, else what the laws ask for."""
     names = [name + case for name in (BASELINE, *READINGS)]
     by_letter = panels(runs, vehicle, names)
-    speed = panel(
-        "Longitudinal speed",
-        "speed [m/s]",
-        lambda: _curves(runs, names, lambda run: channel(run, "twist.longitudinal")),
-    )
+    if FREE_SPEED in case:
+        title, ylabel, quantity = "Longitudinal speed", "speed [m/s]", _speed
+    else:
+        title, ylabel, quantity = "Torque requests, right minus left", "torque [N m]", _torque_difference
+    more = panel(title, ylabel, lambda: _curves(runs, names, quantity))
     return [each for letter in "abc" for each in by_letter[letter]] + [
-        speed,
+        more,
         *(each for letter in "def" for each in by_letter[letter]),
     ]
+
+
+def _speed(run: Recording) -> np.ndarray:
+    return channel(run, "twist.longitudinal")
+
+
+def _torque_difference(run: Recording) -> np.ndarray:
+    right, left = (channel(run, f"torque_request.drive.rear_{side}") for side in ("right", "left"))
+    return right - left
 
 
 def _curves(runs: Runs, names: Iterable[str], quantity: Callable[[Recording], np.ndarray]) -> list[Curve]:

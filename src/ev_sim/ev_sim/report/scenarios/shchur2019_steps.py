@@ -14,6 +14,7 @@ import numpy as np
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Metric
+from ev_sim.report.papers import shchur2019 as paper
 from ev_sim.report.quantities import derived
 from ev_sim.report.samples import Parameters, Runs, channel, run_named
 from ev_sim.run.recording.recording import Recording
@@ -23,6 +24,7 @@ from ev_sim.verdicts.need import ScenarioRuns
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+SHOWN = 5.0  # of the published curves [s after the step]
 SINCE_STEP = "time after the step [s]"
 
 
@@ -45,14 +47,37 @@ def panels(runs: Runs) -> dict[str, Panel]:
             lambda: [
                 after_step("object", _road_wheel_angle, "1: object, 5 N m by hand"),
                 after_step("closed_loop", _road_wheel_angle, "2: closed loop, 1 N m by hand"),
+                *(_published(lambda time, curve=curve: curve(time)[0]) for curve in (_object, _closed_loop)),
             ],
         ),
         "b": panel(
             "b  Differential torque, right minus left",
             "torque [N m]",
-            lambda: [after_step("closed_loop", derived.differential_torque)],
+            lambda: [after_step("closed_loop", derived.differential_torque, "ours"), _published(_torque)],
         ),
     }
+
+
+def _published(quantity: Callable[[float], float]) -> Curve:
+    """What follows from eqs 4, 6 and 7 with the printed parameters, of the time after the step [s]."""
+    time = np.linspace(0.0, SHOWN, 401)
+    return Curve(time, np.array([quantity(t) for t in time]), "published", published=True)
+
+
+def _object(time: float) -> tuple[float, float]:
+    """Angle [rad] and rate [rad/s] of curve 1."""
+    steady = paper.OBJECT.steady_angle(paper.I_RATIO * paper.HAND_TORQUE_OBJECT)
+    return steady * (1 + paper.OBJECT.deviation(time)), steady * paper.OBJECT.rate(time)
+
+
+def _closed_loop(time: float) -> tuple[float, float]:
+    """Angle [rad] and rate [rad/s] of curve 2."""
+    steady = paper.CLOSED_LOOP.steady_angle((1 + paper.GAMMA) * paper.I_RATIO * paper.HAND_TORQUE_CLOSED_LOOP)
+    return steady * (1 + paper.CLOSED_LOOP.deviation(time)), steady * paper.CLOSED_LOOP.rate(time)
+
+
+def _torque(time: float) -> float:
+    return paper.differential_torque(paper.HAND_TORQUE_CLOSED_LOOP, *_closed_loop(time))
 
 
 def figures(runs: Runs) -> dict[str, Figure]:

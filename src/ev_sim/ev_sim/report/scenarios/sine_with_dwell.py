@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SLOW = "slowly_increasing_steer"
+SHOWN_SIDESLIP = 30.0  # [deg], beyond which a car has spun and would flatten the others' curves
 REFERENCE_ACCELERATION = 0.3 * 9.81  # [m/s^2]
 FIT_RANGE = (0.1 * 9.81, 0.375 * 9.81)  # [m/s^2], over which FMVSS 126, S7.6, fits its line
 DISPLACEMENT_TIME = 1.07  # [s] after the beginning of steer
@@ -50,7 +51,7 @@ def figures(runs: Runs) -> dict[str, Figure]:
     """Steering-wheel angle, yaw rate, sideslip angle and lateral displacement of all sines."""
     from ev_sim.report.figures.drawing import sheet
 
-    sines = _sines(runs)
+    sines = {_times(name): run for name, run in _sines(runs).items()}
 
     def of(quantity):
         return lambda: motion.curve_of_each_run(sines, quantity)
@@ -60,7 +61,12 @@ def figures(runs: Runs) -> dict[str, Figure]:
             "Steering-wheel angle", "angle [deg]", of(lambda run: np.degrees(channel(run, motion.STEERING_WHEEL_ANGLE)))
         ),
         panel("Yaw rate", "yaw rate [deg/s]", of(lambda run: np.degrees(channel(run, motion.YAW_RATE)))),
-        panel("Sideslip angle", "angle [deg]", of(lambda run: np.degrees(np.unwrap(motion.sideslip_angle(run))))),
+        panel(
+            "Sideslip angle; a car that spins leaves the panel",
+            "angle [deg]",
+            of(lambda run: np.degrees(np.unwrap(motion.sideslip_angle(run)))),
+            within=(-SHOWN_SIDESLIP, SHOWN_SIDESLIP),
+        ),
         panel("Lateral displacement", "y [m]", of(lambda run: channel(run, "pose.y"))),
     ]
 
@@ -75,6 +81,11 @@ def figures(runs: Runs) -> dict[str, Figure]:
         "sine_with_dwell": sheet(panels, "time [s]"),
         SLOW: sheet([line], "steering-wheel angle [deg]", columns=1),
     }
+
+
+def _times(name: str) -> str:
+    """The name of a run as the multiple of A that it says: times_1_5 is 1.5 A."""
+    return f"{name.removeprefix('times_').replace('_', '.')} A"
 
 
 def _sines(runs: Runs) -> dict[str, Recording]:

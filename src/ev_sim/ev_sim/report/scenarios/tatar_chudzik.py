@@ -15,7 +15,7 @@ import numpy as np
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, Panel, panel
-from ev_sim.report.metric import Metric, metric
+from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import derived
 from ev_sim.report.quantities.car_axes import tyre_force
 from ev_sim.report.quantities.passing_speed import (
@@ -53,20 +53,16 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
-    """Figs 3 to 14 over time, and the lateral forces over the speed in the bend, in both axes."""
+    """Figs 3 to 14 over time, and what the correction does to the lateral forces over the speed, in both axes."""
     from ev_sim.report.figures.drawing import sheet
 
     def over_speed(kind: str) -> list[Panel]:
-        return [
-            _over_speed(runs, wheel, layout, _forces(wheel, vehicle)[kind])
-            for wheel in WHEEL_NAMES
-            for layout in LAYOUTS
-        ]
+        return [_over_speed(runs, wheel, _forces(wheel, vehicle)[kind]) for wheel in WHEEL_NAMES]
 
     shown = panels(runs, vehicle)
     return {
-        "forces_y": sheet(over_speed("force_y"), "speed [m/s]", columns=len(LAYOUTS)),
-        "lateral_forces": sheet(over_speed("lateral_force"), "speed [m/s]", columns=len(LAYOUTS)),
+        "forces_y": sheet(over_speed("force_y"), "speed [m/s]"),
+        "lateral_forces": sheet(over_speed("lateral_force"), "speed [m/s]"),
         "fig3_to_fig11": sheet([shown[n] for n in (3, 6, 9, 4, 7, 10, 5, 8, 11)], "time [s]", columns=len(LAYOUTS)),
         "fig12_to_fig14": sheet(
             [*(shown[n] for n in (12, 13, 14)), *_across_the_wheels(runs)], "time [s]", columns=len(LAYOUTS)
@@ -92,16 +88,25 @@ def _when_fast(runs: Runs, name: str, values: Values) -> Callable[[], float]:
     return measure
 
 
-def _over_speed(runs: Runs, wheel: str, layout: str, force: Values) -> Panel:
-    def curves() -> list[Curve]:
-        found = []
-        for control in CONTROLS:
-            run = run_named(runs, f"{layout}_{control}")
-            start = turning_in(run) + int(1.0 / (run.time[1] - run.time[0]))  # when the turn-in is over
-            found.append(Curve(derived.speed(run)[start:], force(run)[start:], control))
-        return found
+def _over_speed(runs: Runs, wheel: str, force: Values) -> Panel:
+    """The force with the correction minus that with equal torques, at the same speed in the bend."""
 
-    return panel(f"{wheel.replace('_', ' ')}, {layout}-wheel drive", "force [N]", curves)
+    def in_the_bend(name: str) -> tuple[np.ndarray, np.ndarray]:
+        run = run_named(runs, name)
+        start = turning_in(run) + int(1.0 / (run.time[1] - run.time[0]))  # when the turn-in is over
+        speed = derived.speed(run)[start:]
+        if len(speed) < 2 or not (np.diff(speed) > 0.0).all():
+            raise NotMeasured(f"the speed of {name} does not rise all the time")
+        return speed, force(run)[start:]
+
+    def gained(layout: str) -> Curve:
+        (speed, equal), (others, corrected) = (in_the_bend(f"{layout}_{control}") for control in CONTROLS)
+        both = (speed >= others[0]) & (speed <= others[-1])
+        difference = np.interp(speed[both], others, corrected) - equal[both]
+        return Curve(speed[both], difference, f"{layout}-wheel drive")
+
+    title = f"{wheel.replace('_', ' ')}: corrected minus equal"
+    return panel(title, "force [N]", lambda: [gained(layout) for layout in LAYOUTS], scale="difference")
 
 
 def _wheels_over_time(

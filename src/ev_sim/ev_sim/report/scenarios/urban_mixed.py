@@ -16,6 +16,7 @@ from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import circuits, derived, motion
 from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.report.quantities.circuits import CircuitSums
+from ev_sim.report.quantities.motors_and_cells import electrical_metrics, is_modelled
 from ev_sim.report.quantities.surfaces_under import share_of
 from ev_sim.report.samples import Parameters, Runs, channel
 from ev_sim.run.recording.recording import Recording
@@ -37,13 +38,14 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
 def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Counterparts of figures 2.8, 2.13, 3.1 to 3.10 and 5.1 to 5.25, of the first run."""
+    from ev_sim.report.figures.motors_and_cells import motors_and_cells
     from ev_sim.report.figures.slip_curve import slip_curve_figure
     from ev_sim.report.figures.urban_cycle import cycle_figure
     from ev_sim.report.figures.urban_mixed import detail, electrical, torques_and_speeds, wheel_efficiency
 
     run = next(iter(runs.values()))
     driver = parameters.get("driver", {})
-    return {
+    figures = {
         "figure_2_8": slip_curve_figure(run, vehicle),
         "figure_2_13": cycle_figure(run, vehicle, driver),
         "figure_3_torques_and_speeds": torques_and_speeds(run, vehicle, driver),
@@ -51,6 +53,9 @@ def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, F
         "figure_3_detail": detail(run, vehicle, driver),
         "figure_5_electrical": electrical(run, vehicle, driver),
     }
+    if is_modelled(run):
+        figures["motors_and_cells"] = motors_and_cells(run, vehicle, driver)
+    return figures
 
 
 def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[str, Metric]:
@@ -106,6 +111,7 @@ def _metrics(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dic
         "peak_slip": metric(lambda: _peak_slip(run, vehicle, driver), "1"),
         "mean_speed_error": metric(lambda: np.abs(_speed_error(run, driver)).mean(), "m/s"),
         **{f"share_of_snow_{side}": metric(lambda side=side: _snow(run, vehicle, side), "1") for side in _SIDES},
+        **electrical_metrics(run, vehicle),
     }
 
 

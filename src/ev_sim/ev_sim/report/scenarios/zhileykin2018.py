@@ -64,7 +64,7 @@ def panels(runs: Runs) -> dict[str, Panel]:
 def track(runs: Runs, name: str) -> Curve:
     """Path of the centre of mass, y over x [m], of a run (figs 3 and 4)."""
     run = run_named(runs, name)
-    return Curve(channel(run, "pose.x"), channel(run, "pose.y"), name)
+    return Curve(channel(run, "pose.x"), channel(run, "pose.y"), name.replace("_", " "))
 
 
 def figures(runs: Runs) -> dict[str, Figure]:

@@ -5,13 +5,14 @@ What a message format does message by message, numpy does here for a whole run.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ev_msgs_py.contract import stamps
-from ev_msgs_py.contract.frame import PLACES
+from ev_msgs_py.contract.frame import PLACES, SIZE
 from ev_msgs_py.contract.topics import Topic
+from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import STAMP_AT, format_of
 
 
@@ -47,8 +48,24 @@ class MessageTable:
     def read(self, messages: Sequence[bytes], frames: np.ndarray) -> None:
         """Put the numbers of messages into frames (n, frame size); MessageError if one of them is refused.
 
-        Messages of another layout (another sender's frame name, joints in another order) are read one by one.
+        Messages of another layout (joints in another order, say) are read one by one.
         """
+        for i in self._read_regular(messages, frames):
+            frames[i, self._where] = self._format.read(messages[i])[1]
+
+    def readable(self, messages: Sequence[bytes], refuse: Callable[[MessageError], None]) -> list[bytes]:
+        """The messages that `read` would not refuse; `refuse` is told of the others."""
+        refused = set()
+        for i in self._read_regular(messages, np.empty((len(messages), SIZE))):
+            try:
+                self._format.read(messages[i])
+            except MessageError as error:
+                refused.add(i)
+                refuse(error)
+        return [message for i, message in enumerate(messages) if i not in refused] if refused else list(messages)
+
+    def _read_regular(self, messages: Sequence[bytes], frames: np.ndarray) -> list[int]:
+        """Put the numbers of messages of our own layout into frames; the indices of the others, in order."""
         regular = [i for i, message in enumerate(messages) if len(message) == len(self._bytes)]
         table = np.frombuffer(b"".join(messages[i] for i in regular), np.uint8).reshape(-1, len(self._bytes))
         alike = (table[:, self._constant] == self._bytes[self._constant]).all(axis=1)
@@ -57,5 +74,4 @@ class MessageTable:
             raw = np.ascontiguousarray(table[:, run.offset : run.offset + run.length * size])
             frames[regular, run.place : run.place + run.length] = raw.view(self._number)
         alike &= np.isfinite(frames[regular, self._where]).all(axis=1)
-        for i in sorted({*range(len(messages))} - {regular[j] for j in np.flatnonzero(alike)}):
-            frames[i, self._where] = self._format.read(messages[i])[1]
+        return sorted({*range(len(messages))} - {regular[j] for j in np.flatnonzero(alike)})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,19 @@ class ParameterFile:
             if not isinstance(section, dict) or list(section) != [_SECTION] or not isinstance(section[_SECTION], dict):
                 raise ParameterError(f"{self.path}: section {pattern!r} does not hold '{_SECTION}:' with parameters")
             yield str(pattern), dict(flattened(section[_SECTION]))
+
+    def names(self) -> set[str]:
+        """The dotted names in all sections."""
+        return {name for section in self.sections.values() for name in section}
+
+    def without(self, prefix: str) -> ParameterFile:
+        """The same file without the parameters whose names begin so."""
+        made = copy(self)
+        made.sections = {
+            pattern: {name: value for name, value in section.items() if not name.startswith(prefix)}
+            for pattern, section in self.sections.items()
+        }
+        return made
 
     def values_for(self, node: str, by_name: bool = False) -> dict[str, Any]:
         """Dotted parameter names and values for a node by its full name; later sections go before earlier ones.

@@ -10,9 +10,11 @@ from typing import Any
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.lockstep.configuration import Configuration, check_graph, chosen_method, configure
 from ev_msgs_py.nodes.master_parameters import MasterParameters
-from ev_msgs_py.parameters.config_directory import config_directory
+from ev_msgs_py.parameters.config_folders import files_in_config
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
 from ev_msgs_py.parameters.values import build, unknown_name
+from ev_sim.report.reports import refuse_unknown_report
+from ev_sim.run.scenarios.configured_file import VEHICLE, configured_file, vehicle_file
 from ev_sim.run.scenarios.parameter_file import ParameterFile, matches
 
 NAMESPACE = "/ev"
@@ -28,9 +30,13 @@ class ScenarioParameters:
     """
 
     about: str = parameter("", about="one line for --list")
-    vehicle: str = parameter("audi_a2", about="name of a file in config/vehicles")
+    vehicle: str = parameter("audi_a2", about="name of a file in config/vehicles, or path of your own")
     duration: float = parameter(10.0, unit="s", low=0.01, high=1e5, about="simulated time of every run")
     runs: tuple[str, ...] = parameter((), about="names of the runs, if there are several")
+    report: str = parameter("", about="scenario whose metrics and figures it gets; empty for that of its own name")
+    metrics: tuple[str, ...] = parameter(
+        (), about="metrics of its own, each as NAME = REDUCTION(CHANNEL), such as peak = maximum(imu.yaw_rate)"
+    )
 
 
 @dataclass(frozen=True)
@@ -57,43 +63,47 @@ class Run:
 class Overrides:
     """What the command line says beyond the scenario's own files; later entries go before earlier ones.
 
-    `values`: (node, dotted parameter name, value). Node `*` means every role.
+    `values`: (node, dotted parameter name, value). Node `*` means every role. `vehicle` is another car than that of the
+    scenario, as a name or a path; what the scenario itself changes about its car is left out then.
     """
 
     files: Sequence[Path] = ()
     values: Sequence[tuple[str, str, Any]] = ()
     duration: float | None = None
+    vehicle: str | None = None
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """A name, what it says about itself, and its runs."""
+    """A name, what it says about itself, its runs, its file, and what of that does not hold."""
 
     name: str
     parameters: ScenarioParameters
     runs: tuple[Run, ...]
+    file: Path
+    notes: tuple[str, ...] = ()
 
 
 def scenario_names() -> list[str]:
-    """Names of all scenarios in config/scenarios."""
-    return sorted(path.stem for path in (config_directory() / "scenarios").glob("*.yaml"))
+    """Names of all scenarios in the config folders."""
+    return sorted(files_in_config("scenarios"))
 
 
 def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[str] = ()) -> Scenario:
-    """The scenario of a name, with everything resolved; of its runs only those that are named, if any is.
+    """The scenario of a name or a path, with everything resolved; of its runs only those that are named, if any is.
 
     Raises ParameterError, in one line, for unknown scenarios, runs, vehicles, nodes, methods and parameters, and for
     values that are refused.
     """
     overrides = overrides or Overrides()
-    if name not in scenario_names():
-        raise unknown_name("scenario", name, scenario_names())
-    own = ParameterFile(config_directory() / "scenarios" / f"{name}.yaml")
+    own = ParameterFile(configured_file("scenario", name))
+    name = own.path.stem
     about = _about(own)
-    files = [_vehicle_file(about.vehicle), own, *map(ParameterFile, overrides.files)]
+    car = own.without(f"{VEHICLE}.") if overrides.vehicle else own
+    files = [vehicle_file(overrides.vehicle or about.vehicle), car, *map(ParameterFile, overrides.files)]
     namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
     for file in files:
-        _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, _SCENARIO_NODE) if file is own else tuple(ROLES))
+        _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, _SCENARIO_NODE) if file is car else tuple(ROLES))
     _refuse_unknown_overrides(overrides)
     duration = about.duration if overrides.duration is None else overrides.duration
     if not 0 < duration < 1e5:
@@ -106,27 +116,23 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
         for run, namespace in namespaces.items()
         if not only or run in only
     )
-    return Scenario(name, about, runs)
+    left_out = sorted({key for key in own.names() if key.startswith(f"{VEHICLE}.")}) if overrides.vehicle else ()
+    notes = (f"left out for another vehicle: {', '.join(left_out)} of {own.path}",) if left_out else ()
+    return Scenario(name, about, runs, own.path, notes)
 
 
 def describe_scenario(name: str) -> str:
     """The one line that a scenario says about itself."""
-    return _about(ParameterFile(config_directory() / "scenarios" / f"{name}.yaml")).about
+    return _about(ParameterFile(configured_file("scenario", name))).about
 
 
 def _about(file: ParameterFile) -> ScenarioParameters:
     try:
-        return build(ScenarioParameters, file.values_for(f"{NAMESPACE}/{_SCENARIO_NODE}", by_name=True))
+        about = build(ScenarioParameters, file.values_for(f"{NAMESPACE}/{_SCENARIO_NODE}", by_name=True))
+        refuse_unknown_report(about.report, about.metrics)
+        return about
     except ParameterError as error:
         raise ParameterError(f"{file.path}: {error}") from None
-
-
-def _vehicle_file(name: str) -> ParameterFile:
-    directory = config_directory() / "vehicles"
-    known = [path.stem for path in directory.glob("*.yaml")]
-    if name not in known:
-        raise unknown_name("vehicle", name, known)
-    return ParameterFile(directory / f"{name}.yaml")
 
 
 def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:

@@ -90,7 +90,7 @@ function optionsOf(plot, width) {
   return {
     width,
     height: HEIGHT,
-    cursor: { drag: { x: true, y: false, setScale: false }, y: false, bind: { mouseleave: none, dblclick: none } },
+    cursor: { drag: { x: true, y: false, setScale: false }, y: false, dataIdx: sampleNow, bind: { mouseleave: none, dblclick: none } },
     scales: {
       x: { time: false, min: clock.range[0], max: clock.range[1] },
       y: { range: (chart) => roomy(plot.extent(chart.scales.x.min ?? clock.begin, chart.scales.x.max ?? clock.end)) },
@@ -112,6 +112,7 @@ function optionsOf(plot, width) {
 }
 
 const none = () => null;
+const sampleNow = (chart) => indexAt(chart.data[0], clock.now); // not the one that is nearest to a pixel
 
 /** Zoom all plots to what was dragged over in one. */
 function zoomTo(chart) {

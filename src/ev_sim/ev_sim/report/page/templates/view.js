@@ -71,10 +71,10 @@ class CarView {
     this.draw();
   }
 
-  /** Static load of a wheel, or where there are no tyre forces the largest drive force [N]. */
+  /** Force of an arrow of 1 m [N]: 2/3 of a wheel's static load, or the largest drive force without tyre forces. */
   forceOfAnArrow() {
     const torques = this.values[this.columns.findIndex((column) => column[1] === "wheel_states.effort")];
-    if (this.run.channels[`${FORCES[0]}.front_left`] || !torques) return this.car.load;
+    if (this.run.channels[`${FORCES[0]}.front_left`] || !torques) return this.car.load / 1.5;
     let largest = 0;
     for (const wheel of torques) for (const torque of wheel || []) largest = Math.max(largest, Math.abs(torque));
     return largest / this.car.radius || this.car.load;

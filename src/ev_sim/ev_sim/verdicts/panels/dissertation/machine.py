@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ev_sim.drives.field_weakening import voltage_limited_torque
 from ev_sim.drives.losses import loss_power
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
@@ -15,8 +16,9 @@ from ev_sim.verdicts.panel import PublishedPanel, cannot_be_drawn, over_time
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_ROW = "Characteristics of the YASA-400; limits as printed, losses assumed, voltages not given"
+_ROW = "Characteristics of the YASA-400; limits as printed; losses, winding and voltages assumed"
 _CAR = ScenarioNeed("urban_mixed", duration=0.01)  # for the car alone
+_CELL = 3.2  # V
 _SPEED = "speed of the shaft [rpm]"
 
 
@@ -25,15 +27,22 @@ def _speeds(driven: ScenarioRuns) -> np.ndarray:
 
 
 def _limits(driven: ScenarioRuns) -> Panel:
-    motor, speed = driven.vehicle.motor, _speeds(driven)
-    torque = np.minimum(motor.peak_torque, motor.peak_power / speed)
-    power = torque * speed / 1e3
-    rpm = speed * 30 / math.pi
-    return panel(
-        "a  Peak torque and power",
-        "[N m], [kW]",
-        lambda: [Curve(rpm, torque, "torque [N m]"), Curve(rpm, power, "power [kW]")],
-    )
+    motor, speed, rpm = driven.vehicle.motor, _speeds(driven), _speeds(driven) * 30 / math.pi
+    cells = driven.vehicle.battery.cells
+
+    def curves() -> list[Curve]:
+        drawn = []
+        for share in (1.0, 0.75, 0.5):
+            voltage = share * cells.in_series * _CELL
+            envelope = np.array([voltage_limited_torque(motor.winding, voltage, each) for each in speed])
+            torque = np.minimum(np.minimum(motor.peak_torque, motor.peak_power / speed), envelope)
+            drawn += [
+                Curve(rpm, torque, f"torque [N m], {voltage:.0f} V"),
+                Curve(rpm, torque * speed / 1e3, f"power [kW], {voltage:.0f} V"),
+            ]
+        return drawn
+
+    return panel("a  Peak torque and power by voltage, from assumed constants", "[N m], [kW]", curves)
 
 
 def _efficiency(driven: ScenarioRuns) -> Figure:

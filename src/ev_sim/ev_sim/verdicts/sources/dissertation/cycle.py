@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ev_msgs_py.parameters.config_directory import config_directory
+from ev_msgs_py.parameters.csv_file import find_file
 from ev_sim.verdicts.check import Number
 from ev_sim.verdicts.declaration import Declaration, judged
 from ev_sim.verdicts.need import ScenarioRuns
@@ -27,7 +27,7 @@ def _points(driven: ScenarioRuns) -> np.ndarray:
 
 def _beyond_the_table(driven: ScenarioRuns) -> float:
     """Largest difference of the profile from table 2.4 at the points of both [m/s]."""
-    table = np.loadtxt(config_directory() / "cycles" / "trrl_1_1.csv", delimiter=",", skiprows=1)
+    table = np.loadtxt(find_file("cycles/trrl_1_1.csv"), delimiter=",", skiprows=1)
     points = _points(driven)
     times = np.union1d(points[:, 0], table[:, 0])
     printed = np.interp(times, table[:, 0], table[:, 1] * _KILOMETRE_PER_HOUR)

@@ -8,7 +8,7 @@ from ev_sim.verdicts.published import published
 _DRAWN = "curve not in the text; scripts/run.sh figures draws it for each method, with driver pulse"
 _REASONS = {
     "diss.fig1.13": "maker's curves are not in the text",
-    "diss.fig1.22": "maker's curves, voltages and efficiencies are not in the text; drawn from the assumed losses",
+    "diss.fig1.22": "maker's curves, voltages and efficiencies are not in the text; losses and winding are assumed",
     "diss.fig2.9": "no data in the text; any speed profile from CSV can be driven",
     "diss.fig2.10": "no data in the text; config/cycles/nycc.csv is the public cycle of this name",
     "diss.fig2.11": "no data in the text; any speed profile from CSV can be driven",

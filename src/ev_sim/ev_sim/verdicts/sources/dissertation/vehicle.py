@@ -96,6 +96,13 @@ DECLARATIONS: tuple[Declaration, ...] = (
             of_car(lambda car: min(car.battery.open_circuit_voltage) / 3.2),
             "cells in series",
         ),
+        Number(
+            "1",
+            206.0,
+            absolute(1e-9, "exact"),
+            of_car(lambda car: car.battery.cells.in_series),
+            "cells in series of planar_electrical",
+        ),
         inputs=f"{_GIVEN}; {BATTERY} (assumption: no voltage is printed)",
     ),
 )

@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Build the wheels of the three packages, for `pip install` without ROS: scripts/build_wheels.sh [DIR], by default dist.
+set -euo pipefail
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+folder="$(mkdir -p "${1:-$root/dist}" && cd "${1:-$root/dist}" && pwd)"
+wheel=(python3 -m pip wheel)
+[[ ! -x "$root/.venv/bin/python" ]] || wheel=("$root/.venv/bin/python" -m pip wheel --no-build-isolation)
+copy="$(mktemp -d)"
+trap 'rm -rf "$copy"' EXIT
+for package in ev_msgs_py ev_control ev_sim; do # of copies: a build leaves its traces beside the sources
+    mkdir "$copy/$package"
+    (cd "$root/src/$package" && tar --dereference --exclude=__pycache__ --exclude='*.egg-info' -cf - .) | tar -xf - -C "$copy/$package"
+done
+"${wheel[@]}" --quiet --disable-pip-version-check --no-deps --wheel-dir "$folder" "$copy"/*
+ls "$folder"/ev_*.whl

@@ -1,0 +1,72 @@
+"""Who may speak on a topic: one publisher, that of the node whose task it is."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rclpy.node import Node
+
+_LOOK_PERIOD = 0.05  # s of wall time between looks into the graph for one sender
+_KEPT = 100  # senders of whom it is known when they were looked up
+
+Refuse = Callable[[str, str], None]  # is told the node that is refused, and a line about it
+
+
+class Speaker:
+    """Admits the messages of one publisher: of the node with this name, in the namespace of the node that listens.
+
+    Whoever else publishes on the topic is counted in `refused`, and `refuse` is told of it when it is looked up. Two
+    nodes with the name that is allowed cannot be told apart: neither is admitted, unless one has been already. When the
+    publisher that was admitted leaves the graph, another one, such as that of a restarted node, may take its place.
+    """
+
+    def __init__(self, node: Node, topic: str, name: str, refuse: Refuse) -> None:
+        self._node, self._topic, self._refuse = node, node.resolve_topic_name(topic), refuse
+        self._allowed = f"{node.get_namespace().rstrip('/')}/{name}"
+        self._admitted: bytes | None = None
+        self._looked: dict[bytes, float] = {}  # when senders that are not admitted were last looked up
+        self.refused = 0
+
+    def admits(self, info: Mapping[str, Any]) -> bool:
+        """Whether a message with this information, as rclpy gives it, comes from the one who may speak."""
+        gid: bytes = (info.get("publisher_gid") or _UNTOLD)["data"]
+        if gid == self._admitted and gid:
+            return True
+        now = time.monotonic()
+        if now - self._looked.get(gid, -_LOOK_PERIOD) >= _LOOK_PERIOD:
+            if len(self._looked) >= _KEPT:
+                self._looked.clear()
+            self._looked[gid] = now
+            if self._may_speak(gid):
+                self._admitted = gid
+            elif gid == self._admitted:
+                self._admitted = None
+        if gid == self._admitted:
+            return True
+        self.refused += 1
+        return False
+
+    def _may_speak(self, gid: bytes) -> bool:
+        """Whether a publisher is the only one of its name; whose node is not known yet, may speak later.
+
+        Where nobody tells who has sent a message (an empty `gid`: before ROS 2 Kilted, and executors of rclpy's), it is
+        believed as long as nobody else could have.
+        """
+        there = {
+            bytes(end.endpoint_gid): f"{end.node_namespace.rstrip('/')}/{end.node_name}"
+            for end in self._node.get_publishers_info_by_topic(self._topic)
+        }
+        allowed = [other for other, name in there.items() if name == self._allowed]
+        for other, name in there.items():
+            if name != self._allowed and "_UNKNOWN_" not in name and (not gid or other == gid):
+                self._refuse(name, f"{name} is refused: {self._topic} is for {self._allowed} alone")
+        if len(allowed) > 1 and self._admitted not in allowed:
+            self._refuse(
+                self._allowed, f"{self._allowed} is refused: {len(allowed)} nodes of this name on {self._topic}"
+            )
+        return allowed == [gid] if gid else len(there) == len(allowed) == 1
+
+
+_UNTOLD = {"data": b""}

@@ -1,0 +1,32 @@
+"""ev-stack COMMAND ...: everything that can be done from a shell, under one name."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+
+COMMANDS = {  # name -> module with main(words), words put in front, what it does
+    "run": (
+        "run_scenario",
+        (),
+        "drive a scenario, a study or a review: ev-stack run SCENARIO; --help lists the options",
+    ),
+    "list": ("run_scenario", ("--list",), "scenarios, studies and methods, one line each"),
+    "security_policies": ("security_policies", (), "policies for DDS security, and the running graph against them"),
+    "inspect": ("inspect_graph", (), "show the running graph: nodes, topics, rates"),
+}
+
+
+def main(argv: list[str] | None = None) -> None:
+    """ev-stack COMMAND [options]"""
+    words = sys.argv[1:] if argv is None else argv
+    if not words or words[0] in ("-h", "--help"):
+        print("ev-stack COMMAND [options]; COMMAND is one of")
+        for name, (_, _, about) in COMMANDS.items():
+            print(f"  {name:10} {about}")
+        return
+    if words[0] not in COMMANDS:
+        print(f"ev-stack: unknown command {words[0]!r}; known: {', '.join(COMMANDS)}", file=sys.stderr)
+        sys.exit(2)
+    module, first, _ = COMMANDS[words[0]]
+    import_module(f"ev_sim.commands.{module}").main([*first, *words[1:]])

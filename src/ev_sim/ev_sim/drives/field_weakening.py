@@ -1,0 +1,79 @@
+"""A synchronous machine at the limits of current and voltage: torque envelope, weakening current, phase voltage.
+
+In the frame of the rotor, amplitudes, with equal inductances and w_e = p w:
+
+    T = 3/2 p psi i_q,    u_d = R i_d - w_e L i_q,    u_q = R i_q + w_e (psi + L i_d)
+    i_d^2 + i_q^2 <= I^2,    w_e^2 ((psi + L i_d)^2 + (L i_q)^2) <= U^2,    U = share V_dc/sqrt(3)
+
+The limits leave out R, for which `voltage_share` leaves room. Schroeder, Elektrische Antriebe - Regelung von
+Antriebssystemen, 4th ed. 2015, chapter on synchronous machines.
+"""
+
+from __future__ import annotations
+
+from ev_msgs_py.compiling.compilable import inlined
+from ev_msgs_py.elementary import sqrt
+from ev_msgs_py.vehicle.motor import Motor
+from ev_msgs_py.vehicle.winding import Winding
+
+_SQRT_2 = 1.4142135623730951
+_SQRT_3 = 1.7320508075688772
+_STANDSTILL = 1e-9  # rad/s
+
+
+@inlined
+def torque_per_current(winding: Winding) -> float:
+    """3/2 p psi: torque over the amplitude of i_q [N m/A]."""
+    return 1.5 * winding.pole_pairs * winding.flux_linkage
+
+
+@inlined
+def _reach(winding: Winding, voltage: float, speed: float) -> float:
+    """U/|w_e|: the flux linkage [Wb] that the voltage of the DC link [V] can hold at a shaft speed [rad/s]."""
+    return winding.voltage_share * voltage / _SQRT_3 / (winding.pole_pairs * max(abs(speed), _STANDSTILL))
+
+
+@inlined
+def voltage_limited_torque(winding: Winding, voltage: float, speed: float) -> float:
+    """Largest torque either way [N m] at a DC-link voltage [V] and a shaft speed [rad/s].
+
+    Up to w_e = U/sqrt(psi^2 + (L I)^2) that of the largest current; then where the circles of current and voltage
+    cross, i_d = ((U/w_e)^2 - psi^2 - (L I)^2)/(2 psi L); from i_d = -psi/L on the top of the circle of voltage.
+    """
+    flux, inductance, most = winding.flux_linkage, winding.inductance, _SQRT_2 * winding.largest_current
+    reach = _reach(winding, voltage, speed)
+    crossing = (reach * reach - flux * flux - inductance * most * inductance * most) / (2.0 * flux * inductance)
+    direct = min(max(crossing, -flux / inductance), 0.0)
+    left = flux + inductance * direct
+    by_current = most * most - direct * direct
+    by_voltage = (reach * reach - left * left) / (inductance * inductance)
+    return torque_per_current(winding) * sqrt(max(min(by_current, by_voltage), 0.0))
+
+
+@inlined
+def weakening_current(winding: Winding, torque: float, voltage: float, speed: float) -> float:
+    """i_d [A], amplitude, never positive: the least that leaves room for a torque [N m] at a voltage and a speed."""
+    flux, inductance = winding.flux_linkage, winding.inductance
+    across = inductance * torque / torque_per_current(winding)
+    reach = _reach(winding, voltage, speed)
+    direct = (sqrt(max(reach * reach - across * across, 0.0)) - flux) / inductance
+    return min(max(direct, -_SQRT_2 * winding.largest_current), 0.0)
+
+
+@inlined
+def weakening_loss(motor: Motor, torque: float, voltage: float, speed: float) -> float:
+    """Copper loss [W] of i_d, on top of `copper_loss` T^2; convex in the torque [N m]."""
+    current = torque_per_current(motor.winding) * weakening_current(motor.winding, torque, voltage, speed)
+    return motor.copper_loss * current * current
+
+
+@inlined
+def phase_values(motor: Motor, torque: float, voltage: float, speed: float) -> tuple[float, float]:
+    """Current [A] and voltage [V] of a phase, rms, in steady state; R = copper_loss (3/2 p psi)^2/(3/2)."""
+    winding, constant = motor.winding, torque_per_current(motor.winding)
+    resistance = motor.copper_loss * constant * constant / 1.5
+    turns = winding.pole_pairs * speed
+    d, q = weakening_current(winding, torque, voltage, speed), torque / constant
+    u_d = resistance * d - turns * winding.inductance * q
+    u_q = resistance * q + turns * (winding.flux_linkage + winding.inductance * d)
+    return sqrt(0.5 * (d * d + q * q)), sqrt(0.5 * (u_d * u_d + u_q * u_q))

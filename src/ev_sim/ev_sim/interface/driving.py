@@ -1,0 +1,82 @@
+"""`ev_sim.run` and `ev_sim.batch`: scenarios by name or path, offline, with what differs given by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any
+
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import unknown_name
+from ev_sim.batch.batch import BatchResult
+from ev_sim.batch.batch import batch as batch_of
+from ev_sim.batch.reductions import Reduction
+from ev_sim.report.result import Result
+from ev_sim.run.offline import drive_offline
+from ev_sim.run.scenarios.scenario import Overrides, Run, Scenario, load_scenario
+
+
+def run(scenario: str | PathLike[str], runs: Sequence[str] = (), **changed: Any) -> Result:
+    """Drive a scenario and give its signals, metrics, hash and figures: `ev_sim.run("shchur2019")`.
+
+    `scenario` is a name or the path of a YAML file; of its runs those in `runs` are driven, all if it is empty. What
+    may be `changed`:
+
+    - `method`: {"asr": "pi_slip"}, by node,
+    - `set`: {"electronic_differential.gamma": 10.0}, by NODE.PARAMETER, where the node `*` is every node,
+    - `seed`: of everything random, `duration`: simulated time of every run [s],
+    - `vehicle`: another car, as a name or the path of a complete file,
+    - `params`: paths of ROS parameter files on top of the scenario's.
+
+    ParameterError, in one line, if something is refused; SignalError if a number is not finite.
+    """
+    loaded = load_scenario(fspath(scenario), overrides(**changed), only=runs)
+    return Result(loaded, {each.name: drive_offline(each) for each in loaded.runs})
+
+
+def batch(
+    scenario: str | PathLike[str],
+    vary: Mapping[str, Iterable[Any]] | None = None,
+    run: str = "",
+    signals: Sequence[str] = (),
+    every: int = 1,
+    metrics: Mapping[str, Reduction] | None = None,
+    initial_states: Mapping[str, Any] | None = None,
+    threads: int | None = None,
+    **changed: Any,
+) -> BatchResult:
+    """Many runs of a scenario in one call, compiled and on all cores; `changed` as for `run`.
+
+    `vary` has by ROLE.PARAMETER one value for each run; `run` names which run of the scenario is meant if it has
+    several. The rest is that of `ev_sim.batch.batch.batch`.
+    """
+    of = one_run(load_scenario(fspath(scenario), overrides(**changed), only=(run,) if run else ()))
+    return batch_of(of.configurations, of.duration, vary, initial_states, signals, every, metrics, threads)
+
+
+def overrides(
+    method: Mapping[str, str] | None = None,
+    set: Mapping[str, Any] | None = None,
+    seed: int | None = None,
+    duration: float | None = None,
+    vehicle: str | PathLike[str] | None = None,
+    params: Iterable[str | PathLike[str]] = (),
+) -> Overrides:
+    """What differs from a scenario's file; ParameterError for a name in `set` that has no dot."""
+    values: list[tuple[str, str, Any]] = [(node, "method", name) for node, name in (method or {}).items()]
+    for place, value in (set or {}).items():
+        node, _, parameter = place.partition(".")
+        if not parameter:
+            raise ParameterError(f"set: {place!r} is refused, allowed is NODE.PARAMETER")
+        values.append((node, parameter, value))
+    if seed is not None:
+        values.append(("*", "seed", seed))
+    return Overrides([Path(path) for path in params], values, duration, fspath(vehicle) if vehicle else None)
+
+
+def one_run(scenario: Scenario) -> Run:
+    """The only run of a scenario; ParameterError that lists them if there are several."""
+    if len(scenario.runs) > 1:
+        raise unknown_name(f"run of {scenario.name}", "", [each.name for each in scenario.runs])
+    return scenario.runs[0]

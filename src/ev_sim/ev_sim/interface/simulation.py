@@ -1,0 +1,167 @@
+"""A car that is stepped from outside, for loops of one's own: the graph with some of its roles left out."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike, fspath
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.compiling.loop import call_part
+from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.lockstep.parts import compiled_parts
+from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import unknown_name
+from ev_sim.interface.driving import one_run, overrides
+from ev_sim.run.recording.recording import Recording, recording_of
+from ev_sim.run.scenarios.scenario import load_scenario
+
+
+@dataclass(frozen=True)
+class SimulationState:
+    """All that lasts between steps: number of the instant, its frame, and by role the states of its parts."""
+
+    instant: int
+    frame: np.ndarray
+    parts: Mapping[str, tuple[Any, ...]]
+
+
+class Simulation:
+    """One run of a scenario, step by step; what the roles in `without` would write is given to each `step`.
+
+    After `reset` and after each `step` the frame shows an instant as far as it goes without them: all that integrates,
+    and the answers of the roles in front of the first one that is left out. `step` puts in what is given, lets the
+    others answer, and integrates to the next instant. `run` names which run is meant if there are several, `changed` is
+    that of `ev_sim.run`. With `record` the frames are kept for `recording`.
+
+    ParameterError, in one line, if something is refused; SignalError if a number becomes not finite.
+    """
+
+    def __init__(
+        self,
+        scenario: str | PathLike[str],
+        without: Sequence[str] = (),
+        run: str = "",
+        record: bool = True,
+        **changed: Any,
+    ) -> None:
+        of = one_run(load_scenario(fspath(scenario), overrides(**changed), only=(run,) if run else ()))
+        for role in without:
+            if role not in of.configurations:
+                raise unknown_name("role", role, of.configurations)
+        self._configurations, self._without, self._record = of.configurations, tuple(without), record
+        self._writes = {role: each.method.writes for role, each in of.configurations.items()}
+        answering, integrating = roles_in_order()
+        first = min((answering.index(role) for role in without if role in answering), default=len(answering))
+        if any(role in integrating for role in without):
+            first = 0
+        self._before, self._behind = answering[:first], self._kept(answering[first:])
+        self._integrating = self._kept(integrating)
+        given = [signal for role in without for signal in ROLES[role].writes]
+        places = frame.channels()
+        self.inputs = tuple(name for signal in given for name in TOPICS[signal].channels)
+        self._inputs = {name: places[name] for name in self.inputs}
+        self._channels = {
+            name: places[name]
+            for signals in (*self._writes.values(), tuple(given))
+            for signal in signals
+            for name in TOPICS[signal].channels
+        }
+        self.period = of.period
+        self.reset()
+
+    def _kept(self, roles: Sequence[str]) -> tuple[str, ...]:
+        return tuple(role for role in roles if role in self._configurations and role not in self._without)
+
+    def reset(self) -> Mapping[str, float]:
+        """Begin again, at rest; the frame of the first instant comes back."""
+        self._parts = {
+            role: compiled_parts(configuration)
+            for role, configuration in self._configurations.items()
+            if role not in self._without
+        }
+        self._here, self._next = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
+        self._instant, self._frames = 0, []
+        for role in self._integrating:
+            self._call(role, None, self._here)
+        return self._begin_instant()
+
+    def step(self, inputs: Mapping[str, float] | None = None) -> Mapping[str, float]:
+        """Go on by one control period and give the frame that is shown then.
+
+        `inputs` are by channel what the roles that are left out write at this instant, in SI units; a channel that is
+        not named keeps its last value, which is 0 at the start. ParameterError for another channel or no finite number.
+        """
+        for name, value in (inputs or {}).items():
+            if name not in self._inputs:
+                raise unknown_name("input", name, self.inputs)
+            if not math.isfinite(value):
+                raise ParameterError(f"input {name}: {value!r} is refused, allowed is a finite number")
+        for name, value in (inputs or {}).items():
+            self._here[self._inputs[name]] = value
+        self._answer(self._behind)
+        self._next[:] = self._here
+        for role in self._integrating:
+            self._call(role, self._here, self._next)
+        if self._record:
+            self._frames.append(self._here.copy())
+        self._here, self._next = self._next, self._here
+        self._instant += 1
+        return self._begin_instant()
+
+    def _begin_instant(self) -> Mapping[str, float]:
+        self._here[frame.TIME] = self.time
+        self._answer(self._before)
+        return self.frame
+
+    def _answer(self, roles: Sequence[str]) -> None:
+        for role in roles:
+            self._call(role, self._here, self._here)
+
+    def _call(self, role: str, here: np.ndarray | None, there: np.ndarray) -> None:
+        """Let the parts of a role answer or integrate; without `here` they show their start."""
+        for part in self._parts[role]:
+            function, state, constants = part.addresses()
+            now = 0 if here is None else here.ctypes.data
+            if call_part(function, now, there.ctypes.data, state, constants) != 0:
+                raise part.error
+        refuse_not_finite(there, self._writes[role])
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return stamps.to_seconds(self._instant * self.period)
+
+    @property
+    def frame(self) -> Mapping[str, float]:
+        """By channel, such as imu.yaw_rate, what this instant shows; what answers later still shows its last one."""
+        return {name: float(self._here[place]) for name, place in self._channels.items()}
+
+    @property
+    def recording(self) -> Recording:
+        """The instants that are complete: all but the present one."""
+        written = {signal for role in self._configurations for signal in self._writes[role]}
+        written |= {signal for role in self._without for signal in ROLES[role].writes}
+        frames = np.array(self._frames).reshape(-1, frame.SIZE)
+        return recording_of(frames, [topic for signal, topic in TOPICS.items() if signal in written])
+
+    @property
+    def state(self) -> SimulationState:
+        """All that lasts, as a copy, which can be pickled; may be set to go on from there. The recording goes on."""
+        parts = {role: tuple(copy.deepcopy(part.state) for part in of) for role, of in self._parts.items()}
+        return SimulationState(self._instant, self._here.copy(), parts)
+
+    @state.setter
+    def state(self, saved: SimulationState) -> None:
+        self._instant = saved.instant
+        self._here[:] = saved.frame
+        for role, states in saved.parts.items():
+            for part, state in zip(self._parts[role], states, strict=True):
+                part.state = copy.deepcopy(state)

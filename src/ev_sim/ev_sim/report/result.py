@@ -1,0 +1,153 @@
+"""What driving a scenario gives, to look at from Python and to write into a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.report.metric import Metric
+from ev_sim.report.own_metrics import own_metrics
+from ev_sim.report.reports import report_for
+from ev_sim.report.samples import Parameters, Runs
+from ev_sim.report.summary import Summary, write_summary
+from ev_sim.run.outcome import Outcome
+from ev_sim.run.recording.recording import Recording, combined_hash, save, signal_hash
+from ev_sim.run.scenarios.differences import differences
+from ev_sim.run.scenarios.scenario import Scenario, load_scenario
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+
+@dataclass(frozen=True)
+class Result:
+    """The runs of a scenario that were driven, and how: offline, in-process, processes or realtime.
+
+    `own_nodes`: role -> command of a user's node that took its place. `command` is the line that does the same again.
+    A notebook shows its metrics and figures.
+    """
+
+    scenario: Scenario
+    outcomes: Mapping[str, Outcome]
+    mode: str = "offline"
+    own_nodes: Mapping[str, str] = field(default_factory=dict)
+    command: str = ""
+
+    @property
+    def runs(self) -> Runs:
+        """The signals of each run by its name."""
+        return {name: outcome.recording for name, outcome in self.outcomes.items()}
+
+    @property
+    def time(self) -> np.ndarray:
+        """The instants of the only run [s], (n,); ParameterError if there are several."""
+        return self._only.time
+
+    @property
+    def signals(self) -> Mapping[str, np.ndarray]:
+        """By channel, such as imu.yaw_rate, the samples of the only run, (n,); ParameterError if there are several."""
+        return self._only.channels
+
+    @property
+    def hash(self) -> str:
+        """That of all signals of all runs: the same wherever and however they are driven."""
+        return combined_hash({name: signal_hash(run) for name, run in self.runs.items()})
+
+    @property
+    def _only(self) -> Recording:
+        if len(self.outcomes) > 1:
+            raise ParameterError(f"{self.scenario.name} has several runs: runs[NAME] of {', '.join(self.outcomes)}")
+        return next(iter(self.runs.values()))
+
+    @cached_property
+    def metrics(self) -> Mapping[str, Metric]:
+        """Numbers with units, and verdicts where something was published, by name."""
+        return {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.runs)}
+
+    def figures(self) -> dict[str, Figure]:
+        """Figures by name, drawn anew."""
+        return self._of_report("figures")
+
+    def _of_report(self, what: str) -> dict[str, Any]:
+        first = self.scenario.runs[0].configurations
+        parameters: Parameters = {role: configuration.values() for role, configuration in first.items()}
+        report = report_for(self.scenario.parameters.report or self.scenario.name)
+        found: dict[str, Any] = getattr(report, what)(self.runs, first[MASTER].common.vehicle, parameters)
+        return found
+
+    def data_frame(self, run: str = "") -> DataFrame:
+        """The signals of a run, which may be left out if there is one only, over time [s]; needs pandas."""
+        from pandas import DataFrame, Index
+
+        recording = self.runs[run] if run else self._only
+        return DataFrame(dict(recording.channels), index=Index(recording.time, name="time"))
+
+    def summary(self) -> Summary:
+        """What summary.json says."""
+        runs = self.scenario.runs
+        nodes = {
+            role if len(runs) == 1 else f"{run.name}/{role}": configuration
+            for run in runs
+            for role, configuration in run.configurations.items()
+        }
+        common = runs[0].configurations[MASTER].common
+        outcomes = self.outcomes.values()
+        return Summary(
+            scenario=self.scenario.name,
+            mode=self.mode,
+            seed=common.seed,
+            methods={node: configuration.method.name for node, configuration in nodes.items()},
+            own_nodes=self.own_nodes,
+            parameters={node: configuration.values() for node, configuration in nodes.items()},
+            vehicle=common.vehicle,
+            runs=self.runs,
+            metrics=self.metrics,
+            wall_time=sum(outcome.wall_time for outcome in outcomes),
+            not_reproducible=tuple(reason for outcome in outcomes for reason in outcome.not_reproducible),
+            notes=(*self.scenario.notes, *(note for outcome in outcomes for note in outcome.notes)),
+            about=self.scenario.parameters.about,
+            command=self.command,
+            differs=differences(self.scenario, load_scenario(str(self.scenario.file), only=[run.name for run in runs])),
+        )
+
+    def save(self, directory: Path | str, formats: Sequence[str] = ()) -> None:
+        """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz.
+
+        `formats`: pdf or svg, for figures that are also wanted for print.
+        """
+        folder = Path(directory)
+        for name, run in self.runs.items():
+            of_run = folder if len(self.outcomes) == 1 else folder / name
+            of_run.mkdir(parents=True, exist_ok=True)
+            save(run, of_run / "signals.npz")
+        self.write_report(folder, formats=formats)
+
+    def write_report(self, folder: Path, page: bool = True, formats: Sequence[str] = ()) -> dict[str, Any]:
+        """Write figures, report.html if it is wanted, and summary.json, whose content comes back."""
+        from ev_sim.report.figures.saving import save_figures
+
+        figures, summary = self.figures(), self.summary()
+        save_figures(figures, folder, formats)
+        content = summary.as_json()
+        write_summary(folder / "summary.json", content)
+        if page:
+            from ev_sim.report.page.images import images_of
+            from ev_sim.report.page.writing import NAME, Page, Signals, write_page
+
+            signals = Signals("", self.runs, summary.vehicle)
+            shown = Page(self.scenario.name, {"": content}, (signals,), images_of(figures, folder))
+            write_page(shown, folder / NAME)
+        return content
+
+    def _repr_html_(self) -> str:
+        from ev_sim.report.html_of_result import html_of
+
+        return html_of(self.metrics, self.figures(), self.hash)

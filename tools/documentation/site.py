@@ -1,0 +1,33 @@
+"""The pages as a site: README.md and CHANGELOG.md beside those of docs/, in the places where a site has them."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+
+
+def gather(root: Path, to: Path) -> None:
+    """Copy the pages into a folder that a site generator reads; what was there before is gone."""
+    shutil.rmtree(to, ignore_errors=True)
+    shutil.copytree(root / "docs", to, ignore=shutil.ignore_patterns("measured", "__pycache__"))
+    _copy(
+        root / "README.md",
+        to / "index.md",
+        {"](docs/": "](", "](CHANGELOG.md": "](changelog.md", "](LICENSE": "](LICENSE.txt"},
+    )
+    _copy(root / "CHANGELOG.md", to / "changelog.md", {"](docs/": "]("})
+    shutil.copy(root / "LICENSE", to / "LICENSE.txt")
+    for page in to.glob("*.md"):
+        _copy(page, page, {"](../CHANGELOG.md": "](changelog.md", "](../README.md": "](index.md"})
+
+
+def _copy(page: Path, to: Path, links: dict[str, str]) -> None:
+    text = page.read_text(encoding="utf-8")
+    for link, there in links.items():
+        text = text.replace(link, there)
+    to.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    gather(Path(sys.argv[1]), Path(sys.argv[2]))
