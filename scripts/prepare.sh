@@ -153,6 +153,11 @@ build_workspace() {
 if is_environment_ready && is_build_ready; then
     exit 0
 fi
+if [[ -e .venv && ! -O .venv ]]; then # what another user has made is neither repaired nor removed
+    echo "$root/.venv belongs to $(stat -c %U .venv) and is not ready for $(id -un): let $(stat -c %U .venv) run" \
+        "scripts/setup.sh, or work in a copy of your own" >&2
+    exit 1
+fi
 
 exec {lock}<"$root/scripts"
 flock --nonblock "$lock" || { echo "waiting for another set-up to finish ..." >&2 && flock "$lock"; }

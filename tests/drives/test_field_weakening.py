@@ -7,9 +7,15 @@ import math
 import numpy as np
 import pytest
 
+from ev_msgs_py.can.conventions import TORQUE_MODE
+from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.vehicle.motor import Motor
 from ev_msgs_py.vehicle.winding import Winding
 from ev_sim.drives.field_weakening import phase_values, torque_per_current, voltage_limited_torque, weakening_loss
+from ev_sim.drives.losses import loss_power
+from ev_sim.inverter.parameters import InverterParameters
+from ev_sim.inverter.state import Inverter
+from ev_sim.inverter.torque import advance_torque
 
 VOLTAGE = 659.2  # 206 cells at 3.2 V
 LAZY = Winding(inductance=3e-5)  # psi > L I: its speed has an end
@@ -95,3 +101,19 @@ def test_phase_power_is_mechanical_power_and_copper_loss():
     assert active == pytest.approx(200.0 * 100.0 + 0.045 * 200.0**2, rel=1e-12)
     assert weakening_loss(motor, 200.0, VOLTAGE, 100.0) == 0.0
     assert weakening_loss(motor, 50.0, 0.5 * VOLTAGE, 785.0) > 0.0
+
+
+@pytest.mark.parametrize("asked", [360.0, -360.0])
+def test_an_inverter_keeps_to_the_envelope_of_its_dc_link(asked):
+    """At 329.6 V and 7000 rpm, when the lag is over; its DC current is mechanical power and losses over the voltage."""
+    p, s, speed = InverterParameters(), Inverter(), 733.0
+    s.state, s.dc_link.voltage = float(OPERATION_ENABLED), 0.5 * VOLTAGE
+    s.command.mode, s.command.torque, s.command.torque_limit, s.command.speed = float(TORQUE_MODE), asked, 360.0, 1e3
+    advance_torque(p, s, speed, 1.0)
+    machine, most = p.machine, voltage_limited_torque(p.machine.winding, 0.5 * VOLTAGE, speed)
+    assert most < min(machine.peak_power, machine.generator_power) / speed
+    assert s.torque == pytest.approx(math.copysign(most, asked), rel=1e-12)
+    assert s.limited == 1.0
+    loss = loss_power(machine, most, speed) + weakening_loss(machine, most, 0.5 * VOLTAGE, speed)
+    assert s.dc_current * 0.5 * VOLTAGE == pytest.approx(s.torque * speed + loss, rel=1e-12)
+    assert s.phase_current <= machine.winding.largest_current * (1.0 + 1e-9)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import re
@@ -14,12 +15,17 @@ import numpy as np
 import pytest
 from pages import CAR, GAP, HOSTILE, page_of, run_on_a_circle, summary_of, two_runs
 
+from ev_sim.commands.run_scenario import main
 from ev_sim.report import page as package
+from ev_sim.report.metric import Metric
 from ev_sim.report.page.codec import Packed, pack, unpack
 from ev_sim.report.page.content import signal_data
 from ev_sim.report.page.envelope import envelope
+from ev_sim.report.page.measured import measured_signals
 from ev_sim.report.page.quantities import groups_of
 from ev_sim.report.page.writing import Signals
+from ev_sim.report.summary import write_summary
+from ev_sim.run.recording.recording import save
 from ev_sim.run.scenarios.differences import EVERY_NODE, differences
 from ev_sim.run.scenarios.scenario import Overrides, load_scenario
 
@@ -72,6 +78,11 @@ def test_packed_samples_come_back_within_half_a_step(planes: int):
     assert np.abs(ours - values)[finite].max() <= packed.step / 2 + 1e-12
 
 
+def test_a_zero_stays_a_zero():
+    values = np.array([-79.3, 0.0, 1e-9, 0.0, 41.7])
+    assert np.array_equal(unpack(pack(values, 2))[[1, 3]], [0.0, 0.0])
+
+
 def test_a_constant_and_a_gap_alone_can_be_packed():
     assert np.array_equal(unpack(pack(np.full(9, 3.7), 3)), np.full(9, 3.7))
     assert np.isnan(unpack(pack(np.full(9, np.nan), 3))).all()
@@ -101,8 +112,8 @@ def test_signals_get_coarser_until_they_fit_and_the_page_says_so():
     fine = signal_data(results)
     size = sum(map(len, fine.blocks))
     coarse, coarsest = signal_data(results, size - 1), signal_data(results, size // 5)
-    assert "every sample is there" in fine.precision and "16\u202f777\u202f214" in fine.precision
-    assert "every sample is there" in coarse.precision and "65\u202f534" in coarse.precision
+    assert "every sample is there" in fine.precision and "16\u202f777\u202f212" in fine.precision
+    assert "every sample is there" in coarse.precision and "65\u202f532" in coarse.precision
     assert "lowest and the highest" in coarsest.precision
     assert sum(map(len, coarsest.blocks)) <= size // 5
 
@@ -159,6 +170,44 @@ def test_who_cannot_see_finds_his_way(outline: Outline):
     assert all(attributes["scope"] in ("row", "col") for attributes in outline.all("th"))
     ids = [attributes["id"] for _, attributes in outline.tags if attributes.get("id")]
     assert len(ids) == len(set(ids))
+
+
+def test_several_results_stand_on_one_page_side_by_side(tmp_path: Path):
+    runs = two_runs()
+    for name, (key, run), speed in zip("ab", runs.items(), (5.0, 7.5), strict=True):
+        (tmp_path / name).mkdir()
+        save(run, tmp_path / name / "signals.npz")
+        metrics = {"speed": Metric(speed, "m/s")}
+        write_summary(
+            tmp_path / name / "summary.json",
+            dataclasses.replace(summary_of({key: run}), metrics=metrics, command=f"run {name}").as_json(),
+        )
+    main(["report", str(tmp_path / "a"), str(tmp_path / "b"), "--out", str(tmp_path / "both.html")])
+    text = (tmp_path / "both.html").read_text(encoding="utf-8")
+    index = json.loads(re.search(r'id="index">(.*?)</script>', text, re.DOTALL).group(1))
+    assert [run["name"] for run in index["runs"]] == ["a: slow", "b: fast_one"]
+    assert "run a" in text and "run b" in text
+    row = re.search(r"<tr><th scope=\"row\">speed</th>(.*?)</tr>", text, re.DOTALL).group(1)
+    assert re.findall(r'class="value">(.*?)</td>', row) == ["5", "7.5", "2.5"]
+
+
+@pytest.mark.parametrize("content", [None, '{"study": "compare"}'])
+def test_a_folder_of_no_scenario_is_refused_in_one_line(tmp_path: Path, content: str | None):
+    if content:
+        (tmp_path / "summary.json").write_text(content)
+    with pytest.raises(SystemExit) as ended:
+        main(["report", str(tmp_path)])
+    assert str(ended.value).startswith(f"error: {tmp_path}") and "\n" not in str(ended.value)
+
+
+def test_series_of_a_study_are_signals_without_a_car(tmp_path: Path):
+    time = np.arange(5.0)
+    (signals,) = measured_signals({"a": {"time": time, "x": 2 * time, "peak": 3.0, "other": np.zeros(2)}, "b": {}})
+    assert list(signals.runs) == ["a"] and list(signals.runs["a"].channels) == ["x"]
+    data = signal_data([signals])
+    assert data.index["runs"][0]["car"] is None
+    assert [group["title"] for group in data.index["groups"]] == ["measured"]
+    assert measured_signals({"a": {"peak": 3.0}}) == ()
 
 
 def test_what_is_vendored_is_what_its_readme_says():

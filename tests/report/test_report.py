@@ -204,7 +204,7 @@ def test_verdict(value, assumption, verdict):
 
 def test_metric_without_published_value_is_measured():
     entry = metric(lambda: 2.0, "m").as_json()
-    assert (entry["value"], entry["published"], entry["band"], entry["verdict"]) == (2.0, None, None, "measured")
+    assert (entry["value"], entry["reference"], entry["band"], entry["verdict"]) == (2.0, None, None, "measured")
 
 
 def test_band_of_a_negative_value_runs_upwards():
@@ -467,7 +467,7 @@ def test_summary_json(tmp_path):
     write_summary(tmp_path / "summary.json", summary().as_json())
     written = json.loads((tmp_path / "summary.json").read_text())
     entry = written["metrics"]["shchur.fig4.dV.left"]
-    assert {"value", "unit", "published", "band", "verdict", "source"} <= entry.keys()
+    assert {"value", "unit", "reference", "band", "verdict", "source"} <= entry.keys()
     assert entry["value"] == summary().metrics["shchur.fig4.dV.left"].value
     assert written["simulated_time"] == 50.0
     assert written["real_time_factor"] == 20.0
@@ -521,7 +521,7 @@ def test_table_on_a_pipe(monkeypatch):
     pipe = io.StringIO()
     print_metrics(METRICS, pipe)
     assert pipe.getvalue() == (
-        "metric                                  value  unit  published  band                  verdict\n"
+        "metric                                  value  unit  reference  band                  verdict\n"
         "-------------------------  ------------------  ----  ---------  --------------------  ----------------\n"
         "steering_angle_right_turn  -0.52 (-29.79 deg)  rad     -0.5236  -0.52884 .. -0.51836  reproduced\n"
         "differential_torque_30deg               10.95  N m      10.948  10.9 .. 11            reproduced [1]\n"
@@ -540,4 +540,4 @@ def test_table_fits_into_the_terminal(width):
 
 
 def test_table_of_nothing():
-    assert metric_table({}).splitlines()[0].split() == ["metric", "value", "unit", "published", "band", "verdict"]
+    assert metric_table({}).splitlines()[0].split() == ["metric", "value", "unit", "reference", "band", "verdict"]

@@ -84,7 +84,7 @@ def test_what_a_run_leaves_behind(offline: Path):
     assert content["methods"]["electronic_differential"] == "power_steering"
     assert content["reproducible"] is True
     assert content["simulated_time"] == 3.0
-    assert {"value", "unit", "published", "band", "verdict"} <= content["metrics"]["shchur.fig4.dV.left"].keys()
+    assert {"value", "unit", "reference", "band", "verdict"} <= content["metrics"]["shchur.fig4.dV.left"].keys()
     recording = load(offline / "signals.npz")
     assert len(recording.time) == 301
     assert messages_in(offline / "bag")["/ev/wheel_states"] == 301

@@ -44,7 +44,8 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     arguments = ", ".join(inspect.signature(function).parameters)
     text = _TEXT.format(function=function.__qualname__, arguments=arguments)
     register_functions()  # it is compiled, or loaded, with the first call
-    return compiled_function(function.__name__, text, {"function": function})
+    step: Callable[..., Any] = compiled_function(function.__name__, text, {"function": function})
+    return step
 
 
 def in_memory(values: Any) -> Any:

@@ -8,14 +8,41 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.compiling.constants import constants_row
-from ev_msgs_py.compiling.library import compiled_part
+from ev_msgs_py.compiling.machine_code import code_file, function_address, text_file
+from ev_msgs_py.compiling.part_source import part_source
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.record import fill, numbers
 from ev_msgs_py.contract.shape import shape_of
-from ev_msgs_py.lockstep.law import Given
+from ev_msgs_py.lockstep.law import Given, Law
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.part import FUNCTION
+
+_ADDRESSES: dict[Any, int] = {}
+
+
+def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
+    """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
+    given = Given(_law(method), parameters, vehicle, period)
+    return code_file(text_file(_name(method), *part_source(method, given))).exists()
+
+
+def _law(method: Method) -> Law:
+    assert method.law is not None, f"{method.role} {method.name} is not made of functions"
+    return method.law
+
+
+def _name(method: Method) -> str:
+    return f"{method.name}_{method.role}"
+
+
+def _address(method: Method, given: Given) -> int:
+    """Of the compiled function of a method (`part_source`); `given` is that of any of its objects."""
+    law = _law(method)
+    key = (law.function, law.outputs)
+    if key not in _ADDRESSES:
+        _ADDRESSES[key] = function_address(_name(method), *part_source(method, given))
+    return _ADDRESSES[key]
 
 
 class CompiledPart:
@@ -24,11 +51,12 @@ class CompiledPart:
     error: BaseException | None = None
 
     def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
-        self.given = Given(method.law, parameters, vehicle, period)
-        self.function = compiled_part(method, self.given)
+        law = _law(method)
+        self.given = Given(law, parameters, vehicle, period)
+        self.function = _address(method, self.given)
         self.constants = constants_row(self.given.trees, self.given.values["c"], period)
         self._state = np.array(numbers(self.given.values["s"]) or [0.0])
-        self._notes = self.given.bound(method.law.notes) if method.law.notes else None
+        self._notes = self.given.bound(law.notes) if law.notes else None
         self._writes = [(shape_of(signal), frame.PLACES[signal]) for signal in method.writes]
         self._begin = min(place.start for _, place in self._writes)
         self._end = max(place.stop for _, place in self._writes)
@@ -69,6 +97,6 @@ class CompiledPart:
         """What the law says of its state."""
         if self._notes is None:
             return ()
-        fill(self.given.values["s"], self._state)
+        fill(self.given.values["s"], self._state.tolist())
         notes: tuple[str, ...] = self._notes()
         return notes

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.lockstep.hooks import refuse_lacking
+from ev_msgs_py.lockstep.installed_methods import load_installed_methods
 from ev_msgs_py.lockstep.law import Law, given_names
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
@@ -20,8 +21,7 @@ from ev_msgs_py.vehicle.layout import refusal
 
 T = TypeVar("T")
 
-_GROUP = "ev_stack.methods"  # of entry points, named after their roles,
-_NODES = "ev_stack.nodes"  # as their nodes are
+_NODES = "ev_stack.nodes"  # of entry points, named after their roles
 _REGISTER: dict[str, dict[str, Method]] = {}
 
 
@@ -96,9 +96,11 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
     declares and offers besides. A function comes with its parameter dataclass and, in `how`, what else
     `lockstep.law.Law` has.
 
-    The annotations of `step`, `advance` or the function name the signals that are read; TypeError if the role may not
-    read one of them, or if a hook is missing.
+    The annotations of `step`, `advance` or the function name the signals that are read; TypeError if there is no such
+    role, if it may not read one of them, or if a hook is missing.
     """
+    if role not in ROLES:
+        raise TypeError(f"method {name}: {role!r} is no role, allowed is one of {', '.join(ROLES)}")
 
     def register(defined: T) -> T:
         factory: Any = defined
@@ -129,16 +131,6 @@ def _stepping(role: str, factory: Any) -> Callable[..., Any]:
 
 
 @cache
-def _load_installed_methods(role: str) -> None:
-    """Import what installed packages offer for a role: entry points of this name in the group ev_stack.methods.
-
-    Only those of the role, because a plant takes longer to import than a node to start.
-    """
-    for entry_point in entry_points(group=_GROUP, name=role):
-        entry_point.load()
-
-
-@cache
 def node_package(role: str) -> str:
     """The package with the node of a role; LookupError unless there is exactly one."""
     found = {point.value.partition(".")[0] for point in entry_points(group=_NODES, name=role)}
@@ -149,7 +141,7 @@ def node_package(role: str) -> str:
 
 def methods_of(role: str) -> dict[str, Method]:
     """All methods of a role, by name."""
-    _load_installed_methods(role)
+    load_installed_methods(role)
     return dict(sorted(_REGISTER.get(role, {}).items()))
 
 
@@ -157,7 +149,8 @@ def find_method(role: str, name: str) -> Method:
     """The method of a role with this name; ParameterError that lists the known ones if there is none."""
     known = methods_of(role)
     if not isinstance(name, str) or name not in known:
-        raise unknown_name(f"{role} method", name, known)
+        failed = "".join(f"; not loaded: {line}" for line in load_installed_methods(role))
+        raise ParameterError(f"{unknown_name(f'{role} method', name, known)}{failed}")
     return known[name]
 
 

@@ -22,12 +22,19 @@ def part_of(configuration: Configuration, compiled: bool) -> Part:
     return Sensed(part, configuration.sensors, configuration.common.seed)
 
 
-def compiler_is_loaded() -> bool:
-    """Whether compiled code costs no start-up time any more, as with a plant in the same process.
+def is_compiled(configuration: Configuration) -> bool:
+    """Whether compiled code costs no time at the start: it is on disk, or the compiler is loaded already.
 
-    The node of a light law alone in its process does without: loading the compiler takes longer than it would save.
+    The node of a light law does without the compiler: loading it takes longer than it would save.
     """
-    return "numba" in sys.modules
+    method, common = configuration.method, configuration.common
+    if method.law is None or not method.law.is_compilable:
+        return False
+    if "numba" in sys.modules:
+        return True
+    from ev_msgs_py.compiling.part import is_kept
+
+    return is_kept(method, configuration.parameters, common.vehicle, common.control_period)
 
 
 def compiled_parts(configuration: Configuration) -> list[Any]:

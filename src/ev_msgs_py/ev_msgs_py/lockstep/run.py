@@ -9,7 +9,7 @@ import numpy as np
 from ev_msgs_py.compiling.loop import FINISHED, NOT_FINITE, call_part, run_instants
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
-from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.shape import SignalError, shape_of
 from ev_msgs_py.lockstep.configuration import Configuration, check_graph
 from ev_msgs_py.lockstep.graph import step_order
 from ev_msgs_py.lockstep.methods import Method
@@ -74,13 +74,22 @@ class GraphRun:
             end = min(begin + _CHUNK, last)
             status = run_instants(self.frames, begin, end, end == last, self._rows, self._answering, stopped)
             if status != FINISHED:
-                role, part = self.parts[stopped[1]]
-                if status == NOT_FINITE:
-                    refuse_not_finite(self.frames[stopped[0]], self.writes[role])
-                raise part.error
+                raise self._error(status, *stopped.tolist())
             if end == last or end % (_CHUNK * _CHUNKS_PER_LOOK) == 0:
                 self._pass_on_notes(said, note)
             progress(float(self.frames[end, frame.TIME]))
+
+    def _error(self, status: int, instant: int, place: int) -> BaseException:
+        """What a part said that stopped at an instant, with the simulated time if a number is not finite."""
+        role, part = self.parts[place]
+        try:
+            if status == NOT_FINITE:
+                refuse_not_finite(self.frames[instant], self.writes[role])
+            raise part.error
+        except SignalError as error:
+            return SignalError(f"at {self.frames[instant, frame.TIME]:g} s: {role}: {error}")
+        except BaseException as error:  # of a law in plain Python: it is raised as it is
+            return error
 
     def _pass_on_notes(self, said: set[tuple[str, str]], note: Callable[[str, str], None]) -> None:
         """Tell what the parts note for the first time."""

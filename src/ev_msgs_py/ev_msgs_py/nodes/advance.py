@@ -29,7 +29,9 @@ class Advance:
             if schedule.at_end:
                 self.ended = True
                 return
-            self._stepped(self._held_step() if realtime else self._stepper.step())
+            answer = self._held_step() if realtime else self._stepper.step()
+            assert answer is not None, "the schedule lets time go on only with all inputs"
+            self._stepped(answer)
             if schedule.now == self._stepper.period:
                 schedule.pace_from_here()  # the first step has waited for all nodes to come up
             if realtime and late > stamps.to_seconds(self._stepper.period):

@@ -7,7 +7,7 @@ from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock as RosClock
-from rclpy.clock import ClockType
+from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -46,7 +46,10 @@ class BusNode(Node):
         self.add_on_set_parameters_callback(self._on_set)
         self._ticks = Ticks()
         # For rclpy's own executors; `spinning.spin` polls by itself.
-        self.create_timer(TICK, self.poll, clock=RosClock(clock_type=ClockType.STEADY_TIME))
+        self.create_timer(TICK, self._look, clock=RosClock(clock_type=ClockType.STEADY_TIME))
+
+    def _look(self) -> None:
+        self.poll()
 
     def prepare(self) -> None:
         """Make what frames and cycles need, before the bus is open."""

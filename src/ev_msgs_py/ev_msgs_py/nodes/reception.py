@@ -81,10 +81,11 @@ class Reception:
         self._reports.refuse(topic.name, f"{topic.name}{_when(message)} ignored: {error}")
 
     def _report_gap(self, topic: Topic, stamp: int) -> None:
-        if topic in self._gaps or stamp <= self._before_reset:
+        last = self._stepper.inbox.last
+        if last is None or topic in self._gaps or stamp <= self._before_reset:
             return
         self._gaps.add(topic)
-        due = stamps.to_seconds(self._stepper.inbox.last + self._stepper.period)
+        due = stamps.to_seconds(last + self._stepper.period)
         self._reports.warn(f"{topic.name} at {stamps.to_seconds(stamp)} s ignored (reported once): {due} s is due")
 
 

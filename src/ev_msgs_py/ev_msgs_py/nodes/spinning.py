@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -106,8 +106,9 @@ class _Rest:
 
     def __init__(self, nodes: Sequence[Spinnable], context: Context) -> None:
         self._nodes = nodes
-        with context.handle:
-            self._wait_set = rclpy_implementation.WaitSet(len(nodes), 0, 0, 0, 0, 0, context.handle)
+        handle: Any = context.handle
+        with handle:
+            self._wait_set = rclpy_implementation.WaitSet(len(nodes), 0, 0, 0, 0, 0, handle)
 
     def until_message(self) -> None:
         """Sleep until an awaited message arrives, or for as long as the nodes allow."""

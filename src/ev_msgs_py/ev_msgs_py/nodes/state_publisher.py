@@ -30,10 +30,11 @@ class StatePublisher:
             self._tell_time(stamp_alone(answer.stamp))
         self._spoke = time.monotonic()
 
-    def repeat(self, answer: Answer) -> None:
+    def repeat(self, answer: Answer | None) -> None:
         """Publish once more, and first what most nodes hear: their step goes on while the rest is being published."""
         self._writers.sort(key=lambda writer: -writer.publisher.get_subscription_count())
-        self.publish(answer)
+        if answer is not None:
+            self.publish(answer)
 
     @property
     def silent_for(self) -> float:

@@ -12,7 +12,7 @@ from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.lockstep.configuration import Configuration, configure
 from ev_msgs_py.lockstep.graph import polling_order
 from ev_msgs_py.lockstep.part import Part
-from ev_msgs_py.lockstep.parts import compiler_is_loaded, hand_over, part_of
+from ev_msgs_py.lockstep.parts import hand_over, is_compiled, part_of
 from ev_msgs_py.lockstep.stepper import Answer, Stepper, arrival_place
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.live_parameters import LiveParameters
@@ -96,4 +96,4 @@ class SteppedNode(Node, Polled):
 
 
 def _new_part(configuration: Configuration) -> Part:
-    return part_of(configuration, compiled=compiler_is_loaded())
+    return part_of(configuration, compiled=is_compiled(configuration))

@@ -18,7 +18,17 @@ _SPEC = "parameter"
 
 
 class ParameterError(ValueError):
-    """A parameter was refused; the message names the parameter, the value and what is allowed."""
+    """A parameter was refused; the message names the parameter, the value and what is allowed.
+
+    `parameter` is its dotted name where there is one.
+    """
+
+    def __init__(self, text: str, parameter: str = "") -> None:
+        super().__init__(text)
+        self.parameter = parameter
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.parameter)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +54,12 @@ class Spec:
         unit = f" {self.unit}" if self.unit and self.unit != "1" else ""
         if self.low is None and self.high is None:
             return "any value of its type"
+        low, high = (f"{end:g}" if isinstance(end, float) else str(end) for end in (self.low, self.high))
         if self.high is None:
-            return f"at least {self.low:g}{unit}"
+            return f"at least {low}{unit}"
         if self.low is None:
-            return f"at most {self.high:g}{unit}"
-        return f"{self.low:g} to {self.high:g}{unit}"
+            return f"at most {high}{unit}"
+        return f"{low} to {high}{unit}"
 
 
 def parameter(

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 from ev_msgs_py.parameters.declaration import Entry, ParameterError, entries
 
 P = TypeVar("P")
+_MANY, _SHOWN = 40, 12  # names: of more than so many, so many are listed
 
 
 def check(entry: Entry, value: Any) -> Any:
@@ -60,7 +61,7 @@ def _type_word(of: type) -> str:
 
 
 def _refused(entry: Entry, value: Any, allowed: str) -> ParameterError:
-    return ParameterError(f"parameter {entry.name}: {value!r} is refused, allowed is {allowed}")
+    return ParameterError(f"parameter {entry.name}: {value!r} is refused, allowed is {allowed}", entry.name)
 
 
 def build(of: type[P], values: Mapping[str, Any], prefix: str = "") -> P:
@@ -109,8 +110,10 @@ def _replaced(instance: Any, checked: Mapping[str, Any], prefix: str) -> Any:
 
 
 def unknown_name(kind: str, name: Any, known: Iterable[str]) -> ParameterError:
-    """The error for a name that does not exist: it lists the known ones, the most similar first."""
+    """The error for a name that does not exist: it lists known ones, the most similar first, not all of very many."""
     known = list(known)
     similar = difflib.get_close_matches(str(name), known, n=3)
-    rest = [k for k in known if k not in similar]
-    return ParameterError(f"unknown {kind} {name!r}; known: {', '.join([*similar, *sorted(rest)])}")
+    listed = [*similar, *sorted(k for k in known if k not in similar)]
+    more = f" and {len(listed) - _SHOWN} more" if len(listed) > _MANY else ""
+    listed = listed[: _SHOWN if more else None]
+    return ParameterError(f"unknown {kind} {name!r}; known: {', '.join(listed)}{more}", name)

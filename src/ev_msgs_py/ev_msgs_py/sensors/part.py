@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.compiling.library import compiled_function
+from ev_msgs_py.compiling.machine_code import function_address
 from ev_msgs_py.contract import frame
 from ev_msgs_py.sensors.measuring import HEAD, measure
 from ev_msgs_py.sensors.row import SensorRow
@@ -31,8 +31,7 @@ def step(now, next, state, constants):
 @cache
 def function() -> int:
     """The address of the one function of all sensors."""
-    address: int = compiled_function("sensors", _TEXT, {"FLOAT": np.float64, "measure": measure}).address
-    return address
+    return function_address("sensors", _TEXT, {"FLOAT": np.float64, "measure": measure})
 
 
 class SensorPart:

@@ -145,6 +145,8 @@ class Vehicle:
             raise ParameterError("centre_of_mass_to_rear_axle is above wheelbase")
         if abs(self.centre_of_mass_offset) >= min(self.front_track, self.rear_track) / 2:
             raise ParameterError("centre_of_mass_offset lies outside the wheels")
+        if len(set(self.driven_wheels)) != len(self.driven_wheels):
+            raise ParameterError(f"driven_wheels names a wheel twice: {', '.join(self.driven_wheels)}")
         if len(self.wheel_radius_ratio) != 4:
             raise ParameterError("wheel_radius_ratio needs four elements, one for each wheel")
 

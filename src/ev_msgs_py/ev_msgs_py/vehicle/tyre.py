@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
 
+# How many of the coefficients of a curve give no friction unless they are positive.
+POSITIVE_COEFFICIENTS = {"burckhardt": 0, "rational": 2, "two_exponential": 3, "magic_formula": 3, "linear": 1}
+
 
 @dataclass(frozen=True, slots=True)
 class Tyre:
@@ -17,7 +20,7 @@ class Tyre:
 
     curve: str = parameter(
         "burckhardt",
-        choices=("burckhardt", "rational", "two_exponential", "magic_formula", "linear"),
+        choices=tuple(POSITIVE_COEFFICIENTS),
         about="friction curve over slip",
         own=True,
     )
@@ -73,6 +76,12 @@ class Tyre:
     def __post_init__(self) -> None:
         if len(self.coefficients) != 4:
             raise ParameterError("coefficients needs four elements (those that the curve does not have are zero)")
+        needed = POSITIVE_COEFFICIENTS[self.curve]
+        if min(self.coefficients[:needed], default=1.0) <= 0.0:
+            raise ParameterError(
+                f"coefficients {list(self.coefficients)} give no friction: curve {self.curve} needs the first "
+                f"{needed} positive"
+            )
         if self.lateral_curve != "same" and self.combined != "uncoupled":
             raise ParameterError(
                 f"lateral_curve {self.lateral_curve} needs combined uncoupled: a line has no share of a slip vector"

@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.compiling.library import compiled_function
+from ev_msgs_py.compiling.machine_code import function_address
 from ev_msgs_py.contract import frame
 from ev_sim.batch.reductions import LARGEST_MAGNITUDE, LAST, MAXIMUM, MEAN, MINIMUM, Reduction
 
@@ -70,7 +70,7 @@ def step(now, next, state, constants):
 @cache
 def function() -> int:
     """The address of the compiled observer."""
-    return compiled_function("observer", _TEXT, {"FLOAT": np.float64, "observe": observe}).address
+    return function_address("observer", _TEXT, {"FLOAT": np.float64, "observe": observe})
 
 
 class Observation:

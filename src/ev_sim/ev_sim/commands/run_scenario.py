@@ -8,6 +8,7 @@ import sys
 from importlib import import_module
 
 from ev_msgs_py.contract.shape import SignalError
+from ev_msgs_py.lockstep.installed_methods import not_loaded
 from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import arguments
@@ -17,6 +18,7 @@ from ev_sim.study.study import STUDIES, study_named
 
 REVIEWS = {  # commands of their own, in modules of their names
     "verdicts": "a verdict on every number, curve and claim of all sources, in one table",
+    "report": "one page about the folders of several runs of scenarios, side by side with their differences",
     "figures": "every panel of the sources' figures, drawn from our runs, on one page",
 }
 _INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended,
@@ -63,9 +65,11 @@ def print_list() -> None:
     print("studies, of many runs (scripts/run.sh STUDY --help)")
     for name in STUDIES:
         print(f"  {name:24} {study_named(name).ABOUT}")
-    print("reviews of what the sources published (scripts/run.sh NAME --help)")
+    print("reviews of runs, and of what the sources published (scripts/run.sh NAME --help)")
     for name, about in REVIEWS.items():
         print(f"  {name:24} {about}")
+    for line in not_loaded():
+        print(f"not loaded: {line}")
     for role, methods in all_methods().items():
         print(f"methods of {role}")
         for name, method in methods.items():

@@ -68,6 +68,12 @@ def weakening_loss(motor: Motor, torque: float, voltage: float, speed: float) ->
 
 
 @inlined
+def induced_voltage(winding: Winding, speed: float) -> float:
+    """Voltage of a phase [V], rms, that the magnets alone induce at a shaft speed [rad/s]."""
+    return winding.pole_pairs * abs(speed) * winding.flux_linkage / _SQRT_2
+
+
+@inlined
 def phase_values(motor: Motor, torque: float, voltage: float, speed: float) -> tuple[float, float]:
     """Current [A] and voltage [V] of a phase, rms, in steady state; R = copper_loss (3/2 p psi)^2/(3/2)."""
     winding, constant = motor.winding, torque_per_current(motor.winding)

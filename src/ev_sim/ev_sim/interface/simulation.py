@@ -58,11 +58,11 @@ class Simulation:
                 raise unknown_name("role", role, of.configurations)
         self._configurations, self._without, self._record = of.configurations, tuple(without), record
         self._writes = {role: each.method.writes for role, each in of.configurations.items()}
-        answering, integrating = roles_in_order()
+        answering, integrating = roles_in_order(self._configurations)
         first = min((answering.index(role) for role in without if role in answering), default=len(answering))
         if any(role in integrating for role in without):
             first = 0
-        self._before, self._behind = answering[:first], self._kept(answering[first:])
+        self._before, self._behind = self._kept(answering[:first]), self._kept(answering[first:])
         self._integrating = self._kept(integrating)
         given = [signal for role in without for signal in ROLES[role].writes]
         places = frame.channels()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from ev_msgs_py.can.codec import inserted
 from ev_msgs_py.can.conventions import RPM
-from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE
 from ev_msgs_py.can.frames import SENT, BenchFrames, DeviceFrames, guarded
 from ev_msgs_py.can.protection import last_counter, next_counter
 from ev_msgs_py.can.schedule import is_due
@@ -47,7 +46,7 @@ def made(f: BenchFrames, own: DeviceFrames, p: InverterParameters, s: Inverter, 
     if kind == MOTION:
         payload = guarded(f.motion, _motion(f, s, speed), data_id, used)
     elif kind == ELECTRICAL:
-        payload = guarded(f.electrical, _electrical(f, p, s, speed), data_id, used)
+        payload = guarded(f.electrical, _electrical(f, s), data_id, used)
     elif kind == TEMPERATURES:
         payload = guarded(f.temperatures, _temperatures(f, p, s), data_id, used)
     else:
@@ -64,19 +63,11 @@ def _motion(f: BenchFrames, s: Inverter, speed: float) -> int:
 
 
 @compilable
-def _electrical(f: BenchFrames, p: InverterParameters, s: Inverter, speed: float) -> int:
+def _electrical(f: BenchFrames, s: Inverter) -> int:
     payload = inserted(0, f.electrical.dc_voltage, s.dc_link.voltage + s.injected.voltage_rise)
     payload = inserted(payload, f.electrical.dc_current, s.dc_current)
     payload = inserted(payload, f.electrical.phase_current, s.phase_current + s.injected.current_rise)
-    return inserted(payload, f.electrical.phase_voltage, _phase_voltage(p, s, speed))
-
-
-@compilable
-def _phase_voltage(p: InverterParameters, s: Inverter, speed: float) -> float:
-    """Of the rotor, as P = sqrt(3) U I = T w; field weakening keeps it within what a power stage can give."""
-    induced = p.torque_constant * abs(speed) / sqrt(3.0)
-    switches = int(s.state) in (OPERATION_ENABLED, QUICK_STOP_ACTIVE)
-    return min(induced, s.dc_link.voltage / sqrt(2.0)) if switches else induced
+    return inserted(payload, f.electrical.phase_voltage, sqrt(3.0) * s.phase_voltage)
 
 
 @compilable

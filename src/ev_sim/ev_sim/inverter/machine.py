@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.winding import Winding
 
 _TABLE = "dissertation, table 1.1"
 _ASSUMED = "assumption, as in the vehicle dissertation_class_b"
@@ -45,6 +46,7 @@ class Machine:
     inverter_torque_loss: float = parameter(
         2.0, unit="W/(N m)", low=0.0, high=100.0, about="loss per torque", source=_ASSUMED
     )
+    winding: Winding = group(Winding)
 
 
 _LOST = "data of the 1PV5138-4WS24 are lost in the source: assumed to hold the machine under test up to 10000 rpm"
@@ -52,7 +54,7 @@ _LOST = "data of the 1PV5138-4WS24 are lost in the source: assumed to hold the m
 
 @dataclass(frozen=True, slots=True)
 class LoadMachine(Machine):
-    """The load machine, an asynchronous one."""
+    """The load machine, an asynchronous one; its limits by voltage are taken for those of a synchronous one."""
 
     peak_torque: float = parameter(400.0, unit="N m", low=0.0, high=1000.0, about="at the shaft", source=_LOST)
     maximum_speed: float = parameter(
@@ -65,3 +67,4 @@ class LoadMachine(Machine):
         0.005, unit="s", low=1e-4, high=10.0, about="time constant of the torque control", source=_LOST
     )
     rotor_inertia: float = parameter(0.1, unit="kg m^2", low=1e-4, high=100.0, about="of the rotor", source=_LOST)
+    winding: Winding = group(Winding, inductance=5e-5, largest_current=505.0)

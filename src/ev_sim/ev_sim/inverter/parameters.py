@@ -51,9 +51,6 @@ class InverterParameters:
         0.01, unit="s", low=0.001, high=1.0, about="without a valid set-point for longer than this: fault"
     )
     machine: Machine = group(Machine)
-    torque_constant: float = parameter(
-        0.8, unit="N m/A", low=0.01, high=10.0, about="torque over the rms phase current", source="assumption"
-    )
     largest_current: float = parameter(
         600.0, unit="A", low=1.0, high=1000.0, about="rms phase current, above it over-current", source="assumption"
     )

@@ -85,6 +85,8 @@ class Inverter:
     speed_integral: float = entry(unit="N m", about="speed mode: integral part")
     torque: float = entry(unit="N m", about="at the shaft, forwards positive")
     phase_current: float = entry(unit="A", about="rms")
+    phase_voltage: float = entry(unit="V", about="phase to neutral, rms")
+    weakening_loss: float = entry(unit="W", about="copper loss of the current that weakens the magnets")
     dc_current: float = entry(unit="A", about="from the supply")
     counters: list[float] = series(4, unit="1", about="of the next frame of each kind, in the order of SENT")
 

@@ -15,7 +15,7 @@ from ev_sim.inverter.state import Inverter
 def advance_temperatures(p: ThermalParameters, machine: Machine, s: Inverter, period: float) -> None:
     """Heat by the torque that there is: C T' = P - (T - T_coolant)/R, exactly over `period` [s]."""
     torque = s.torque
-    copper = machine.copper_loss * torque * torque
+    copper = machine.copper_loss * torque * torque + s.weakening_loss
     stage = machine.inverter_torque_loss * abs(torque)
     winding_left = exp(-period / (p.winding_capacity * p.winding_resistance))
     inverter_left = exp(-period / (p.inverter_capacity * p.inverter_resistance))

@@ -6,6 +6,7 @@ from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import exp
+from ev_sim.drives.field_weakening import induced_voltage, phase_values, voltage_limited_torque, weakening_loss
 from ev_sim.drives.losses import loss_power
 from ev_sim.drives.torque_controlled import limited_torque
 from ev_sim.inverter.parameters import InverterParameters
@@ -66,15 +67,17 @@ def _most(p: InverterParameters, s: Inverter) -> float:
 
 @compilable
 def _limited(p: InverterParameters, s: Inverter, asked: float, speed: float) -> float:
-    most = _most(p, s)
+    most = min(_most(p, s), voltage_limited_torque(p.machine.winding, s.dc_link.voltage, speed))
     return limited_torque(p.machine, min(max(asked, -most), most), speed, _COLD)
 
 
 @compilable
 def _electrical(p: InverterParameters, s: Inverter, speed: float, state: int) -> None:
-    """Currents [A] of this torque; a power stage that is off takes none."""
-    s.phase_current = abs(s.torque) / p.torque_constant
-    s.dc_current = 0.0
+    """Currents, voltage and loss of this torque; a power stage that is off takes nothing and sees the magnets alone."""
+    s.phase_current = s.dc_current = s.weakening_loss = 0.0
+    s.phase_voltage = induced_voltage(p.machine.winding, speed)
     if state in (OPERATION_ENABLED, QUICK_STOP_ACTIVE) and s.dc_link.voltage > 1.0:
-        power = s.torque * speed + loss_power(p.machine, s.torque, speed)
+        s.phase_current, s.phase_voltage = phase_values(p.machine, s.torque, s.dc_link.voltage, speed)
+        s.weakening_loss = weakening_loss(p.machine, s.torque, s.dc_link.voltage, speed)
+        power = s.torque * speed + loss_power(p.machine, s.torque, speed) + s.weakening_loss
         s.dc_current = power / s.dc_link.voltage

@@ -11,6 +11,7 @@ Band = tuple[float, float]  # an end that is not finite is open
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"
 NOT_MEASURED = "not measured"
+NOT_JUDGED = "not judged"
 FROM_INPUTS = "follows from the inputs"
 
 
@@ -38,6 +39,7 @@ class Reference:
 class Metric:
     """A number with its unit; `value` is None if it could not be computed, `reason` then says why.
 
+    `unjudged` says why the reference does not bind it, such as another law than that of the source.
     Of several seeds `value` is the mean, `per_seed` holds the single values in the order of the seeds.
     """
 
@@ -46,6 +48,7 @@ class Metric:
     reference: Reference | None = None
     reason: str = ""
     per_seed: tuple[float, ...] = ()
+    unjudged: str = ""
 
     @property
     def standard_deviation(self) -> float | None:
@@ -54,11 +57,13 @@ class Metric:
 
     @property
     def judgement(self) -> str:
-        """What the number is worth: measured, not measured, (not) reproduced, or no more than its inputs."""
+        """What the number is worth: (not) measured, not judged, (not) reproduced, or no more than its inputs."""
         if self.value is None:
             return NOT_MEASURED
         if self.reference is None:
             return "measured"
+        if self.unjudged:
+            return NOT_JUDGED
         low, high = self.reference.band
         if not low <= self.value <= high:
             return NOT_REPRODUCED
@@ -66,7 +71,9 @@ class Metric:
 
     @property
     def note(self) -> str:
-        """What belongs to the judgement: why nothing was measured, or what had to be assumed to reproduce it."""
+        """What belongs to the judgement: why nothing was measured or judged, or what was assumed to reproduce it."""
+        if self.judgement == NOT_JUDGED:
+            return self.unjudged
         if self.reference and self.judgement == FROM_INPUTS:
             return self.reference.inputs
         if self.reference and self.judgement == REPRODUCED:
@@ -88,7 +95,7 @@ class Metric:
             "value": self.value,
             "unit": self.unit,
             **({"std": self.standard_deviation, "per_seed": list(self.per_seed)} if self.per_seed else {}),
-            "published": reference.value if reference else None,
+            "reference": reference.value if reference else None,
             "band": [end if math.isfinite(end) else None for end in reference.band] if reference else None,
             "verdict": self.verdict,
             "source": reference.source if reference else None,

@@ -12,20 +12,20 @@ from typing import TextIO
 from ev_sim.report.metric import Metric
 from ev_sim.report.text_table import text_table
 
-COLUMNS = ("metric", "value", "unit", "published", "band", "verdict")
-NARROW = (("metric", "value", "unit", "published", "verdict"), ("metric", "value", "unit", "verdict"))
+COLUMNS = ("metric", "value", "unit", "reference", "band", "verdict")
+NARROW = (("metric", "value", "unit", "reference", "verdict"), ("metric", "value", "unit", "verdict"))
 WIDTH_OF_A_PIPE = 120
 _TEXT = ("metric", "unit", "band", "verdict")
 
 
 def print_metrics(metrics: Mapping[str, Metric], file: TextIO | None = None) -> None:
-    """Print the table of metrics, in a narrow terminal without bands, angles in degrees and published values."""
+    """Print the table of metrics, in a narrow terminal without bands, angles in degrees and references."""
     width = shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns
     print(metric_table(metrics, width), file=file or sys.stdout)
 
 
 def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) -> str:
-    """Name, value, unit, published value, band and verdict of each metric in aligned columns.
+    """Name, value, unit, reference, band and verdict of each metric in aligned columns.
 
     Angles stand in rad with deg beside. Assumptions and reasons are numbered and follow below the table.
     """
@@ -56,7 +56,7 @@ def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
         "value": f"{value} ({math.degrees(metric.value):.2f} deg)" if metric.unit == "rad" and metric.value else value,
         "value in rad": value,
         "unit": metric.unit,
-        "published": _number(reference.value) if reference else "-",
+        "reference": _number(reference.value) if reference else "-",
         "band": " .. ".join(_number(end) if math.isfinite(end) else "" for end in reference.band) if reference else "-",
         "verdict": _judgement(metric, notes),
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ from ev_sim.report.samples import Parameters, Runs
 from ev_sim.report.summary import Summary, write_summary
 from ev_sim.run.outcome import Outcome
 from ev_sim.run.recording.recording import Recording, combined_hash, save, signal_hash
-from ev_sim.run.scenarios.differences import differences
+from ev_sim.run.scenarios.differences import COMMAND_LINE, Difference, differences
 from ev_sim.run.scenarios.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
@@ -70,7 +70,17 @@ class Result:
     @cached_property
     def metrics(self) -> Mapping[str, Metric]:
         """Numbers with units, and verdicts where something was published, by name."""
-        return {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.runs)}
+        found = {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.runs)}
+        changed = [f"{d.node}.{d.parameter}" for d in self.differs if d.by == COMMAND_LINE and _is_of_the_source(d)]
+        changed += [f"node {role}" for role in self.own_nodes]
+        why = f"not what the reference is about: {', '.join(dict.fromkeys(changed))} differs" if changed else ""
+        return {name: replace(each, unjudged=why) for name, each in found.items()}
+
+    @cached_property
+    def differs(self) -> Sequence[Difference]:
+        """What is not as the scenario's file, or as the defaults have it."""
+        runs = [run.name for run in self.scenario.runs]
+        return differences(self.scenario, load_scenario(str(self.scenario.file), only=runs))
 
     def figures(self) -> dict[str, Figure]:
         """Figures by name, drawn anew."""
@@ -115,7 +125,7 @@ class Result:
             notes=(*self.scenario.notes, *(note for outcome in outcomes for note in outcome.notes)),
             about=self.scenario.parameters.about,
             command=self.command,
-            differs=differences(self.scenario, load_scenario(str(self.scenario.file), only=[run.name for run in runs])),
+            differs=self.differs,
         )
 
     def save(self, directory: Path | str, formats: Sequence[str] = ()) -> None:
@@ -151,3 +161,8 @@ class Result:
         from ev_sim.report.html_of_result import html_of
 
         return html_of(self.metrics, self.figures(), self.hash)
+
+
+def _is_of_the_source(difference: Difference) -> bool:
+    """Whether a parameter is what a source is about: its law and its car. The rest is a matter of its report."""
+    return difference.parameter == "method" or difference.parameter.startswith("vehicle.")

@@ -13,6 +13,8 @@ from ev_sim.run.outcome import Progress
 
 _FORMAT = "{desc} {percentage:3.0f} %|{bar:30}| {n:.1f}/{total:.1f} s simulated, {unit} x real time"
 
+_ENOUGH = 0.05  # s of wall time from which on a real-time factor says something
+
 
 def announce(text: str) -> None:
     """A line on standard error, to be said before the progress begins."""
@@ -27,20 +29,20 @@ def progress_bar(name: str, duration: float) -> Iterator[Progress]:
         desc=name,
         total=duration,
         bar_format=_FORMAT,
-        unit="0.0",  # the place where the format has room for the real-time factor
+        unit="-",  # the place where the format has room for the real-time factor
         mininterval=0.1 if interactive else 5.0,
         delay=0.2,
         leave=True,
         ascii=not interactive,
     )
-    begun: list[float] = []
+    begun: list[tuple[float, float]] = []  # wall and simulated time of the first look at a car under way
 
     def progress(simulated: float) -> None:
-        if simulated > 0 and not begun:
-            begun.append(time.monotonic())
-        elapsed = time.monotonic() - begun[0] if begun else 0.0
-        if elapsed > 0:
-            bar.unit = f"{simulated / elapsed:.1f}"
+        now = time.monotonic()
+        if not begun and simulated > 0:
+            begun.append((now, simulated))
+        if begun and now - begun[0][0] > _ENOUGH:
+            bar.unit = f"{(simulated - begun[0][1]) / (now - begun[0][0]):.1f}"
         bar.update(min(simulated, duration) - bar.n)
 
     with bar:

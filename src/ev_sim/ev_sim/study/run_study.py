@@ -9,13 +9,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import add_outputs, add_overrides, command_of, overrides
 from ev_sim.report.metric import Metric
 from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.summary import versions, write_summary
+from ev_sim.run.outcome import RunFailed
 from ev_sim.run.output_folder import OutputFolder
 from ev_sim.run.progress_bar import bar_of_runs
-from ev_sim.study.case import Case, CaseResult
+from ev_sim.study.case import Case, CaseResult, run_of
 from ev_sim.study.study import Results, Study, study_named
 from ev_sim.study.workers import drive_cases
 
@@ -54,12 +56,15 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     """Drive all cases of a study and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     study, given = study_named(name), arguments(name, argv)
     cases = study_cases(study, given)
+    _refuse_if_none_can_be_driven(cases)
     folder = OutputFolder(given.out or Path("results") / name, ())
     start = time.monotonic()
     with bar_of_runs(name, len(cases)) as bar:
         driven = drive_cases(cases, study.measure, lambda result: bar.update(), given.scheduler, given.workers)
     wall_time = time.monotonic() - start
     results = {result.name: result for result in driven}
+    if all(result.refused for result in driven):
+        raise RunFailed(f"none of {len(driven)} runs was driven; {driven[0].name}: {driven[0].refused}")
     metrics = study.metrics(given, results)
     from ev_sim.report.figures.saving import save_figures  # what draws is not loaded into every worker
 
@@ -70,16 +75,17 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     tables = study.tables(given, results)
     if not given.no_report:
         from ev_sim.report.page.images import images_of
+        from ev_sim.report.page.measured import measured_signals
         from ev_sim.report.page.writing import NAME, Page, write_page
 
-        shown = Page(name, {"": content}, images=images_of(figures, folder.directory), table=tables)
+        signals = measured_signals({case: result.measured for case, result in results.items()})
+        shown = Page(name, {"": content}, signals, images_of(figures, folder.directory), tables)
         write_page(shown, folder.directory / NAME)
     if tables:
         print(tables, end="\n\n")
     print_metrics(metrics)
-    for result in driven:
-        if result.refused:
-            print(f"not driven: {result.name}: {result.refused}")
+    for reason in dict.fromkeys(result.refused for result in driven if result.refused):
+        print(f"not driven: {', '.join(result.name for result in driven if result.refused == reason)}: {reason}")
     _print_notes(driven)
     print(f"signal hash {content['signal_hash']}")
     print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s")
@@ -96,6 +102,18 @@ def _print_notes(results: Sequence[CaseResult]) -> None:
     for note, names in cases.items():
         more = f" and {len(names) - 1} more" if len(names) > 1 else ""
         print(f"note: {names[0]}{more}: {note}")
+
+
+def _refuse_if_none_can_be_driven(cases: Sequence[Case]) -> None:
+    """ParameterError with the first reason, before an earlier result is replaced, if every case is refused."""
+    reason = ""
+    for case in cases:
+        try:
+            run_of(case)
+            return
+        except ParameterError as error:
+            reason = reason or f"{case.name}: {error}"
+    raise ParameterError(f"none of {len(cases)} runs can be driven; {reason}")
 
 
 def _positive(text: str) -> int:

@@ -102,8 +102,8 @@ def _account(
     What the load machine gives goes into the load resistor, what it takes comes from the mains (section 4.2).
     """
     h, share = c.h, 1.0 / c.steps
-    loss = loss_power(c.machine.machine, torque, moved.speed)
-    load_loss = loss_power(p.load.machine, load_torque, moved.load_speed)
+    loss = loss_power(c.machine.machine, torque, moved.speed) + s.machine.weakening_loss
+    load_loss = loss_power(p.load.machine, load_torque, moved.load_speed) + s.load.weakening_loss
     power, load_power = torque * moved.speed + loss, load_torque * moved.load_speed + load_loss
     twisting = moved.speed - moved.load_speed
     s.mean_torque += share * torque

@@ -51,7 +51,7 @@ def prepare(parameters: CircuitsParameters, vehicle: Vehicle, period: float) -> 
             )
     motor = {field.name: getattr(vehicle.motor, field.name) for field in fields(Machine)}
     machine = Machine(**{**motor, "rotor_inertia": max(vehicle.motor.rotor_inertia, p.least_rotor_inertia)})
-    inverter = InverterParameters(machine=machine, torque_constant=p.torque_constant, thermal=p.thermal)
+    inverter = InverterParameters(machine=machine, thermal=vehicle.motor.thermal)
     return CircuitsConstants(h, float(steps), p.set_point.delay / h, p.load_set_point.delay / h, inverter)
 
 

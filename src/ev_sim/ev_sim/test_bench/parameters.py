@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.parameters.declaration import group, parameter
-from ev_sim.inverter.parameters import LoadInverter, ThermalParameters
+from ev_sim.inverter.parameters import LoadInverter
 
 _ASSUMED = "assumption: not printed"
 _ANY_RATE = 1e9
@@ -50,14 +50,9 @@ class CircuitsParameters:
     step: float = parameter(5e-4, unit="s", low=1e-6, high=1e-3, about="longest step of the shafts")
     set_point: SetPointParameters = group(SetPointParameters)
     load_set_point: SetPointParameters = group(SetPointParameters)
-    torque_constant: float = parameter(
-        0.8, unit="N m/A", low=0.01, high=10.0, about="torque over rms phase current, machine under test",
-        source="assumption",
-    )  # fmt: skip
     least_rotor_inertia: float = parameter(
         0.005, unit="kg m^2", low=1e-4, high=100.0,
         about="of the machine under test, where the vehicle description has less", source="assumption",
     )  # fmt: skip
-    thermal: ThermalParameters = group(ThermalParameters)
     shaft: ShaftParameters = group(ShaftParameters)
     load: LoadInverter = group(LoadInverter, speed_gain=10.0, speed_integral_time=0.05)

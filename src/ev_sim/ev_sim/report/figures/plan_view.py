@@ -13,7 +13,7 @@ from ev_sim.report.figures.panels import Curve
 WIDTH = 9.2  # of the figure, and of the margins around what is drawn [inch]
 LEFT, RIGHT, BOTTOM, ABOVE = 0.7, 0.15, 0.48, 0.32
 LOWEST, HIGHEST = 1.3, 5.5  # of what is drawn [inch]
-LEGEND_ROW = 0.2  # [inch]
+LEGEND_COLUMNS, LEGEND_ROW = 6, 0.2  # entries abreast, and the height of a row [inch]
 MAGNIFIED = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # times that a narrow course is drawn across
 
 
@@ -35,8 +35,8 @@ def plan_view(
         axes.plot(*cones[~hit].T, "o", mfc="none", mec="0.4", ms=4.0, label="cones")
         if hit.any():
             axes.plot(*cones[hit].T, "o", color="#D55E00", ms=5.0, label="cones hit")
-    named = bool(axes.get_legend_handles_labels()[1])
-    times = _arrange(figure, named)
+    rows = -(-len(axes.get_legend_handles_labels()[1]) // LEGEND_COLUMNS)
+    times = _arrange(figure, rows)
     across = f", across {times} times as large as along" if times > 1 else ""
     axes.set_title(title + across, loc="left", fontsize=TITLE_SIZE, pad=3)
     axes.set_xlabel("x [m]", fontsize=TEXT_SIZE)
@@ -44,20 +44,20 @@ def plan_view(
     axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
     axes.grid(True, color="0.88", linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
-    if named:
-        figure.legend(loc="upper center", ncols=6, fontsize=TEXT_SIZE, frameon=False)
+    if rows:
+        figure.legend(loc="upper center", ncols=LEGEND_COLUMNS, fontsize=TEXT_SIZE, frameon=False)
     return figure
 
 
-def _arrange(figure: Figure, named: bool) -> int:
-    """Size of figure and axes for what is drawn, and how many times larger it is across than along."""
+def _arrange(figure: Figure, rows: int) -> int:
+    """Size the figure for what is drawn below a legend of some rows; how many times larger it is across than along."""
     (axes,) = figure.axes
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     ratio = (high - low) / (right - left)
     width = WIDTH - LEFT - RIGHT
     times = next((each for each in MAGNIFIED if ratio * width * each >= LOWEST), MAGNIFIED[-1])
     height = min(ratio * width * times, HIGHEST)
-    above = ABOVE + LEGEND_ROW * named
+    above = ABOVE + LEGEND_ROW * rows
     total = height + BOTTOM + above
     figure.set_size_inches(WIDTH, total)
     figure.subplots_adjust(

@@ -27,14 +27,20 @@ class Packed:
     planes: int
 
 
+def levels(planes: int) -> int:
+    """Into how many steps the range of a series is divided."""
+    return 256**planes - 4  # the code of a gap is none of them, and two are lost where zero is made one of them
+
+
 def pack(values: np.ndarray, planes: int, step: float | None = None) -> Packed:
-    """Pack values (n,), rounded to a step that is the range over 256^planes - 2, unless `step` is given."""
+    """Pack values (n,), rounded to multiples of a step, the range over `levels` unless it is given: zero stays zero."""
     finite = np.isfinite(values)
     held = values[finite]
     low, high = (float(held.min()), float(held.max())) if len(held) else (0.0, 0.0)
-    largest = 256**planes - 2
-    if step is None or (high - low) / step > largest:
-        step = (high - low) / largest
+    if step is None or (high - low) / step > levels(planes):
+        step = (high - low) / levels(planes)
+    if step > 0.0:
+        low = float(np.floor(low / step)) * step
     codes = np.zeros(len(values), np.int64)
     codes[finite] = (np.rint((held - low) / step) if step > 0.0 else 0) + 1
     changes = np.diff(codes, prepend=0) & (256**planes - 1)

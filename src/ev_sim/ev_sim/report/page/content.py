@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.page.codec import Packed, pack
+from ev_sim.report.page.codec import Packed, levels, pack
 from ev_sim.report.page.envelope import envelope
 from ev_sim.report.page.quantities import groups_of
 from ev_sim.report.page.top_view import PREFIX, car_of, view_channels
@@ -22,11 +22,14 @@ _PLANES = (3, 2)  # bytes of a sample that are tried, one after the other
 
 @dataclass(frozen=True)
 class Signals:
-    """The runs of one result on the car that drove them; `label` tells results of one page apart, empty if alone."""
+    """The runs of one result; `label` tells results of one page apart, empty if alone.
+
+    Without the `vehicle` that drove them nothing is seen from above.
+    """
 
     label: str
     runs: Runs
-    vehicle: Vehicle
+    vehicle: Vehicle | None
 
 
 @dataclass
@@ -64,12 +67,13 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
     runs = []
     for result in results:
         for name, run in result.runs.items():
-            channels = {**run.channels, **view_channels(run, result.vehicle)}
+            car = result.vehicle
+            channels = {**run.channels, **(view_channels(run, car) if car else {})}
             thinned = envelope(Recording(run.time, channels), every)
             runs.append(
                 {
                     "name": f"{result.label}: {name}" if result.label else name,
-                    "car": car_of(result.vehicle),
+                    "car": car_of(car) if car else None,
                     "time": placed(pack(thinned.time, planes=3, step=_period(thinned.time))),
                     "channels": {key: placed(pack(values, planes)) for key, values in thinned.channels.items()},
                 }
@@ -84,7 +88,7 @@ def _period(time: np.ndarray) -> float | None:
 
 
 def _precision(planes: int, every: int) -> str:
-    rounding = f"Samples are rounded to 1/{256**planes - 2:,} of the range of their channel".replace(",", "\u202f")
+    rounding = f"Samples are rounded to 1/{levels(planes):,} of the range of their channel".replace(",", "\u202f")
     if every == 1:
         return f"{rounding}; every sample is there."
     return (

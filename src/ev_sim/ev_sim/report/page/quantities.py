@@ -11,14 +11,15 @@ from ev_msgs_py.contract.topics import TOPICS, Topic
 def groups_of(channels: Iterable[str]) -> list[dict[str, Any]]:
     """Topics with their fields and these with their curves, in the order of the table of topics.
 
-    What stands in no topic makes groups by the first part of its name, without unit and meaning.
+    What stands in no topic makes groups by the first part of its name if there is one, without unit and meaning.
     """
     names = set(channels)
     known = [group for topic in TOPICS.values() if (group := _of_topic(topic, names))["plots"]]
     listed = {curve["channel"] for group in known for plot in group["plots"] for curve in plot["curves"]}
     others: dict[str, list[str]] = {}
     for name in sorted(names - listed):
-        others.setdefault(name.partition(".")[0], []).append(name)
+        first, dot, _ = name.partition(".")
+        others.setdefault(first if dot else "measured", []).append(name)
     return [*known, *(_unknown(first, members) for first, members in others.items())]
 
 
@@ -40,7 +41,7 @@ def _unknown(first: str, members: Sequence[str]) -> dict[str, Any]:
         {"title": _words(name.partition(".")[2] or name), "unit": "", "about": "", "curves": [_curve(name, name)]}
         for name in members
     ]
-    return {"title": first, "about": "not in the table of topics", "plots": plots}
+    return {"title": first, "about": "", "plots": plots}
 
 
 def _belongs(channel: str, start: str) -> bool:

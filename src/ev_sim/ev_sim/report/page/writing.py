@@ -11,6 +11,8 @@ from typing import Any
 
 from jinja2 import Environment, FunctionLoader
 
+from ev_msgs_py.parameters.declaration import entries
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.page.content import Signals, by_result, signal_data
 from ev_sim.run.recording.atomic import atomic_file
 
@@ -47,7 +49,10 @@ def write_page(page: Page, path: Path) -> None:
     environment.filters["number"] = _number
     environment.globals["file"] = _file
     text = environment.get_template("templates/report.html").render(
-        page=page, metrics=by_result(page.summaries), data=signal_data(page.signals)
+        page=page,
+        metrics=by_result(page.summaries),
+        data=signal_data(page.signals),
+        car={entry.name: entry.spec for entry in entries(Vehicle)},
     )
     with atomic_file(path) as file:
         file.write(text.encode())

@@ -31,7 +31,8 @@ class ParameterFile:
         except (yaml.YAMLError, UnicodeDecodeError) as error:
             line = getattr(getattr(error, "problem_mark", None), "line", None)
             where = f" in line {line + 1}" if line is not None else ""
-            raise ParameterError(f"{path}: not readable as YAML{where}") from None
+            what = f": {error.problem}" if isinstance(error, yaml.MarkedYAMLError) else ""
+            raise ParameterError(f"{path}: not readable as YAML{where}{what}") from None
         if not isinstance(content, dict):
             raise ParameterError(f"{path}: a ROS parameter file has sections such as '/**/driver:', this one has none")
         self.sections = dict(self._sections(content))

@@ -143,9 +143,10 @@ def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes:
 
 
 def _refuse_unknown_overrides(overrides: Overrides) -> None:
-    for node, _, _ in overrides.values:
+    for node, key, _ in overrides.values:
         if node != "*" and node not in ROLES:
-            raise unknown_name("node", node, ROLES)
+            hint = f"; the car is that of all nodes: '*.{node}.{key}'" if node == VEHICLE else ""
+            raise ParameterError(f"{unknown_name('node', node, ROLES)}{hint}")
 
 
 def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides, duration: float) -> Run:
@@ -169,7 +170,8 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
         try:
             configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
         except ParameterError as error:
-            raise ParameterError(f"{role}: {error}") from None
+            origin = _origin(error.parameter, role, namespace, files, overrides)
+            raise ParameterError(f"{role}: {error}{origin}") from None
     check_graph(configurations)
     period = configurations[MASTER].common.control_period
     if duration < period:
@@ -180,6 +182,14 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
 def _is_played(role: str, values: Mapping[str, Mapping[str, Any]]) -> bool:
     """Optional roles are played where a parameter chooses their method, or another method requires it."""
     return "method" in values[role] or not ROLES[role].optional
+
+
+def _origin(name: str, role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> str:
+    """Where a value was given that is refused, in words; nothing for one of the command line, which the user sees."""
+    if not name or any(key == name and node in ("*", role) for node, key, _ in overrides.values):
+        return ""
+    given = [file.path for file in files if name in file.values_for(f"{namespace}/{role}")]
+    return f" ({given[-1]})" if given else ""
 
 
 def _values(role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> dict[str, Any]:

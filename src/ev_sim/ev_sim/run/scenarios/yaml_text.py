@@ -9,7 +9,15 @@ import yaml
 
 
 class _Loader(yaml.SafeLoader):
-    """YAML 1.1 takes 1e-3 and 1.0e3 for texts; ROS and YAML 1.2 do not."""
+    """YAML 1.1 takes 1e-3 and 1.0e3 for texts, ROS and YAML 1.2 do not; and a key stands once, as YAML has it."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        seen: set[str] = set()
+        for key, _ in node.value:
+            if key.value in seen:
+                raise yaml.MarkedYAMLError(problem=f"{key.value} stands there twice", problem_mark=key.start_mark)
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
 
 
 _Loader.add_implicit_resolver(
@@ -18,7 +26,7 @@ _Loader.add_implicit_resolver(
 
 
 def read_yaml(text: str) -> Any:
-    """The content of a YAML text; yaml.YAMLError if it is none."""
+    """The content of a YAML text; yaml.YAMLError if it is none, or if a key stands in it twice."""
     try:
         return yaml.load(text, _Loader)
     except ValueError as error:  # what looks like a date and is none

@@ -126,7 +126,8 @@ class CarView {
 function showCars(runs) {
   const holder = document.getElementById("cars");
   holder.replaceChildren();
-  views = runs.map((run) => new CarView(run, holder));
+  document.getElementById("view").hidden = !runs.some((run) => run.car);
+  views = runs.filter((run) => run.car).map((run) => new CarView(run, holder));
   return Promise.all(views.map((view) => view.load()));
 }
 

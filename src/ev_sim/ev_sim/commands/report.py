@@ -1,0 +1,63 @@
+"""scripts/run.sh report: one page about what several commands left behind, runs and metrics side by side."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import build
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.page.content import Signals
+from ev_sim.report.page.writing import NAME, Page, write_page
+from ev_sim.run.recording.recording import load
+
+
+def run_report(argv: Sequence[str]) -> None:
+    """Read the folders and write the page; ParameterError if one of them was not left behind by a scenario."""
+    given = _arguments(argv)
+    labels = _labels(given.folders)
+    summaries = {label: _summary(folder) for label, folder in zip(labels, given.folders, strict=True)}
+    signals = [
+        _signals(label, folder, summary)
+        for (label, summary), folder in zip(summaries.items(), given.folders, strict=True)
+    ]
+    page = given.out or Path("results") / NAME
+    page.parent.mkdir(parents=True, exist_ok=True)
+    write_page(Page(" and ".join(labels), summaries, signals), page)
+    print(f"page: {page.absolute()}")
+
+
+def _arguments(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="run.sh report", description=__doc__)
+    parser.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="what --out of a scenario was")
+    parser.add_argument("--out", type=Path, metavar="FILE", help=f"the page; default results/{NAME}")
+    return parser.parse_args(argv)
+
+
+def _labels(folders: Sequence[Path]) -> list[str]:
+    """The names of the folders, where two are alike their paths."""
+    names = [folder.resolve().name for folder in folders]
+    return names if len(set(names)) == len(names) else [str(folder) for folder in folders]
+
+
+def _summary(folder: Path) -> Mapping[str, Any]:
+    try:
+        summary: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise ParameterError(f"{folder}: summary.json cannot be read: {error}") from None
+    if "scenario" not in summary:
+        raise ParameterError(f"{folder} is that of a study, which keeps no signals; allowed is that of a scenario")
+    return summary
+
+
+def _signals(label: str, folder: Path, summary: Mapping[str, Any]) -> Signals:
+    names = list(summary["runs"])
+    try:
+        runs = {name: load((folder if len(names) == 1 else folder / name) / "signals.npz") for name in names}
+    except OSError as error:
+        raise ParameterError(f"{folder}: signals cannot be read: {error}") from None
+    return Signals(label, runs, build(Vehicle, summary["vehicle"]))

@@ -1,0 +1,78 @@
+"""What the compiler has made once: loaded without it, with the same bits, and not kept for ever."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+from ev_msgs_py.compiling.machine_code import forget_older
+from ev_msgs_py.compiling.part import CompiledPart
+from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.lockstep.configuration import configure
+from ev_msgs_py.lockstep.parts import part_of
+from ev_sim.commands import compile_all
+
+# The longest law, and one that calls the compiler's own helpers (logarithms).
+LAWS = (("asr", "fuzzy"), ("asr", "pi_slip"))
+
+
+def stepped(role: str, method: str, compiled: bool) -> str:
+    """The kind of the part, and what it makes of ten steps over a frame of odd numbers, to the bit."""
+    part, here = part_of(configure(role, {"method": method}), compiled), Frame()
+    for n in range(10):
+        for place in range(len(here.numbers)):
+            here.numbers[place] = 10.0 + 0.3 * place + 0.7 * n
+        part.step(here, here)
+    return " ".join([type(part).__name__, *(number.hex() for number in here.numbers)])
+
+
+@pytest.mark.slow
+def test_code_is_loaded_without_the_compiler_and_gives_the_bits_of_plain_python():
+    """As a node of a light law does, which would start a second later if it loaded numba."""
+    for role, method in LAWS:
+        stepped(role, method, compiled=True)  # makes it, if nobody has
+    calls = "".join(f"print(stepped({role!r}, {method!r}, True))\n" for role, method in LAWS)
+    imports = (
+        "import sys",
+        "from ev_msgs_py.contract.frame import Frame",
+        "from ev_msgs_py.lockstep.configuration import configure",
+        "from ev_msgs_py.lockstep.parts import is_compiled, part_of",
+    )
+    asks = "".join(f"print(is_compiled(configure({role!r}, {{'method': {method!r}}})))\n" for role, method in LAWS)
+    text = "\n".join((*imports, inspect.getsource(stepped), calls, asks, "print('numba' in sys.modules)"))
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True, env={**os.environ})
+    said = done.stdout.splitlines()
+    for line, (role, method) in zip(said, LAWS, strict=False):
+        kind, *numbers = line.split()
+        assert kind == CompiledPart.__name__
+        assert numbers == stepped(role, method, compiled=False).split()[1:]
+    assert said[len(LAWS) :] == ["True", "True", "False"]
+
+
+def test_only_the_newest_texts_of_a_name_are_kept(tmp_path):
+    """With all that was compiled of a text; other names, one of which begins alike, are left alone."""
+    (tmp_path / "folder").mkdir()
+    for n in range(6):
+        for name in ("off", "off_asr"):
+            digest = f"{n:012x}"
+            for file in (f"{name}_{digest}.py", f"{name}_{digest}.1234.code", f"folder/{name}_{digest}.step-8.nbi"):
+                (tmp_path / file).touch()
+                os.utime(tmp_path / file, (n, n))
+    forget_older(tmp_path / f"off_{5:012x}.py")
+    kept = sorted(file.name for file in tmp_path.rglob("off_*") if not file.name.startswith("off_asr"))
+    assert {name.split(".")[0] for name in kept} == {f"off_{n:012x}" for n in (2, 3, 4, 5)}
+    assert len(kept) == 4 * 3
+    assert len(list(tmp_path.rglob("off_asr_*"))) == 6 * 3
+
+
+def test_the_set_up_goes_on_when_a_law_cannot_be_compiled(monkeypatch):
+    """It says so in one line, with role and name."""
+    assert compile_all._compile(("asr", "off")) == ""
+    broken = SimpleNamespace(parameters=lambda: 1 / 0)
+    monkeypatch.setattr(compile_all, "find_method", lambda role, name: broken)
+    assert compile_all._compile(("asr", "broken")) == "asr broken: ZeroDivisionError: division by zero"
