@@ -35,7 +35,7 @@ from ev_sim.run.scenarios.scenario import load_scenario
 
 PERIOD = 10_000_000
 OTHERS = tuple(role for role in REQUIRED if role != MASTER)
-# What a method of the role cannot do without: the chain from the driver to the plant, by bus and bench if they are there.
+# What a method of the role cannot do without: the chain from driver to plant, by bus and bench if they are there.
 ESSENTIAL = {
     "plant": (WheelTorqueCommand, BenchShafts),
     "steering_column": (DriverCommand,),
