@@ -113,7 +113,7 @@ def test_flatten_is_the_inverse_of_build(values):
 @pytest.mark.parametrize(
     ("name", "value", "allowed"),
     [
-        ("gain", "fast", "a number, -2 to 2"),
+        ("gain", "fast", "a number, -2 to 2, or a text of a number and one of %"),
         ("gain", True, "a number, -2 to 2"),
         ("gain", None, "a number, -2 to 2"),
         ("gain", [1.0], "a number, -2 to 2"),

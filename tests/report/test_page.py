@@ -25,7 +25,7 @@ from ev_sim.report.page.measured import measured_signals
 from ev_sim.report.page.quantities import groups_of
 from ev_sim.report.page.writing import Signals
 from ev_sim.report.summary import write_summary
-from ev_sim.run.recording.recording import save
+from ev_sim.run.recording.recording import Recording, save
 from ev_sim.run.scenarios.differences import EVERY_NODE, differences
 from ev_sim.run.scenarios.scenario import Overrides, load_scenario
 
@@ -170,6 +170,13 @@ def test_who_cannot_see_finds_his_way(outline: Outline):
     assert all(attributes["scope"] in ("row", "col") for attributes in outline.all("th"))
     ids = [attributes["id"] for _, attributes in outline.tags if attributes.get("id")]
     assert len(ids) == len(set(ids))
+
+
+@pytest.mark.parametrize("samples", [0, 1, 2])
+def test_a_run_that_hardly_was_one_has_a_page_too(tmp_path: Path, samples: int):
+    run = run_on_a_circle(5.0)
+    short = Recording(run.time[:samples], {name: values[:samples] for name, values in run.channels.items()})
+    assert "</html>" in page_of(tmp_path, {"short": short}).read_text(encoding="utf-8")
 
 
 def test_several_results_stand_on_one_page_side_by_side(tmp_path: Path):

@@ -9,20 +9,24 @@ from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.run.offline import run_offline
 from ev_sim.run.scenarios.scenario import Overrides, load_scenario
+from ev_sim.study.bench_cases import IDEAL, apart, ideal, measure
+from ev_sim.study.bench_convergence import case as part_of_cycle
+from ev_sim.study.case import drive_case
 
 LENGTH = 24.0  # s: rest, pulling away, two surfaces, spinning wheels
 
 
 @pytest.fixture(scope="module")
 def recording():
-    (run,) = load_scenario("urban_mixed_bench", Overrides(duration=LENGTH)).runs
+    """With exact sensors."""
+    (run,) = load_scenario("urban_mixed_bench", Overrides(values=IDEAL["sensors"], duration=LENGTH)).runs
     return run_offline(run.configurations, LENGTH)
 
 
 def test_the_energy_of_the_bench_balances(recording):
     """Battery + mains = resistor + heat + stored, and the battery of the car gave what the machines took.
 
-    The battery follows one exchange later and by messages of single precision: 0.1 %.
+    The battery follows one exchange later, by voltage and current in single precision: 0.1 %.
     """
     last = {
         name: recording.channels[f"bench.energy.{name}"][-1] for name in ("battery", "mains", "resistor", "machines")
@@ -40,7 +44,7 @@ def test_the_virtual_wheel_spins_up_when_the_machine_exceeds_the_load(recording)
     speed = channels["wheel_states.velocity.front_left"]
     machine, load = channels["motor_states.effort.front_left"], channels["bench.load_command.torque.front_left"]
     gained = np.diff(speed)[1:-1]
-    excess = machine[2:-1] * 0.97 - load[1:-2]
+    excess = machine[2:-1] * 0.97 - load[1:-2]  # behind the gear
     clear = (np.abs(excess) > 5.0) & (machine[2:-1] > 0.0)
     assert clear.sum() > 200
     assert (np.sign(gained[clear]) == np.sign(excess[clear])).mean() > 0.95
@@ -58,3 +62,17 @@ def test_without_a_bench_the_graph_is_as_short_as_ever():
     (run,) = load_scenario("urban_mixed", Overrides(duration=0.05)).runs
     assert tuple(run.configurations) == REQUIRED
     assert not [name for name in run_offline(run.configurations, 0.05).channels if name.startswith("bench")]
+
+
+@pytest.mark.slow
+def test_an_ideal_bench_converges_to_the_virtual_run():
+    """Difference of the torque over its largest value: below 0.1 %, and with a shorter exchange it gets smaller."""
+    apart_by_period = {}
+    for period in (2e-3, 5e-4):
+        values = (("*", "control_period", period),)
+        virtual = drive_case(part_of_cycle("imposed_speed", "virtual", "urban_mixed", values), measure).measured
+        of_bench = (*ideal(), *values)
+        bench = drive_case(part_of_cycle("imposed_speed", "bench", "urban_mixed_bench", of_bench), measure).measured
+        apart_by_period[period] = apart(bench["torque"], virtual["torque"])
+    assert apart_by_period[5e-4] < 0.1
+    assert apart_by_period[5e-4] < apart_by_period[2e-3]

@@ -95,7 +95,7 @@ def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answer
             stopped[2] = stopped[0]
             stopped[0] += n
             return status
-        for i in range(SIZE):
+        for i in range(frames.shape[1]):  # not SIZE: code that is kept would not notice another one
             frames[0, i] = frames[1, i]
     return FINISHED
 

@@ -119,7 +119,8 @@ def calls(found: Any) -> list[str]:
 
 def _name_helpers(binding: Any) -> None:
     """Tell what code may call besides the C library, as numba itself does when it has compiled something."""
-    numba = Path(importlib.util.find_spec("numba").submodule_search_locations[0])  # type: ignore
+    package: Any = importlib.util.find_spec("numba")
+    numba = Path(package.submodule_search_locations[0])
     helpers = {f"PyExc_{name}": id(value) for name, value in vars(builtins).items() if isinstance(value, type)}
     for place, prefix in _HELPERS.items():
         folder, _, name = place.rpartition(".")

@@ -64,18 +64,14 @@ _EMPTY = array("d", bytes(SIZE * _DOUBLE))
 
 
 class Frame:
-    """One frame in memory: `numbers` is a view of it, as long as it lasts."""
+    """One frame in memory: `numbers` is a view of it, as long as it lasts; compiled code finds it at `address`."""
 
-    __slots__ = ("_memory", "numbers")
+    __slots__ = ("address", "numbers")
 
     def __init__(self) -> None:
-        self._memory = _EMPTY[:]
-        self.numbers: memoryview[float] = memoryview(self._memory)
-
-    @property
-    def address(self) -> int:
-        """Where compiled code finds the numbers."""
-        return self._memory.buffer_info()[0]
+        memory = _EMPTY[:]
+        self.numbers: memoryview[float] = memoryview(memory)
+        self.address: int = memory.buffer_info()[0]
 
     def copy(self, other: Frame, where: slice) -> None:
         """Take numbers over from another frame."""

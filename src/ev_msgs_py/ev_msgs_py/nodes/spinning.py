@@ -46,16 +46,16 @@ class Spinnable(Protocol):
 
 def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
     """Run nodes of one context until `finished` says so or ROS is shut down."""
-    nodes = sorted(nodes, key=lambda node: node.polling_place)
-    context = nodes[0].context  # type: ignore[attr-defined]
+    in_order: list[Any] = sorted(nodes, key=lambda node: node.polling_place)  # nodes of rclpy, too
+    context = in_order[0].context
     executor = SingleThreadedExecutor(context=context)
-    for node in nodes:
-        executor.add_node(node)  # type: ignore[arg-type]
-    services = [service for node in nodes for service in node.services]  # type: ignore[attr-defined]
-    rest = _Rest(nodes, context)
-    alone = len(nodes) == 1  # who has stepped waits for others; nodes of one process wait for each other first
+    for node in in_order:
+        executor.add_node(node)
+    services = [service for node in in_order for service in node.services]
+    rest = _Rest(in_order, context)
+    alone = len(in_order) == 1  # who has stepped waits for others; nodes of one process wait for each other first
     next_look, next_sweep, came = 0.0, 0.0, True
-    _take_over(nodes, True)
+    _take_over(in_order, True)
     while not finished():
         if time.monotonic() >= next_look:
             if not context.ok():
@@ -68,25 +68,25 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
         if rested:
             rest.until_message()
         came = False
-        for node in nodes:
+        for node in in_order:
             came |= node.poll()
         if not came:
             # Where strangers wake it up all the time, a node need not look each time for what nobody waits for.
             sweeps = rested and time.monotonic() >= next_sweep
             if sweeps:
                 next_sweep = time.monotonic() + _SWEEP_PERIOD
-            for node in nodes:
+            for node in in_order:
                 if sweeps:
                     node.sweep()
                 node.idle()
-    _take_over(nodes, False)
+    _take_over(in_order, False)
     executor.shutdown(timeout_sec=0.0)
 
 
-def _take_over(nodes: Sequence[Spinnable], polled: bool) -> None:
+def _take_over(nodes: Sequence[Any], polled: bool) -> None:
     """Keep the executor off what the nodes poll, or leave it to executors again."""
     for node in nodes:
-        for subscription in node.subscriptions:  # type: ignore[attr-defined]
+        for subscription in node.subscriptions:
             if isinstance(subscription.callback_group, PolledGroup):
                 subscription.callback_group.polled = polled
 

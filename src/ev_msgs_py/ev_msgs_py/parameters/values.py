@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any, TypeVar
 
 from ev_msgs_py.parameters.declaration import Entry, ParameterError, entries
+from ev_msgs_py.parameters.units import number_of, units_for
 
 P = TypeVar("P")
 _MANY, _SHOWN = 40, 12  # names: of more than so many, so many are listed
@@ -31,6 +32,8 @@ def check(entry: Entry, value: Any) -> Any:
 def _check_element(entry: Entry, value: Any) -> Any:
     spec = entry.spec
     if entry.type is float:
+        if isinstance(value, str):
+            value = _with_unit(entry, value)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise _refused(entry, value, f"a number, {spec.allowed}")
         try:
@@ -54,6 +57,16 @@ def _check_element(entry: Entry, value: Any) -> Any:
     if too_low or too_high or unknown:
         raise _refused(entry, value, spec.allowed)
     return value
+
+
+def _with_unit(entry: Entry, text: str) -> float:
+    """What a text such as 80 km/h means in the unit of the parameter."""
+    number = number_of(text, entry.spec.unit)
+    if number is None:
+        units = units_for(entry.spec.unit)
+        with_unit = f", or a text of a number and one of {', '.join(units)}" if units else ""
+        raise _refused(entry, text, f"a number, {entry.spec.allowed}{with_unit}")
+    return number
 
 
 def _type_word(of: type) -> str:

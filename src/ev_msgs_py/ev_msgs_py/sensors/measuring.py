@@ -2,7 +2,7 @@
 
 A row of numbers holds what the sensors behind one object are told, another one what lasts between periods:
 
-    constants  total  size of the state  sensors  then for each sensor the numbers from KIND to NAME
+    constants  total  size of the state  sensors  then for each sensor the numbers from KIND to DISTRIBUTION
     state      period                             then for each sensor what it shows and what is on its way
 """
 
@@ -16,6 +16,7 @@ import numpy as np
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import atan2, cos, isfinite, remainder, sin
 from ev_msgs_py.sensors.random_numbers import TAU, WORD, normals, philox, uniform
+from ev_msgs_py.sensors.sensor import UNIFORM
 
 # How the frame carries what is measured: as numbers one after the other; as z and w of a quaternion about the vertical
 # axis; as a share and the amount that it is of the whole.
@@ -23,8 +24,9 @@ NUMBERS, HEADING, SHARE = range(3)
 
 # What a sensor is told. Three places: of the first number, or of z and w, or of share, amount and whole; MEMORY is that
 # of its own numbers in the state.
-WIDTH = 14
-KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, NAME = range(WIDTH)
+WIDTH = 18
+KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, NAME = range(14)
+GAIN, LOWEST, HIGHEST, DISTRIBUTION = range(14, WIDTH)
 HEAD = 3
 
 
@@ -52,7 +54,7 @@ def measure(frame: Numbers, state: Numbers, sensors: Sequence[float]) -> None:
 
 @compilable
 def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> None:
-    """One sensor: bias and noise, quantisation, delay, drop-out of all its numbers at once."""
+    """One sensor: gain, bias, noise, range, quantisation, delay, drop-out of all its numbers at once."""
     count, shown, delay = int(c[COUNT]), int(c[MEMORY]), int(c[DELAY])
     is_lost = period > 0 and is_dropped(c, period)
     spare = 0.0
@@ -60,7 +62,10 @@ def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> Non
         normal = spare
         if c[NOISE] > 0.0 and i % 2 == 0:
             w0, w1, w2, w3 = words(c, period, i // 2, FOR_NOISE)
-            normal, spare = normals(w0, w1, w2, w3)
+            if c[DISTRIBUTION] == UNIFORM:
+                normal, spare = 2.0 * uniform(w0, w1) - 1.0, 2.0 * uniform(w2, w3) - 1.0
+            else:
+                normal, spare = normals(w0, w1, w2, w3)
         value = sampled(true_number(frame, c, i), normal, c)
         if delay > 0:
             line = shown + count + i
@@ -92,11 +97,12 @@ def is_dropped(c: Sequence[float], period: int) -> bool:
 
 @compilable
 def sampled(true: float, normal: float, c: Sequence[float]) -> float:
-    """A number with bias and noise, at the nearest of the values that can be shown."""
-    value = true + c[BIAS] + c[NOISE] * normal
-    if c[QUANTISATION] == 0.0 or not isfinite(value):  # whoever publishes it says which number is not finite
+    """A number with its systematic and random errors, at the nearest of the values that can be shown."""
+    value = c[GAIN] * true + c[BIAS] + c[NOISE] * normal
+    if not isfinite(value):  # whoever publishes it says which number that is
         return value
-    return value - remainder(value, c[QUANTISATION])
+    value = min(max(value, c[LOWEST]), c[HIGHEST])
+    return value if c[QUANTISATION] == 0.0 else value - remainder(value, c[QUANTISATION])
 
 
 @compilable

@@ -10,6 +10,7 @@ from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.parameters.declaration import defaults
 from ev_msgs_py.sensors.measuring import DELAY, HEAD, NAME, NUMBERS, WIDTH, Numbers, measure
 from ev_msgs_py.sensors.quantities import QUANTITIES, Quantity
+from ev_msgs_py.sensors.sensor import DISTRIBUTIONS
 
 
 class SensorRow:
@@ -32,7 +33,8 @@ class SensorRow:
         memory, self._size = self._size, self._size + quantity.count * (1 + errors.delay)
         told = [quantity.kind, *places, *[0] * (3 - len(places)), quantity.count, shape_of(quantity.signal).has_single]
         told += [memory, errors.bias, errors.noise, errors.quantisation, errors.delay, errors.dropout]
-        return [float(value) for value in (*told, seed, zlib.crc32(quantity.name.encode()))]
+        told += [seed, zlib.crc32(quantity.name.encode()), errors.gain, errors.lowest, errors.highest]
+        return [float(value) for value in (*told, DISTRIBUTIONS.index(errors.distribution))]
 
     def start(self) -> None:
         """Begin anew, before the first period."""

@@ -7,6 +7,10 @@ from functools import cache
 
 from ev_msgs_py.parameters.declaration import parameter
 
+DISTRIBUTIONS = ("gaussian", "uniform")
+GAUSSIAN, UNIFORM = range(len(DISTRIBUTIONS))
+_NO_RANGE = 1e30
+
 
 @cache
 def sensor_parameters(unit: str, largest: float) -> type:
@@ -16,9 +20,21 @@ def sensor_parameters(unit: str, largest: float) -> type:
     class SensorParameters:
         """Errors of one sensor, in the order in which they come about."""
 
+        gain: float = parameter(1.0, unit="1", low=0.5, high=2.0, about="what is shown over what is true")
         bias: float = parameter(0.0, unit=unit, low=-largest, high=largest, about="constant error")
         noise: float = parameter(
-            0.0, unit=unit, low=0.0, high=largest, about="standard deviation of the Gaussian error, new in every period"
+            0.0, unit=unit, low=0.0, high=largest, about="size of the random error, new in every period: `distribution`"
+        )
+        distribution: str = parameter(
+            "gaussian",
+            choices=DISTRIBUTIONS,
+            about="of the random error; gaussian: its standard deviation is `noise`; uniform: `noise` is its bound",
+        )
+        lowest: float = parameter(
+            -_NO_RANGE, unit=unit, low=-_NO_RANGE, high=_NO_RANGE, about="smallest value that it can show"
+        )
+        highest: float = parameter(
+            _NO_RANGE, unit=unit, low=-_NO_RANGE, high=_NO_RANGE, about="largest value that it can show"
         )
         quantisation: float = parameter(
             0.0, unit=unit, low=0.0, high=largest, about="distance between the values that it can show; 0: shows all"

@@ -1,8 +1,56 @@
-"""The node executable of the role test_bench."""
+"""The node of the role test_bench: services lead it through the test sequence."""
 
-from ev_msgs_py.nodes.run_role import run_role
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
+
+from ev_msgs_py.nodes.run_role import run_node
+from ev_msgs_py.nodes.stepped_node import SteppedNode
+from ev_sim.test_bench.sequence import OBJECTS, STEPS, Sequence, begun
+
+_ENABLED = "enabled"
+
+
+class TestBenchNode(SteppedNode):
+    """Steps the bench; a service for each step says why it is refused, and for the emergency switch."""
+
+    __test__ = False
+
+    def __init__(self, **node_arguments: Any) -> None:
+        super().__init__("test_bench", **node_arguments)
+        self.sequence = begun(self.configuration.values()[_ENABLED])
+        for step in STEPS[1:]:
+            self._serve(step, partial(self._after, step))
+        for chosen in OBJECTS:
+            self._serve(f"choose_{chosen}", partial(self._after, "choose", chosen))
+        self._serve("emergency_stop", lambda: self.sequence.stopped())
+
+    def _serve(self, name: str, change: Callable[[], Sequence]) -> None:
+        self.create_service(Trigger, f"~/{name}", partial(self._answer, change))
+
+    def _after(self, step: str, chosen: str = "both") -> Sequence:
+        return self.sequence.after(step, self.configuration.values()["cooling"], chosen)
+
+    def _answer(self, change: Callable[[], Sequence], _request: Any, response: Any) -> Any:
+        """Change the sequence and with it the parameter `enabled`, or say why not."""
+        try:
+            sequence = change()
+        except ValueError as error:
+            response.success, response.message = False, str(error)
+            return response
+        result = self.set_parameters_atomically([Parameter(_ENABLED, value=sequence.enabled)])
+        response.success, response.message = result.successful, result.reason
+        if result.successful:
+            self.sequence = sequence
+            response.message = f"enabled: {sequence.enabled}"
+        return response
 
 
 def main() -> None:
     """ros2 run ev_sim test_bench"""
-    run_role("test_bench")
+    run_node("test_bench", TestBenchNode)

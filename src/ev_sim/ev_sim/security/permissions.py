@@ -9,6 +9,7 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes.time_services import TIME_SERVICES
 from ev_sim.run.node_parameters import RECORDER
 from ev_sim.run.observer import OBSERVER
+from ev_sim.test_bench.sequence import SERVICES
 
 _CLOCK = frozenset({"/clock"})
 _LOG = frozenset({"/rosout"})
@@ -47,13 +48,17 @@ class Permissions:
         )
 
 
+# What a role serves beside its parameters.
+_OWN_SERVICES = {MASTER: TIME_SERVICES, "test_bench": SERVICES}
+
+
 def permissions(namespace: str) -> dict[str, Permissions]:
     """The permissions of every role, of the recorder and of the runner's observer in a namespace such as /ev."""
     found = [_of_role(role, namespace) for role in ROLES.values()]
     found.append(
         Permissions(
             RECORDER,
-            publishes=_topics((RECORDER_WRITES,), namespace) | _LOG | _PARAMETER_EVENTS,
+            publishes=_topics((RECORDER_WRITES,), namespace) | _LOG | _PARAMETER_EVENTS | _REPORTS,
             subscribes=_topics(RECORDED, namespace) | _REPORTS | _CLOCK,  # they go into the bag
             serves=_services(RECORDER, _PARAMETER_SERVICES, namespace),
         )
@@ -79,7 +84,7 @@ def _of_role(role: Role, namespace: str) -> Permissions:
         | _REPORTS
         | (_CLOCK if is_master else frozenset()),
         subscribes=_topics((*role.reads, RECORDER_WRITES) if is_master else role.reads, namespace),
-        serves=_services(role.name, (*_PARAMETER_SERVICES, *(TIME_SERVICES if is_master else ())), namespace),
+        serves=_services(role.name, (*_PARAMETER_SERVICES, *_OWN_SERVICES.get(role.name, ())), namespace),
     )
 
 

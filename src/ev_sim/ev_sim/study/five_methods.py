@@ -13,7 +13,7 @@ from ev_sim.study import urban_cases
 from ev_sim.study.case import Case
 from ev_sim.study.dissertation_gains import gains
 from ev_sim.study.study import Results
-from ev_sim.study.urban_cases import DRIVERS, FIVE, METHODS, SIDES, case_name, roads
+from ev_sim.study.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, SIDES, case_name, roads
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,6 +40,7 @@ MEASURED = {  # quantities of `urban_cases.measure` by unit
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """How many roads, and which drivers."""
+    parser.add_argument("--bench", action="store_true", help="with both motors on the test bench: tables 5.1 to 5.6")
     parser.add_argument("--seeds", type=int, default=10, metavar="N", help="roads, with the seeds 1 to N; default 10")
     parser.add_argument(
         "--drivers", nargs="+", choices=DRIVERS, default=list(DRIVERS), help="default: all of them, one after the other"
@@ -49,7 +50,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every method with every driver on every road."""
     return [
-        urban_cases.case(method, driver, seed)
+        urban_cases.case(method, driver, seed, scenario=BENCH if given.bench else SCENARIO)
         for driver in given.drivers
         for method in METHODS
         for seed in roads(given)

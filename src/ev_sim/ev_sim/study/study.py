@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 STUDIES = (
     "asr_shootout",
+    "bench_convergence",
+    "bench_difference",
     "bench_faults",
     "compare",
     "five_methods",

@@ -16,7 +16,7 @@ from ev_sim.run.recording.recording import Recording
 from ev_sim.run.scenarios.scenario import Run
 from ev_sim.study.case import Case
 
-SCENARIO = "urban_mixed"
+SCENARIO, BENCH = "urban_mixed", "urban_mixed_bench"
 Values = tuple[tuple[str, str, Any], ...]
 
 
@@ -57,7 +57,7 @@ QUANTITIES: dict[str, Callable[[CircuitSums], float]] = {
 }
 
 
-def case(method: str, driver: str, seed: int, name: str = "", further: Values = ()) -> Case:
+def case(method: str, driver: str, seed: int, name: str = "", further: Values = (), scenario: str = SCENARIO) -> Case:
     """One cycle: name of the method, driver, seed of the road, and what else differs from the scenario."""
     of = METHODS[method]
     values: Values = (
@@ -68,7 +68,7 @@ def case(method: str, driver: str, seed: int, name: str = "", further: Values = 
         ("plant", "road.seed", seed),
         *of.further,
     )
-    return Case(name or case_name(method, driver, seed), SCENARIO, (*values, *further))
+    return Case(name or case_name(method, driver, seed), scenario, (*values, *further))
 
 
 def roads(given: argparse.Namespace) -> range:

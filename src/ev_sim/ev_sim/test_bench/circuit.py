@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
-from ev_msgs_py.can.drive_states import OPERATION_ENABLED
+from ev_msgs_py.can.drive_states import OPERATION_ENABLED, SWITCH_ON_DISABLED
 from ev_msgs_py.compiling.compilable import compilable
 from ev_sim.drives.losses import loss_power
 from ev_sim.inverter.parameters import InverterParameters
@@ -39,9 +39,9 @@ class CircuitSetPoint(NamedTuple):
 
 
 @compilable
-def power_up(s: CircuitState, voltage: float, load_voltage: float) -> None:
-    """Both inverters are enabled and supplied [V]: without a bus nothing keeps them from it."""
-    s.machine.state = s.load.state = float(OPERATION_ENABLED)
+def power(s: CircuitState, enabled: bool, voltage: float, load_voltage: float) -> None:
+    """Supply both inverters [V] and enable or disable them: without a bus nothing else keeps them from it."""
+    s.machine.state = s.load.state = float(OPERATION_ENABLED if enabled else SWITCH_ON_DISABLED)
     s.machine.dc_link.voltage, s.load.dc_link.voltage = voltage, load_voltage
 
 

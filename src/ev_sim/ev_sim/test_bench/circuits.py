@@ -27,10 +27,10 @@ from ev_sim.test_bench.circuit import (
     CircuitsConstants,
     CircuitSetPoint,
     advance_circuit,
-    power_up,
+    power,
     stored_energy,
 )
-from ev_sim.test_bench.parameters import CircuitsParameters
+from ev_sim.test_bench.parameters import BOTH, LEFT, RIGHT, CircuitsParameters
 from ev_sim.test_bench.set_points import set_points
 from ev_sim.test_bench.state import LINE, CircuitsState
 
@@ -159,7 +159,8 @@ def circuits(
     s.voltage = battery.voltage
     for i in range(4):
         if car.driven[i] == 1.0:
-            power_up(s.circuits[i], battery.voltage, p.load.dc_link.supply_voltage)
+            enabled = p.enabled == BOTH or p.enabled == (LEFT if i % 2 == 0 else RIGHT)
+            power(s.circuits[i], enabled, battery.voltage, p.load.dc_link.supply_voltage)
             own = CircuitSetPoint(told.torque[i], told.load_mode[i], told.load_torque[i], told.load_speed[i])
             advance_circuit(p, c, s.circuits[i], s.periods, own, period)
     s.periods += 1.0

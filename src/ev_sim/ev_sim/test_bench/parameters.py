@@ -10,6 +10,9 @@ from ev_sim.inverter.parameters import LoadInverter
 _ASSUMED = "assumption: not printed"
 _ANY_RATE = 1e9
 
+CIRCUITS = ("none", "right", "left", "both")
+NONE, RIGHT, LEFT, BOTH = range(len(CIRCUITS))
+
 
 @dataclass(frozen=True, slots=True)
 class SetPointParameters:
@@ -47,6 +50,12 @@ class ShaftParameters:
 class CircuitsParameters:
     """One circuit for each driven wheel; its machine under test is the motor of the vehicle description."""
 
+    enabled: str = parameter(
+        "both",
+        choices=CIRCUITS,
+        about="circuits whose inverters are enabled; services of the node lead it step by step",
+    )
+    cooling: bool = parameter(True, about="whether the cooling is on; without it no step of the test sequence is taken")
     step: float = parameter(5e-4, unit="s", low=1e-6, high=1e-3, about="longest step of the shafts")
     set_point: SetPointParameters = group(SetPointParameters)
     load_set_point: SetPointParameters = group(SetPointParameters)

@@ -15,7 +15,7 @@ from ev_sim.verdicts.panel import PublishedPanel
 _STYLE = """
 body { font: 14px sans-serif; margin: 1.5em; }
 .row { display: grid; grid-auto-flow: column; grid-auto-columns: minmax(20em, 1fr); gap: 1em; overflow-x: auto; }
-figure { margin: 0; } img { max-width: 100%; } figcaption { color: #444; } .lost { color: #777; padding: 1em 0; }
+figure { margin: 0; } img { max-width: 100%; } figcaption { color: #444; } .lost { color: #666; padding: 1em 0; }
 """
 
 
@@ -54,7 +54,8 @@ def draw_panels(
 
 def write_page(shown: Mapping[str, Sequence[PublishedPanel]], folder: Path) -> Path:
     """Write index.html: the panels of each source, those of a row side by side; what cannot be drawn says why."""
-    parts = [f"<!doctype html><meta charset=utf-8><title>Published figures</title><style>{_STYLE}</style>"]
+    head = f"<meta charset=utf-8><title>Published figures</title><style>{_STYLE}</style>"
+    parts = [f'<!doctype html><html lang="en">{head}']
     for source, of_source in shown.items():
         parts.append(f"<h1>{html.escape(source)}</h1>")
         for row, members in groupby(of_source, key=lambda panel: panel.row):
@@ -74,4 +75,5 @@ def _entry(source: str, panel: PublishedPanel) -> str:
         return f'<figure><div class="lost">not drawn: {why}</div><figcaption>{panel.title} {ids}</figcaption></figure>'
     driven = html.escape("; ".join(need.command for need in panel.needs))
     caption = " &middot; ".join(part for part in (panel.title, ids, driven) if part)
-    return f'<figure><img src="{file_name(source, panel)}"><figcaption>{caption}</figcaption></figure>'
+    shown = f'<img src="{file_name(source, panel)}" alt="{panel.title}: {html.escape(panel.row)}">'
+    return f"<figure>{shown}<figcaption>{caption}</figcaption></figure>"

@@ -150,11 +150,13 @@ def planar_on_bench(
     exchange costs.
     """
     for i in range(4):
-        gained = (car.driven[i] * shafts.speed[i] - s.measured_speed[i]) / period
+        if car.driven[i] == 0.0:
+            continue
+        gained = (shafts.speed[i] - s.measured_speed[i]) / period
         torque = shafts.torque[i] + p.rotor_share * car.motor.rotor_inertia * gained
         most = _BEYOND * c.limits.drive[i] / car.gear_ratio
         s.measured_torque[i] = accepted(s.guard, torque, 0.0, -most, most)
-        s.measured_speed[i] = car.driven[i] * shafts.speed[i]
+        s.measured_speed[i] = shafts.speed[i]
     driven, voltage, current = car.driven, electrical.voltage, electrical.current
     front = driven[0] * voltage[0] * current[0] + driven[1] * voltage[1] * current[1]
     power = front + (driven[2] * voltage[2] * current[2] + driven[3] * voltage[3] * current[3])

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 WIDTH = 3.5  # of a column [inch]
 LEFT, RIGHT, BOTTOM = 0.58, 0.08, 0.4  # margins [inch]
-TITLE, BETWEEN, LEGEND_ROW = 0.24, 0.1, 0.16  # above axes, below axes without labels, and per row of a legend [inch]
+TITLE, BETWEEN, LEGEND_ROW = 0.24, 0.1, 0.145  # above axes, below axes without labels, and per row of a legend [inch]
+TICK_LINE = 0.11  # of labels of ticks that have more than one [inch]
 LOWEST_MAP, HIGHEST = 0.7, 3.2  # of axes [inch]
 TITLE_SIZE, TEXT_SIZE = 8.0, 7.0  # [pt]
 CHARACTER, STROKE = 0.055, 0.4  # of a legend: width of a letter, of a stroke with its gaps [inch]
@@ -31,7 +34,7 @@ def as_column(figure: Figure) -> None:
     if all(legends) and len({tuple(legend) for legend in legends}) == 1 and len(legends) > 1:
         common, legends = {**common, **legends[0]}, [{} for _ in legends]  # one for all
     shared = len({axes.get_xlim() for axes in figure.axes}) == 1
-    below = [BOTTOM if not shared or axes is figure.axes[-1] else BETWEEN for axes in figure.axes]
+    below = [_foot(axes) if not shared or axes is figure.axes[-1] else BETWEEN for axes in figure.axes]
     above = [
         (TITLE if _has_title(axes) else 0.0) + _rows(legend) * LEGEND_ROW
         for axes, legend in zip(figure.axes, legends, strict=True)
@@ -42,11 +45,12 @@ def as_column(figure: Figure) -> None:
     for axes, height, legend, room, foot in zip(figure.axes, heights, legends, above, below, strict=True):
         top -= room + height
         axes.set_position((LEFT / WIDTH, top / total, _PLOT / WIDTH, height / total))
-        _restyle(axes, legend, foot == BOTTOM, figure.axes[-1].get_xlabel())
+        _restyle(axes, legend, foot > BETWEEN, figure.axes)
         top -= foot
     if common:
         figure.legend(
-            common.values(), common, loc="upper center", ncols=_columns(common), fontsize=TEXT_SIZE, frameon=False,
+            common.values(), common, loc="upper center", bbox_to_anchor=(0.5, 1.0 - 0.06 / total), frameon=False,
+            ncols=_columns(common), fontsize=TEXT_SIZE,
             borderaxespad=0.0, borderpad=0.1, columnspacing=1.0, handlelength=1.8, handletextpad=0.4,
         )  # fmt: skip
 
@@ -58,6 +62,11 @@ def _height(axes: Axes, inches: float) -> float:
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     axes.set_aspect(aspect, adjustable="datalim")
     return min(max(_PLOT * aspect * (high - low) / (right - left), LOWEST_MAP), HIGHEST)
+
+
+def _foot(axes: Axes) -> float:
+    """What stands below axes: label, ticks and their further lines [inch]."""
+    return BOTTOM + TICK_LINE * max((label.get_text().count("\n") for label in axes.get_xticklabels()), default=0)
 
 
 def _entries(axes: Axes) -> dict[str, object]:
@@ -78,7 +87,7 @@ def _rows(legend: dict[str, object]) -> int:
     return -(-len(legend) // _columns(legend)) if legend else 0
 
 
-def _restyle(axes: Axes, legend: dict[str, object], labelled: bool, xlabel: str) -> None:
+def _restyle(axes: Axes, legend: dict[str, object], labelled: bool, all_axes: Sequence[Axes]) -> None:
     if axes.get_legend():
         axes.get_legend().remove()
     if legend:
@@ -90,8 +99,8 @@ def _restyle(axes: Axes, legend: dict[str, object], labelled: bool, xlabel: str)
     for place in ("left", "center", "right"):
         if text := axes.get_title(loc=place):
             axes.set_title(text, loc=place, fontsize=TITLE_SIZE, pad=3 + _rows(legend) * LEGEND_ROW * 72)
-    axes.tick_params(labelsize=TEXT_SIZE, labelbottom=labelled)
-    axes.set_xlabel((axes.get_xlabel() or xlabel) if labelled else "", fontsize=TEXT_SIZE)
-    axes.set_ylabel(axes.get_ylabel(), fontsize=TEXT_SIZE)
+    axes.tick_params(labelsize=TEXT_SIZE, labelbottom=labelled, labelleft=True)
+    axes.set_xlabel((axes.get_xlabel() or all_axes[-1].get_xlabel()) if labelled else "", fontsize=TEXT_SIZE)
+    axes.yaxis.label.set(text=axes.get_ylabel() or all_axes[0].get_ylabel(), fontsize=TEXT_SIZE)
     if axes.yaxis.label.get_rotation() > 0.0:  # the name of a strip lies at its own place
         axes.yaxis.set_label_coords(-0.48 / _PLOT, 0.5)

@@ -121,7 +121,8 @@ def circuit_shares(run: Recording, vehicle: Vehicle) -> dict[str, CircuitShares]
     """The shares of each circuit, by the name of its wheel.
 
     M_f follows from the balance of the wheel, M_f = M_k - F_x r - J w'. What a motor takes is its power at the shaft
-    and the losses of motor and inverter by the vehicle's loss model or map, as for torque-controlled drives.
+    and the losses of motor and inverter by the vehicle's loss model or map, as for torque-controlled drives; on a test
+    bench torque, speed, voltage and current are those that were measured.
     NotMeasured if there is no free wheel beside a driven one.
     """
     period = np.diff(run.time, prepend=run.time[0])
@@ -134,7 +135,7 @@ def circuit_shares(run: Recording, vehicle: Vehicle) -> dict[str, CircuitShares]
         force = channel(run, f"tire_forces.longitudinal_force.{wheel}")
         gained = inertia * np.diff(speed, prepend=speed[0])
         resistance = (torque - _radius(vehicle, wheel) * force) * period - gained
-        motor, shaft_speed = (channel(run, f"motor_states.{of}.{wheel}") for of in ("effort", "velocity"))
+        motor, shaft_speed, electrical = _drive(run, vehicle, wheel)
         shares[wheel] = CircuitShares(
             torque=torque * period,
             resistance=resistance,
@@ -143,10 +144,20 @@ def circuit_shares(run: Recording, vehicle: Vehicle) -> dict[str, CircuitShares]
             wheel_work=torque * speed * period,
             useful_work=(torque * period - resistance) * free,
             shaft_work=motor * shaft_speed * period,
-            electrical_work=(motor * shaft_speed + _losses(vehicle, motor, shaft_speed)) * period,
+            electrical_work=electrical * period,
             time=period,
         )
     return shares
+
+
+def _drive(run: Recording, vehicle: Vehicle, wheel: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Torque [N m] and speed [rad/s] at the shaft, and the power that was taken [W], (n,) each."""
+    if f"bench.shafts.torque.{wheel}" in run.channels:
+        torque, speed = (channel(run, f"bench.shafts.{of}.{wheel}") for of in ("torque", "speed"))
+        voltage, current = (channel(run, f"bench.electrical.{of}.{wheel}") for of in ("voltage", "current"))
+        return torque, speed, voltage * current
+    torque, speed = (channel(run, f"motor_states.{of}.{wheel}") for of in ("effort", "velocity"))
+    return torque, speed, torque * speed + _losses(vehicle, torque, speed)
 
 
 def circuits(run: Recording, vehicle: Vehicle, counted: np.ndarray) -> dict[str, CircuitSums]:

@@ -38,7 +38,7 @@ class CarView {
   }
 
   table() {
-    const scroll = element("div", "", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Wheels" });
+    const scroll = element("div", "", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Wheels of ${nameOf(this.run)}` });
     const table = element("table");
     const head = element("tr");
     head.append(element("th", "wheel", { scope: "col" }));

@@ -1,0 +1,66 @@
+"""Bench beside virtual run: what makes a bench ideal, what the page's devices are, and how far two runs are apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ev_sim.report.quantities.traction_windows import in_windows
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run
+from ev_sim.study.urban_cases import Values
+
+WHEEL = "front_right"
+SAMPLING = 0.005  # s between the samples that are compared
+_STIFF, _NO_LIMIT = 1e7, 1e9
+_SENSORS = ("bench_torque", "bench_speed", "bench_load_speed", "bench_voltage", "bench_current", "bench_temperature")
+
+
+def _bench(**values: float) -> Values:
+    return tuple(("test_bench", name.replace("__", "."), value) for name, value in values.items())
+
+
+# By what may differ from the virtual run; with all of them ideal nothing is left but the exchange by control periods.
+IDEAL: Mapping[str, Values] = {
+    "inverters": _bench(
+        set_point__delay=0.0,
+        set_point__torque_rate=_NO_LIMIT,
+        set_point__torque_resolution=0.0,
+        load_set_point__delay=0.0,
+        load_set_point__speed_rate=_NO_LIMIT,
+        load_set_point__speed_resolution=0.0,
+    ),
+    "shaft": _bench(shaft__stiffness=_STIFF),
+    "sensors": tuple(("test_bench", f"sensors.{name}.noise", 0.0) for name in _SENSORS),
+}
+
+
+def ideal(but: str = "") -> Values:
+    """An ideal bench, but for one group that stays as the scenario has it."""
+    return tuple(value for group, values in IDEAL.items() if group != but for value in values)
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """Of the right circuit: torque at the shaft [N m], with the rotor and as a transducer shows it, and wheel speed."""
+    every = max(round(SAMPLING / run.configurations["plant"].common.control_period), 1)
+    channels = recording.channels
+    torque = channels[f"motor_states.effort.{WHEEL}"]
+    shown = channels.get(f"bench.shafts.torque.{WHEEL}", torque)
+    return {
+        "torque": torque[::every].copy(),
+        "transducer": shown[::every].copy(),
+        "speed": channels[f"wheel_states.velocity.{WHEEL}"][::every].copy(),
+        "in_traction": in_windows(recording, run.configurations["driver"].values())[::every].copy(),
+        "distance": float(channels["pose.x"][-1]),
+    }
+
+
+def apart(one: np.ndarray, other: np.ndarray, counted: np.ndarray | None = None) -> float:
+    """Mean difference of two series over the largest magnitude of the second [%]."""
+    count = min(len(one), len(other))
+    difference = np.abs(one[:count] - other[:count])
+    largest = float(np.abs(other).max())
+    mean = float((difference if counted is None else difference[counted[:count]]).mean())
+    return 100.0 * mean / largest if largest > 0.0 else 0.0
