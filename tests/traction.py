@@ -26,7 +26,7 @@ from ev_msgs_py.vehicle.motor import Motor
 
 ROLE = "asr"
 PERIOD = 0.005
-METHODS = tuple(name for name in methods_of(ROLE) if name not in ("off", "limit"))
+METHODS = tuple(name for name in methods_of(ROLE) if name not in ("off", "limp_home", "limit"))
 CONTROLS = tuple(name for name in METHODS if name != "least_squares_literal")  # those that take torque away
 FRONT, REAR = ("front_left", "front_right"), ("rear_left", "rear_right")
 CAR = Vehicle(

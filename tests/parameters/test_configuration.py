@@ -9,7 +9,8 @@ from toy_methods import toy, toy_graph
 
 from ev_msgs_py.contract.roles import REQUIRED, ROLES
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState
-from ev_msgs_py.lockstep.configuration import CommonParameters, check_graph, configure
+from ev_msgs_py.lockstep.configuration import CommonParameters, configure
+from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.lockstep.methods import all_methods, find_method, methods_of
 from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.parameters.declaration import ParameterError, flatten

@@ -89,7 +89,7 @@ def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answer
             return NOT_FINITE
     last = len(times) - 1
     for n in range(last + 1):
-        frames[0, TIME] = times[n]
+        frames[0, TIME], frames[1, TIME] = times[n], times[min(n + 1, last)]
         status = run_instants(frames, 0, min(last - n, 1), n == last, parts, answering, stopped)
         if status != FINISHED:
             stopped[2] = stopped[0]

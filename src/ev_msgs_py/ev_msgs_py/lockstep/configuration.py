@@ -9,11 +9,12 @@ from typing import Any, TypeVar
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.faults.fault import FaultParameters
+from ev_msgs_py.faults.row import refuse_faults
 from ev_msgs_py.lockstep.hooks import ReadingFiles
 from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout
 from ev_msgs_py.parameters.declaration import (
     Entry,
-    ParameterError,
     Spec,
     defaults,
     entries,
@@ -45,9 +46,7 @@ class CommonParameters:
 
 
 P = TypeVar("P")
-_METHOD = "method"
-_SENSORS = "sensors."
-_OWN = ("seed",)  # of the common parameters those that each node may have its own value of
+_METHOD, _SENSORS = "method", "sensors."
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +54,7 @@ class Configuration:
     """A role, the method that plays it and all their parameters.
 
     `sensors` are those of the signals that the method writes; `unused` values belong to other methods of the role.
+    `own_faults` are those of a method whose parameters have no `faults`.
     """
 
     role: str
@@ -64,11 +64,18 @@ class Configuration:
     extra: Any
     unused: tuple[str, ...] = ()
     sensors: Any = field(default_factory=sensors_for(()))
+    own_faults: FaultParameters | None = None
 
     @property
     def period(self) -> int:
         """The control period in nanoseconds."""
         return stamps.from_seconds(self.common.control_period)
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """What goes wrong, as texts."""
+        texts: tuple[str, ...] = getattr(self.own_faults or self.parameters, "faults", ())
+        return texts
 
     @property
     def is_ideal(self) -> bool:
@@ -84,7 +91,8 @@ class Configuration:
         """Every parameter of the node with its present value as default."""
         fixed = [dataclasses.replace(e, spec=dataclasses.replace(e.spec, read_only=True)) for e in entries(self.common)]
         extra = entries(self.extra) if self.extra is not None else ()
-        of_method = (*entries(self.parameters), *entries(self.sensors, _SENSORS))
+        faults = entries(self.own_faults) if self.own_faults is not None else ()
+        of_method = (*entries(self.parameters), *faults, *entries(self.sensors, _SENSORS))
         return (_method_entry(self.role, self.method.name), *fixed, *extra, *of_method)
 
     def values(self) -> dict[str, Any]:
@@ -96,10 +104,12 @@ class Configuration:
         rest = dict(values)
         common, parameters = _replaced(rest, self.common), _replaced(rest, self.parameters)
         sensors = _replaced(rest, self.sensors, _SENSORS)
+        own_faults = _replaced(rest, self.own_faults) if self.own_faults is not None else None
         if not rest:
-            made = dataclasses.replace(self, common=common, parameters=parameters, sensors=sensors)
-            fits = parameters is self.parameters and common.vehicle is self.common.vehicle
-            return made if fits else _fitting(made)
+            changed = {"common": common, "parameters": parameters, "sensors": sensors, "own_faults": own_faults}
+            made = dataclasses.replace(self, **changed)
+            same = parameters is self.parameters and own_faults is self.own_faults
+            return made if same and common.vehicle is self.common.vehicle else _fitting(made)
         return configure(self.role, {**self.values(), **values}, type(self.extra) if self.extra is not None else None)
 
 
@@ -122,6 +132,7 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     further = _take(rest, extra) if extra is not None else None
     parameters: Any = _take(rest, method.parameters)
     sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
+    own_faults = None if hasattr(parameters, "faults") else _take(rest, FaultParameters)
     others = [(other.parameters, "") for other in methods_of(role).values()]
     others.append((sensors_for(ROLES[role].writes), _SENSORS))
     for of, prefix in others:
@@ -129,10 +140,10 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     elsewhere = {name for of, prefix in others for name in flatten(of(), prefix)}
     for name in rest:
         if name not in elsewhere:
-            known = [_METHOD, *flatten(common), *flatten(parameters), *(flatten(further) if further else ())]
+            known = [_METHOD, *flatten(common), *flatten(parameters), "faults", *(flatten(further) if further else ())]
             is_sensor = name.startswith(_SENSORS)  # there are many: listed where one is meant
             raise unknown_name(f"parameter of {role}", name, flatten(sensors, _SENSORS) if is_sensor else known)
-    return _fitting(Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors))
+    return _fitting(Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors, own_faults))
 
 
 def _fitting(configuration: Configuration) -> Configuration:
@@ -143,6 +154,7 @@ def _fitting(configuration: Configuration) -> Configuration:
     if isinstance(method.factory, ReadingFiles):
         parameters = method.factory.load_files(parameters)
     refuse_layout(method, parameters, common.vehicle)
+    refuse_faults(configuration.role, configuration.faults, method.writes, hasattr(parameters, "faults"))
     return dataclasses.replace(configuration, common=common, parameters=parameters)
 
 
@@ -162,35 +174,3 @@ def chosen_method(role: str, values: Mapping[str, Any]) -> Method:
     """The method that the values choose for a role; ParameterError that lists the known ones if there is none."""
     name = values.get(_METHOD, ROLES[role].default_method)
     return find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false
-
-
-def check_graph(configurations: Mapping[str, Configuration]) -> None:
-    """ParameterError if the configured nodes do not fit together.
-
-    Nodes share one control period, one mode and one vehicle, what a method reads must be written by the others, and
-    the methods and values that it requires must be chosen.
-    """
-    common = {role: flatten(configuration.common) for role, configuration in configurations.items()}
-    for name in flatten(CommonParameters()):
-        values = {role: values[name] for role, values in common.items()}
-        if name not in _OWN and len(set(values.values())) > 1:
-            said = ", ".join(f"{role} {value}" for role, value in values.items())
-            raise ParameterError(f"{name} differs between nodes: {said}; allowed is one for all")
-    written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
-    for configuration in configurations.values():
-        for signal in configuration.method.inputs:
-            if signal not in written:
-                names = ", ".join(sorted(c.method.name for c in configurations.values()))
-                raise ParameterError(
-                    f"{configuration.role} method {configuration.method.name} reads {signal.__name__}, "
-                    f"which none of the chosen methods writes ({names})"
-                )
-        for what, needed in configuration.method.requires.items():
-            role, _, parameter = what.partition(".")
-            other = configurations.get(role)
-            chosen = other and (other.values().get(parameter) if parameter else other.method.name)
-            if chosen != needed:
-                raise ParameterError(
-                    f"{configuration.role} method {configuration.method.name} requires "
-                    f"{what if parameter else f'{role} method'} {needed}, but {chosen} is chosen"
-                )

@@ -5,21 +5,39 @@ from __future__ import annotations
 import sys
 from typing import Any
 
+from ev_msgs_py.faults.restart import Restart
+from ev_msgs_py.faults.row import FaultRow, of_signals
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.part import Part, PythonPart
+from ev_msgs_py.sensors.row import SensorRow
 from ev_msgs_py.sensors.sensed import Sensed
 
 
 def part_of(configuration: Configuration, compiled: bool) -> Part:
-    """A new part of a configuration, at rest, behind its sensors.
+    """A new part of a configuration, at rest, behind its sensors and faults.
 
     `compiled` asks for compiled code where the method can be compiled; laws that are too heavy for plain Python are
     compiled all the same.
     """
     part: Part = method_part(configuration, compiled)
-    if configuration.is_ideal:
-        return part
-    return Sensed(part, configuration.sensors, configuration.common.seed)
+    rows = _rows(configuration)
+    return Sensed(part, rows, _restart(configuration, part)) if rows else part
+
+
+def _rows(configuration: Configuration) -> list[SensorRow | FaultRow]:
+    """What changes the numbers that a part writes: its sensors, and then its faults."""
+    rows: list[SensorRow | FaultRow] = []
+    if not configuration.is_ideal:
+        rows.append(SensorRow(configuration.sensors, configuration.common.seed))
+    if faults := of_signals(configuration.faults):
+        common = configuration.common
+        rows.append(FaultRow(faults, configuration.method.writes, common.seed, common.control_period))
+    return rows
+
+
+def _restart(configuration: Configuration, part: Part) -> Restart | None:
+    faults = [fault for fault in of_signals(configuration.faults) if fault.kind == "restarted"]
+    return Restart(part, faults, configuration.common.control_period) if faults else None
 
 
 def is_compiled(configuration: Configuration) -> bool:
@@ -38,13 +56,20 @@ def is_compiled(configuration: Configuration) -> bool:
 
 
 def compiled_parts(configuration: Configuration) -> list[Any]:
-    """The same for the compiled loop, which calls one behind the other: the method's part, and its sensors'."""
-    parts = [method_part(configuration, compiled=True)]
-    if not configuration.is_ideal:
-        from ev_msgs_py.sensors.part import SensorPart
+    """The same for the compiled loop, which calls one behind the other: restart, method's part, sensors, faults."""
+    part = method_part(configuration, compiled=True)
+    restart = _restart(configuration, part)
+    return [*([restart] if restart else ()), part, *row_parts(configuration)]
 
-        parts.append(SensorPart(configuration.sensors, configuration.common.seed))
-    return parts
+
+def row_parts(configuration: Configuration) -> list[Any]:
+    """Those behind the method's part."""
+    rows = _rows(configuration)
+    if rows:
+        from ev_msgs_py.sensors.part import RowPart
+
+        return [RowPart(row) for row in rows]
+    return []
 
 
 def method_part(configuration: Configuration, compiled: bool) -> Any:
@@ -59,10 +84,10 @@ def method_part(configuration: Configuration, compiled: bool) -> Any:
 
 
 def hand_over(before: Part, after: Part) -> None:
-    """Let a part go on with the state of another one of its method; sensors go on too where both have the same."""
+    """Let a part go on with the state of another one of its method; sensors and faults too where both have the same."""
     _bare(after).state = _bare(before).state
     if isinstance(before, Sensed) and isinstance(after, Sensed):
-        after.sensors.go_on_from(before.sensors)
+        after.go_on_from(before)
 
 
 def _bare(part: Part) -> Any:

@@ -10,8 +10,9 @@ from ev_msgs_py.compiling.loop import FINISHED, NOT_FINITE, call_part, run_insta
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.shape import SignalError, shape_of
-from ev_msgs_py.lockstep.configuration import Configuration, check_graph
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.graph import step_order
+from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.parts import compiled_parts
 
@@ -53,7 +54,7 @@ class GraphRun:
         self.parts = [(role, part) for role in roles for part in compiled_parts(configurations[role])]
         written = {role: written_by(configuration.method) for role, configuration in configurations.items()}
         self.frames = frame.stack(instants, period, max(end for _, end in written.values()))
-        self._answering = len(answering)
+        self._answering = sum(role in answering for role, _ in self.parts)
         self._rows = np.array([(*part.addresses(), *written[role]) for role, part in self.parts], np.int64)
         for place in range(self._answering, len(self.parts)):
             self._show_start(place)

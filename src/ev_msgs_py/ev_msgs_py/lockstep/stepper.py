@@ -102,7 +102,7 @@ class Stepper:
         return tuple(answer for answer in (self._before, self.answer) if answer is not None)
 
     def _start(self, stamp: int) -> Answer:
-        there = Frame()
+        there = _frame_at(stamp)
         self.part.start(there)
         return Answer(stamp, there)
 
@@ -137,10 +137,16 @@ class Stepper:
         self._at_rest = False
         if self.integrates:
             self._before = self.answer
-            there = Frame()
+            there = _frame_at(stamp + self.period)
             self.part.step(here, there)
             self.answer = Answer(stamp + self.period, there)
         else:
             self.part.step(here, here)
             self.answer = Answer(stamp, here)
         return self.answer
+
+
+def _frame_at(stamp: int) -> Frame:
+    there = Frame()
+    there.numbers[TIME] = stamp / stamps.NANOSECONDS
+    return there

@@ -81,7 +81,7 @@ class SteppedNode(Node, Polled):
     def _take_over(self, before: Configuration, given: dict[str, Any], part: Part) -> None:
         """Go on with other parameters; the state lasts."""
         after = self.configuration
-        if (after.parameters, after.sensors) != (before.parameters, before.sensors):
+        if (after.parameters, after.sensors, after.faults) != (before.parameters, before.sensors, before.faults):
             hand_over(self.stepper.part, part)
             self.stepper.part = part
             self.reports.warn(f"parameters changed to {given}: the run is not reproducible")

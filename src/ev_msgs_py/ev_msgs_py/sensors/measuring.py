@@ -129,4 +129,10 @@ def write(frame: Numbers, c: Sequence[float], i: int, number: float) -> None:
 @compilable
 def carried(number: float, c: Sequence[float]) -> float:
     """The number in the precision of its message."""
-    return float(np.float32(number)) if c[ROUNDS] == 1.0 else number
+    return in_single(number) if c[ROUNDS] == 1.0 else number
+
+
+@compilable
+def in_single(number: float) -> float:
+    """The number in single precision."""
+    return float(np.float32(number))

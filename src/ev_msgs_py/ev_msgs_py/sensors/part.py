@@ -1,7 +1,8 @@
-"""Sensors as the compiled loop calls them, behind the part whose numbers in the frame they change."""
+"""What changes the numbers of a part in the frame, as the compiled loop calls it behind that part."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -9,10 +10,12 @@ import numpy as np
 
 from ev_msgs_py.compiling.machine_code import function_address
 from ev_msgs_py.contract import frame
-from ev_msgs_py.sensors.measuring import HEAD, measure
+from ev_msgs_py.faults import striking
+from ev_msgs_py.faults.row import FaultRow
+from ev_msgs_py.sensors import measuring
 from ev_msgs_py.sensors.row import SensorRow
 
-_TEXT = f'''"""Sensors: generated, do not edit."""
+_TEXT = '''"""Behind a part: generated, do not edit."""
 
 from numba import carray, cfunc, types
 
@@ -21,30 +24,47 @@ P = types.voidptr
 
 @cfunc(types.int32(P, P, P, P), cache=True, error_model="numpy")
 def step(now, next, state, constants):
-    head = carray(constants, {HEAD}, FLOAT)
-    sensors = carray(constants, int(head[0]), FLOAT)
-    measure(carray(next, {frame.SIZE}, FLOAT), carray(state, int(head[1]), FLOAT), sensors)
+    head = carray(constants, {head}, FLOAT)
+    row = carray(constants, int(head[0]), FLOAT)
+    change(carray(next, {size}, FLOAT), carray(state, int(head[1]), FLOAT), row)
     return 0
 '''
 
 
 @cache
+def _function(name: str, head: int, change: Callable[..., None]) -> int:
+    text = _TEXT.format(head=head, size=frame.SIZE)
+    return function_address(name, text, {"FLOAT": np.float64, "change": change})
+
+
 def function() -> int:
     """The address of the one function of all sensors."""
-    return function_address("sensors", _TEXT, {"FLOAT": np.float64, "measure": measure})
+    return _function("sensors", measuring.HEAD, measuring.measure)
 
 
-class SensorPart:
-    """The sensors of one object that integrates; `state` is the row of its numbers, advanced in place."""
+def fault_function() -> int:
+    """The address of the one function of all faults of signals."""
+    return _function("faults", striking.HEAD, striking.strike)
 
-    def __init__(self, parameters: Any, seed: int) -> None:
-        row = SensorRow(parameters, seed)
+
+class RowPart:
+    """What a row of sensors or of faults says, behind one object; `state` are its numbers, advanced in place."""
+
+    def __init__(self, row: SensorRow | FaultRow) -> None:
         self.constants, self.state = np.array(row.constants), np.array(row.state)
+        self._function = function() if isinstance(row, SensorRow) else fault_function()
 
     def addresses(self) -> tuple[int, int, int]:
         """Of the function, the state and the constants."""
-        return function(), self.state.ctypes.data, self.constants.ctypes.data
+        return self._function, self.state.ctypes.data, self.constants.ctypes.data
 
     def notes(self) -> tuple[str, ...]:
-        """Nothing: what sensors do stands in their parameters."""
+        """Nothing: what sensors and faults do stands in their parameters."""
         return ()
+
+
+class SensorPart(RowPart):
+    """The sensors of one object that integrates."""
+
+    def __init__(self, parameters: Any, seed: int) -> None:
+        super().__init__(SensorRow(parameters, seed))

@@ -40,7 +40,7 @@ class SensorRow:
         """Begin anew, before the first period."""
         self.state = [0.0] * self._size
 
-    def go_on_from(self, other: SensorRow) -> None:
+    def go_on_from(self, other: Any) -> None:
         """Go on where others were, if they are the same sensors with the same delays; else begin anew."""
         if self._lines() == other._lines():
             self.state = list(other.state)

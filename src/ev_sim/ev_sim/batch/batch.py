@@ -12,7 +12,8 @@ import numpy as np
 
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.configuration import Configuration, check_graph
+from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.batch.observer import Observation

@@ -12,7 +12,7 @@ from ev_msgs_py.compiling.part import CompiledPart
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.parts import method_part
+from ev_msgs_py.lockstep.parts import method_part, row_parts
 from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order, written_by
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.sensors import part as sensors
@@ -25,7 +25,7 @@ class _Placed(NamedTuple):
 
     role: str
     writes: tuple[int, int]
-    part: CompiledPart | sensors.SensorPart
+    part: CompiledPart | sensors.RowPart
     state: np.ndarray
 
     @property
@@ -63,6 +63,8 @@ class Runs:
         observer.function()
         if any(variation.concerns_sensors(role) or not each.is_ideal for role, each in configurations.items()):
             sensors.function()
+        if any("faults" in name for name in variation.names) or any(each.faults for each in configurations.values()):
+            sensors.fault_function()
         for role, states in initial_states.items():
             _refuse_states(role, states, made[role].state.size)
 
@@ -92,12 +94,11 @@ class Runs:
         except ParameterError as error:  # values that are allowed one by one and do not fit together
             raise ParameterError(f"run {run}: {role}: {error}") from None
         state = self._initial_states[role][run] if role in self._initial_states else part.state
+        if any(text.split()[0] == "restarted" for text in configuration.faults):
+            raise ParameterError(f"{role} faults: restarted is refused in a batch, allowed are all other kinds")
         writes = written_by(configuration.method)
         placed = [_Placed(role, writes, part, state.copy())]
-        if not configuration.is_ideal:
-            measuring = sensors.SensorPart(configuration.sensors, configuration.common.seed)
-            placed.append(_Placed(role, writes, measuring, measuring.state))
-        return placed
+        return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in row_parts(configuration))]
 
 
 def _refuse_interpreted(role: str, configuration: Configuration) -> None:

@@ -34,6 +34,7 @@ class Variation:
         if len(set(lengths.values())) > 1:
             said = ", ".join(f"{name} {length}" for name, length in lengths.items())
             raise ParameterError(f"numbers of runs differ: {said}; allowed is one number of values for all")
+        self.names = tuple(columns)
         self.runs = next(iter(lengths.values()), 1)
         self._by_role: dict[str, dict[str, Sequence[Any]]] = {role: {} for role in configurations}
         for name, column in columns.items():

@@ -54,6 +54,7 @@ def _compile_stepping() -> None:
 
     compile_loops()
     sensors.function()
+    sensors.fault_function()
     observer.function()
 
 

@@ -47,6 +47,7 @@ SUMS = ("distance_", "mean_slip_", "slip_energy_", "false_triggers_")
 def controls() -> list[str]:
     """All traction controls of the package that brings the node, none first."""
     names = [name for name, method in methods_of("asr").items() if method.package == node_package("asr")]
+    names.remove("limp_home")  # does nothing about slip
     return sorted(names, key=lambda name: (name != "off", name))
 
 

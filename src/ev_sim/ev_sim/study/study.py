@@ -22,6 +22,7 @@ STUDIES = (
     "bench_difference",
     "bench_faults",
     "compare",
+    "faults",
     "five_methods",
     "ge_ni2005_periods",
     "urban_sensitivity",

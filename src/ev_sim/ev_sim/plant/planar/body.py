@@ -73,7 +73,7 @@ def rates(
                 wheel_speed = 0.0  # the brake stops the wheel within this step, it cannot turn it back
             at = contact(y, car, body, step, i, wheel_speed)
             secant_x, secant_y, transport_x, transport_y = secants(y, car, body, step, i, at)
-            normal, radius = step.load[i], body.wheel_radius[i]
+            normal, radius = step.load[i], step.radius[i]
             deflection_x, deflection_y = y[DEFLECTION_X + i], y[DEFLECTION_Y + i]
             along_force, rate_x = force_and_rate(
                 deflection_x, at.slip_x, transport_x, secant_x, stiffness_x, body.damping_x

@@ -37,7 +37,7 @@ def contact(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: in
     ground_y = y[VY] + body.wheel_x[i] * y[YAW_RATE]
     along = ground_x * cosine + ground_y * sine
     across = ground_y * cosine - ground_x * sine
-    rim = body.wheel_radius[i] * wheel_speed
+    rim = step.radius[i] * wheel_speed
     return Contact(along, sqrt(along * along + across * across), rim, rim - along, -across)
 
 

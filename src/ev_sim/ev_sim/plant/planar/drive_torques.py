@@ -11,6 +11,7 @@ from ev_sim.drives.drive import advance_drive
 from ev_sim.drives.torque_controlled import limited_torque
 from ev_sim.plant.planar.electrical import within_electrical_limits
 from ev_sim.plant.planar.energy import PowerConstants, battery_scale, terminal_voltage
+from ev_sim.plant.planar.faults.striking import strike_motors
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.parameters import TORQUE_CONTROLLED, PlanarParameters
 from ev_sim.plant.planar.state import WHEEL_SPEED, PlanarState
@@ -56,6 +57,8 @@ def apply_drives(
             target[i] = limited_torque(car.motor, target[i], shaft[i] * gear, heat)
             if modelled:
                 target[i] = within_electrical_limits(s, car, i, target[i], step.voltage, shaft[i] * gear)
+    if s.faults.is_struck == 1.0:
+        strike_motors(s, p, car, step)
     scale = battery_scale(s, p, car, power, step)
     for i in range(4):
         if car.driven[i] == 0.0:

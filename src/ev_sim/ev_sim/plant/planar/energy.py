@@ -89,6 +89,7 @@ def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerCon
         mechanical += (target[left] * shaft[left] + target[right] * shaft[right]) * car.gear_ratio
     wanted += mechanical + car.battery.auxiliary_power
     give, take = _limits(s, car, power)
+    give, take = s.faults.power * give, s.faults.power * take
     too_much_given, too_much_taken = wanted > give, wanted < -take and mechanical < 0.0
     if not too_much_given and not too_much_taken:
         return 1.0  # nearly always: the idle losses need not be looked up

@@ -27,6 +27,7 @@ class Step:
     drive_command: list[float] = per_wheel(unit="N m", about="at the wheels")
     brake_command: list[float] = per_wheel(unit="N m", about="at the wheels")
     imposed_acceleration: float = entry(unit="m/s^2", about="of the longitudinal velocity, by an outer force")
+    radius: list[float] = per_wheel(unit="m", about="true rolling radius")
     drive: list[float] = per_wheel(unit="N m", about="at the wheels, behind motors and driveline")
     brake: list[float] = per_wheel(unit="N m", about="at the wheels")
     cos_steer: list[float] = per_wheel(unit="1", about="cosine of the angle of the wheel")

@@ -21,6 +21,7 @@ from ev_sim.driveline.couplings import shaft_speeds
 from ev_sim.plant.planar.body import rates
 from ev_sim.plant.planar.contact import slips
 from ev_sim.plant.planar.energy import PowerConstants, source_voltage
+from ev_sim.plant.planar.faults.striking import deflate
 from ev_sim.plant.planar.memory import STAGES, STEP, Stages, Step
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.prepare import PlanarConstants
@@ -47,6 +48,8 @@ def seen(
     y, step = s.motion, steps[0]
     step.imposed_acceleration = s.imposed_acceleration
     find_road(y, c.body, step, c.road, True)
+    if s.faults.is_struck == 1.0:
+        deflate(s.faults, p, car, c.body, step)
     steer(car, step, s.road_wheel_angle)
     rates(y, stages[0].k1, p, car, c.body, step, True)
     shaft_speeds(car, y[WHEEL_SPEED : WHEEL_SPEED + 4], step.shaft)

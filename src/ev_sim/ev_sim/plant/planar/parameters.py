@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+from ev_msgs_py.faults.fault import faults_parameter
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_sim.drives.drive import DRIVES, DriveParameters
+from ev_sim.plant.planar.faults.parameters import PunctureParameters
 from ev_sim.profiles.profile_file import with_profile_from_file
 from ev_sim.profiles.speed_profile import SpeedProfileParameters
 from ev_sim.surfaces.road import RoadParameters
@@ -61,6 +63,8 @@ class PlanarParameters(DriveParameters):
     )
     imposed_speed: SpeedProfileParameters = group(SpeedProfileParameters, time=(0.0,), speed=(0.0,))
     road: RoadParameters = group(RoadParameters)
+    faults: tuple[str, ...] = faults_parameter()
+    puncture: PunctureParameters = group(PunctureParameters)
 
 
 def load_files(parameters: PlanarParameters) -> PlanarParameters:

@@ -14,6 +14,7 @@ from ev_sim.plant.commands import guarded_steering, guarded_torques
 from ev_sim.plant.planar.drive_torques import apply_drives
 from ev_sim.plant.planar.electrical_outputs import ELECTRICAL_SIGNALS, electrical_outputs
 from ev_sim.plant.planar.energy import account
+from ev_sim.plant.planar.faults.striking import deflate, delay_commands, find_faults
 from ev_sim.plant.planar.integrator import integrate
 from ev_sim.plant.planar.lift import note_lifted, notes
 from ev_sim.plant.planar.memory import STAGES, STEP, Stages, Step
@@ -73,6 +74,8 @@ def advance(
     """One period; `apply` sets the torques of a step as `apply_drives` does, `book` its energies as `account` does."""
     torques = guarded_torques(c.limits, s.guard, command)
     angle, rate = guarded_steering(c.limits, s.guard, column, period)
+    if len(c.faults.kind) > 0 or s.faults.is_struck == 1.0:
+        find_faults(p, c.faults, s, period)
     s.periods += 1.0
     s.imposed_acceleration = 0.0
     if p.speed == IMPOSED:
@@ -133,8 +136,13 @@ def _run(
     for i in range(4):
         step.drive_command[i], step.brake_command[i] = torques.drive[i], torques.brake[i]
         s.mean_drive[i] = 0.0
+    is_struck = s.faults.is_struck == 1.0
+    if is_struck:
+        delay_commands(s.faults, s.periods - 1.0, step)
     for n in range(int(c.steps)):
-        find_road(y, c.body, step, c.road, n == 0)
+        find_road(y, c.body, step, c.road, n == 0 or is_struck)
+        if is_struck:
+            deflate(s.faults, p, car, c.body, step)
         steer(car, step, angle + rate * ((n + 0.5) * h))
         apply(s, p, car, c.power, c.lags, step, h)
         vx, vy, heading = y[VX], y[VY], y[HEADING]

@@ -15,6 +15,7 @@ from ev_sim.plant.planar.constants import BodyConstants, body_constants
 from ev_sim.plant.planar.drive_torques import Lags
 from ev_sim.plant.planar.electrical import Electrical, electrical_over
 from ev_sim.plant.planar.energy import EfficiencyMap, PowerConstants
+from ev_sim.plant.planar.faults.parameters import CarFaults, car_faults
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.road_under_wheels import RoadTables, road_tables
 from ev_sim.plant.planar.step_width import longest_brushless_step, longest_step
@@ -34,6 +35,7 @@ class PlanarConstants(NamedTuple):
     road: RoadTables
     initial_drive_torque: tuple[float, ...]  # of each wheel [N m]
     imposed: Profile  # speed [m/s]
+    faults: CarFaults
 
 
 def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> PlanarConstants:
@@ -58,6 +60,7 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
         road=road_tables(p.road, vehicle),
         initial_drive_torque=checked_initial_torque(p, vehicle),
         imposed=wanted_speed(p.imposed_speed, "imposed_speed"),
+        faults=car_faults(p.faults, vehicle, period, brushless, vehicle.tyre.lateral_curve == "same"),
     )
 
 

@@ -94,6 +94,7 @@ def _look_under(y: Sequence[float], body: BodyConstants, step: Step, track: Trac
     """Set the tyre of wheel i from its track, where it has come to another segment."""
     distance = y[DISTANCE + i] + body.wheel_x[i]
     if first:
+        step.radius[i] = body.wheel_radius[i]
         found = max(number_until(track.start, distance) - 1, 0)
     else:
         before = int(step.segment[i])

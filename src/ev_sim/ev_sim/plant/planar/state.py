@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from ev_msgs_py.contract.record import Place, each_wheel, entry, names, part, per_wheel, row, wheel_places
 from ev_sim.drives.state import DriveState
 from ev_sim.plant.commands import GuardState
+from ev_sim.plant.planar.faults.state import FaultState
 
 # What the Runge-Kutta method integrates.
 INTEGRATED = (
@@ -63,6 +64,7 @@ class PlanarState:
     periods: float = entry(unit="1", about="number of periods so far")
     lifted: list[float] = per_wheel(unit="1", about="1 if the wheel has been off the ground at the end of a period")
     guard: GuardState = part(GuardState)
+    faults: FaultState = part(FaultState)
 
 
 _PLACES = {name.removesuffix(".front_left"): n for n, name in reversed(list(enumerate(names(PlanarState()))))}

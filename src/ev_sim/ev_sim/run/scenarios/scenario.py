@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.contract.roles import MASTER, ROLES
-from ev_msgs_py.lockstep.configuration import Configuration, check_graph, chosen_method, configure
+from ev_msgs_py.lockstep.configuration import Configuration, chosen_method, configure
+from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.parameters.config_folders import files_in_config
 from ev_msgs_py.parameters.declaration import ParameterError, parameter

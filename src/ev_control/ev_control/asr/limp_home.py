@@ -1,0 +1,54 @@
+"""No traction control, but a limp mode: a lost motor does not turn the car."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_control.shared.torque_plausibility import (
+    PlausibilityParameters,
+    PlausibilityState,
+    expect,
+    mirrored,
+    watch_torques,
+)
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import part
+from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand, WheelTorqueRequest
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group
+from ev_msgs_py.vehicle.car import Car
+
+
+@dataclass(frozen=True, slots=True)
+class LimpHomeParameters:
+    """When a motor counts as lost."""
+
+    plausibility: PlausibilityParameters = group(PlausibilityParameters)
+
+
+@dataclass(slots=True)
+class LimpHomeState:
+    """What is known of the motors."""
+
+    motors: PlausibilityState = part(PlausibilityState)
+
+
+@method("asr", "limp_home", LimpHomeParameters, state=LimpHomeState, mirrored=True)
+@compilable
+def limp_home(
+    p: LimpHomeParameters,
+    car: Car,
+    s: LimpHomeState,
+    period: float,
+    request: WheelTorqueRequest,
+    wheels: WheelStates,
+) -> WheelTorqueCommand:
+    """Let the requested torques through; where a motor is lost, its partner of the axle gives what it gives.
+
+    The car keeps the drive of its other axle, if it has one, and coasts otherwise. With it goes what the difference of
+    the two torques did: assistance of the steering, torque vectoring. Brakes are not touched.
+    """
+    watch_torques(p.plausibility, car, s.motors, period, wheels)
+    command = WheelTorqueCommand(mirrored(s.motors, request.drive, wheels), request.brake)
+    expect(p.plausibility, car, s.motors, period, command, wheels)
+    return command

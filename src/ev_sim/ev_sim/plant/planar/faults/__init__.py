@@ -1,0 +1,1 @@
+"""Faults of the car in the planar plant (docs/faults.md)."""

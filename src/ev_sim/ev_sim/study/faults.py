@@ -1,0 +1,168 @@
+"""Every electronic differential with every fault in mid-turn, on a dry and a wet road, with and without a limp mode."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ev_msgs_py.lockstep.methods import methods_of, node_package
+from ev_sim.driver.path import nearest, path_of
+from ev_sim.report.figures.panels import Curve, Panel
+from ev_sim.report.metric import Metric, metric
+from ev_sim.report.quantities import motion
+from ev_sim.report.samples import channel
+from ev_sim.report.text_table import text_table
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run
+from ev_sim.study.case import Case
+from ev_sim.study.fault_cases import BEGIN, DURATION, FAULTS, OF_MOTORS, ROADS, SCENARIO, SOUND, values_of
+from ev_sim.study.study import Results
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+ABOUT = (
+    "Every electronic differential with every fault in mid-turn, on dry and wet roads: path, yaw rate, sideslip, safe?"
+)
+ROLE, DRAWN = "electronic_differential", "power_steering"
+OFF, LIMP = "off", "limp_home"
+COLUMNS = (
+    "fault",
+    "law",
+    "asr",
+    *(
+        f"{road}: {what}"
+        for road in ROADS
+        for what in ("path error [m]", "yaw rate error [deg/s]", "sideslip [deg]", "safe")
+    ),
+)
+SUMS = ("safe_",)
+
+
+def laws() -> list[str]:
+    """All electronic differentials of the package that brings the node."""
+    return [name for name, method in methods_of(ROLE).items() if method.package == node_package(ROLE)]
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """A part of the laws and faults instead of all, and what counts as safe."""
+    parser.add_argument("--laws", nargs="+", choices=laws(), metavar="LAW", help="these only; default: all")
+    parser.add_argument("--faults", nargs="+", choices=list(FAULTS), metavar="FAULT", help="these only; default: all")
+    parser.add_argument("--lane", type=float, default=3.5, help="width of the lane [m]; default: %(default)s")
+    parser.add_argument("--car-width", type=float, default=1.7, help="of the car [m]; default: %(default)s")
+    parser.add_argument("--sideslip", type=float, default=10.0, help="largest sideslip [deg]; default: %(default)s")
+
+
+def _combinations(given: argparse.Namespace) -> Iterator[tuple[str, str, str]]:
+    for fault in given.faults or FAULTS:
+        for law in given.laws or laws():
+            for asr in (OFF, LIMP) if fault in (SOUND, *OF_MOTORS) else (OFF,):
+                yield fault, law, asr
+
+
+def name_of(fault: str, law: str, asr: str, road: str) -> str:
+    """Name of a case."""
+    return f"{fault}: {law}, {asr}, {road}"
+
+
+def cases(given: argparse.Namespace) -> Sequence[Case]:
+    """Every law with every fault, and with a limp mode where motors are struck; what the car forbids is refused."""
+    return [
+        Case(name_of(fault, law, asr, road), SCENARIO, values_of(road, law, asr, fault), duration=DURATION)
+        for fault, law, asr in _combinations(given)
+        for road in ROADS
+    ]
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """Largest deviations from the fault on: from the path [m], from its yaw rate [deg/s], sideslip angle [deg]."""
+    path = path_of(run.configurations["driver"].parameters.path)
+    after = recording.time >= BEGIN
+    deviation, leg = np.zeros(len(recording.time)), 0
+    for n, (x, y) in enumerate(zip(channel(recording, "pose.x"), channel(recording, "pose.y"), strict=True)):
+        _, leg = nearest(path, x, y, leg)
+        along_x, along_y = path.along_x[leg], path.along_y[leg]
+        deviation[n] = along_x * (y - path.y[leg]) - along_y * (x - path.x[leg])
+    speed = channel(recording, "twist.longitudinal")
+    yaw_rate = np.degrees(channel(recording, motion.YAW_RATE) - 0.01 * speed)
+    sideslip = np.degrees(motion.sideslip_angle(recording))
+    return {
+        "path_error": float(np.abs(deviation[after]).max()),
+        "yaw_rate_error": float(np.abs(yaw_rate[after]).max()),
+        "sideslip": float(np.abs(sideslip[after]).max()),
+        "end_speed": float(speed[-1]),
+        "time": recording.time,
+        "deviation": deviation,
+        "yaw_rate": yaw_rate,
+        "hand_torque": channel(recording, "driver.command.hand_torque"),
+    }
+
+
+def is_safe(given: argparse.Namespace, measured: Mapping[str, Any]) -> bool:
+    """Whether the car stays within its lane, and its sideslip within the limit, from the fault on."""
+    half = 0.5 * (given.lane - given.car_width)
+    return bool(measured["path_error"] <= half and measured["sideslip"] <= given.sideslip)
+
+
+def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
+    """For each law the number of faults, dry and wet, with which it is safe without the limp mode."""
+    found: dict[str, Metric] = {}
+    for law in given.laws or laws():
+        names = [name_of(f, law, OFF, road) for f in given.faults or FAULTS if f != SOUND for road in ROADS]
+        driven = [results[name] for name in names if not results[name].refused and results[name].measured]
+        if driven:
+            found[f"safe_{law}"] = metric(lambda d=driven: float(sum(is_safe(given, r.measured) for r in d)), "1")
+    return found
+
+
+def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
+    """Fault, law and traction control, and what was measured on each road; without laws that the car forbids."""
+    found = []
+    for fault, law, asr in _combinations(given):
+        measured = [results[name_of(fault, law, asr, road)].measured for road in ROADS]
+        if not any(measured):
+            continue
+        cells = [_cells(given, m) if m else ("–",) * 4 for m in measured]
+        found.append((fault, law, asr, *(cell for four in cells for cell in four)))
+    return found
+
+
+def _cells(given: argparse.Namespace, measured: Mapping[str, Any]) -> tuple[str, ...]:
+    safe = "yes" if is_safe(given, measured) else "no"
+    return (
+        f"{measured['path_error']:.2f}", f"{measured['yaw_rate_error']:.1f}", f"{measured['sideslip']:.1f}", safe
+    )  # fmt: skip
+
+
+def tables(given: argparse.Namespace, results: Results) -> str:
+    """The rows as aligned text."""
+    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:3])
+
+
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+    """Deviation from the path, yaw rate error and hand torque over time: power steering with a dead motor."""
+    from ev_sim.report.figures.drawing import sheet
+
+    panels = []
+    for road in ROADS:
+        for quantity, title, unit in (
+            ("deviation", "from the path, left positive", "m"),
+            ("yaw_rate", "yaw rate less that of the path", "deg/s"),
+            ("hand_torque", "hand torque", "N m"),
+        ):
+            drawn = {
+                f"{fault}, {asr}": results.get(name_of(fault, DRAWN, asr, road))
+                for fault in (SOUND, *OF_MOTORS[:2])
+                for asr in (OFF, LIMP)
+                if fault != SOUND or asr == OFF
+            }
+            curves = [
+                Curve(result.measured["time"], result.measured[quantity], label)
+                for label, result in drawn.items()
+                if result is not None and "time" in result.measured
+            ]
+            panels.append(Panel(f"{road}: {title}", unit, tuple(curves)))
+    return {DRAWN: sheet(panels, "time [s]")}

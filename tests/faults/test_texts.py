@@ -1,0 +1,60 @@
+"""What a text says that declares a fault, and which ones are refused before a run."""
+
+from __future__ import annotations
+
+import pytest
+
+from ev_msgs_py.faults.fault import parsed
+from ev_msgs_py.lockstep.configuration import configure
+from ev_msgs_py.lockstep.parts import compiled_parts, part_of
+from ev_msgs_py.parameters.declaration import ParameterError
+
+
+def test_a_text_in_full():
+    (fault,) = parsed(("motor_share left 0.5 from 2 until 3.5",))
+    assert (fault.kind, fault.where, fault.value, fault.begin, fault.end) == ("motor_share", "left", 0.5, 2.0, 3.5)
+    assert fault.wheels() == (1.0, 0.0, 1.0, 0.0)
+    assert fault.periods(0.01) == (200.0, 350.0)
+    assert parsed(("frozen imu from 0.3",))[0].periods(0.01)[0] == 30.0  # 0.3 / 0.01 is 29.999...
+
+
+REFUSED = {
+    "motor_share": "allowed is KIND WHERE",
+    "motr_share all 0": "known: motor_share",
+    "motor_share all": "lacks its value, 0 to 1",
+    "motor_share all 2": "2 is refused, allowed is 0 to 1",
+    "motor_share all nan": "nan is refused",
+    "motor_share middle 0": "middle is refused, allowed is front_left",
+    "motor_share rear 0": "needs a motor there, of front_left, front_right",
+    "motor_stuck all from 3 until 2": "ends at 2 s",
+    "motor_stuck all at 3": "allowed is KIND WHERE",
+    "frozen wheel_stats": "known: wheel_states",
+    "swapped wheel_states.velocity": "names 4 numbers",
+    "tilted pose.x 0.1": "allowed are accelerations",
+    "restarted imu": "is a thing and no program",
+    "hall_stuck all": "needs drive ideal",
+    "battery_share all 0": "allowed is battery",
+    "inverter_delay all 0.5001": "0.5001 is refused",
+}
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_refused_in_one_line(text):
+    with pytest.raises(ParameterError) as refusal:
+        part = configure("plant", {"method": "planar", "vehicle.driven_wheels": ["front_left", "front_right"]})
+        part_of(part.changed({"faults": [text]}), compiled=True)
+    assert REFUSED[text] in str(refusal.value) and "\n" not in str(refusal.value)
+    assert repr(text) in str(refusal.value)
+
+
+def test_a_plant_without_faults_of_the_car_says_so():
+    with pytest.raises(ParameterError, match="is refused at this plant, allowed are constant"):
+        configure("plant", {"method": "kinematic", "faults": ["motor_share all 0"]})
+    with pytest.raises(ParameterError, match="unknown number of this node 'wheel_states'"):
+        configure("driver", {"faults": ["frozen wheel_states"]})
+
+
+def test_what_is_not_asked_for_is_not_there():
+    assert len(compiled_parts(configure("asr", {}))) == 1
+    assert len(compiled_parts(configure("asr", {"faults": ["lost torque_command 0.1"]}))) == 2
+    assert len(compiled_parts(configure("asr", {"faults": ["restarted torque_command until 1"]}))) == 3
