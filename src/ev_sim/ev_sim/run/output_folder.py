@@ -9,7 +9,7 @@ from pathlib import Path
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.run.scenarios.scenario import Run
 
-_OF_A_SCENARIO = ("summary.json", "report.html")
+_OF_A_SCENARIO = ("summary.json", "report.html", "table.csv", "table.md", "table.tex", "table.parquet")
 _OF_A_RUN = ("bag", "bag_before_reset_*", "log", "signals.npz", "parameters.yaml")
 _FIGURES = ("*.png", "*.pdf", "*.svg")
 _MARKS = ("summary.json", "parameters.yaml")  # what a run leaves behind, first and last

@@ -93,13 +93,15 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     }
 
 
+def table(given: argparse.Namespace, results: Results) -> tuple[Sequence[str], list[list[Any]]]:
+    """Columns, and for each method that could be driven a row of its quantities."""
+    driven = [(name, result.measured) for name, result in results.items() if not result.refused]
+    return COLUMNS, [[name, *(measured[quantity] for quantity in QUANTITIES)] for name, measured in driven]
+
+
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The quantities of each method that could be driven."""
-    rows = [
-        (name, *(_cell(result.measured[quantity]) for quantity in QUANTITIES))
-        for name, result in results.items()
-        if not result.refused
-    ]
+    rows = [(name, *map(_cell, values)) for name, *values in table(given, results)[1]]
     return text_table(COLUMNS, rows, left=COLUMNS[:1])
 
 

@@ -14,6 +14,7 @@ from ev_sim.commands.command_line import add_outputs, add_overrides, command_of,
 from ev_sim.report.metric import Metric
 from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.summary import versions, write_summary
+from ev_sim.report.table_files import write_tables
 from ev_sim.run.outcome import RunFailed
 from ev_sim.run.output_folder import OutputFolder
 from ev_sim.run.progress_bar import bar_of_runs
@@ -72,6 +73,8 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     save_figures(figures, folder.directory, given.figures)
     content = {**_summary(name, given, cases, results, metrics, wall_time), "command": command_of([name, *argv])}
     write_summary(folder.directory / "summary.json", content)
+    if hasattr(study, "table"):
+        write_tables(folder.directory, *study.table(given, results))
     tables = study.tables(given, results)
     if not given.no_report:
         from ev_sim.report.page.images import images_of

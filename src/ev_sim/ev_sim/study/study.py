@@ -25,6 +25,7 @@ STUDIES = (
     "faults",
     "five_methods",
     "ge_ni2005_periods",
+    "sweep",
     "urban_sensitivity",
     "zhileykin2018_sweep",
     "zhileykin2018_variants",
@@ -58,6 +59,8 @@ class Study(Protocol):
 
     def tables(self, given: argparse.Namespace, results: Results) -> str:
         """What is printed above the metrics, as aligned text; may be empty."""
+
+    # A study may also have `table(given, results)`, whose columns and rows of values are kept as files.
 
     def figures(self, given: argparse.Namespace, results: Results) -> dict[str, Figure]:
         """Figures by the name of their file without suffix."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -42,12 +42,14 @@ class ScenarioParameters:
 
 @dataclass(frozen=True)
 class Run:
-    """One configured graph and the namespace of its nodes."""
+    """One configured graph, the namespace of its nodes, and by which report and metrics of its file it is measured."""
 
     name: str
     namespace: str
     configurations: Mapping[str, Configuration]
     duration: float
+    report: str = ""
+    metrics: tuple[str, ...] = ()
 
     @property
     def period(self) -> int:
@@ -113,7 +115,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
         if run not in namespaces:
             raise unknown_name(f"run of {name}", run, namespaces)
     runs = tuple(
-        _run(run, namespace, files, overrides, duration)
+        replace(_run(run, namespace, files, overrides, duration), report=about.report or name, metrics=about.metrics)
         for run, namespace in namespaces.items()
         if not only or run in only
     )

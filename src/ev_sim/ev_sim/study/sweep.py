@@ -1,0 +1,155 @@
+"""Any parameters of any scenario over values and seeds: a row of metrics for each run, as table and figures."""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import unknown_name
+from ev_sim.report.metric import Metric
+from ev_sim.report.own_metrics import own_metrics
+from ev_sim.report.reports import report_for
+from ev_sim.report.table_files import cell
+from ev_sim.report.text_table import text_table
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run, load_scenario
+from ev_sim.run.scenarios.yaml_text import read_yaml
+from ev_sim.study.case import Case
+from ev_sim.study.study import Results
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"
+SEED = "seed"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Which scenario, what varies, and what is shown of it."""
+    parser.add_argument("scenario", nargs="?", default="double_lane_change", help="name or path; default: %(default)s")
+    parser.add_argument("--run", default="", help="of a scenario with several runs; default: the first")
+    parser.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="NODE.PARAM=VALUES",
+        help="x,y,z, or FIRST:LAST:COUNT for so many numbers; may be repeated, then every value meets every other",
+    )
+    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="runs of each, with the seeds 0 to N - 1")
+    parser.add_argument("--metrics", default="", metavar="NAME,NAME", help="default: all that can be measured")
+
+
+def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
+    """By NODE.PARAM, and `seed` if there are several, the values; ParameterError for words without sense."""
+    varied: dict[str, list[Any]] = {}
+    for word in given.vary:
+        place, found, text = word.partition("=")
+        if not (found and text and place.partition(".")[2]):
+            raise ParameterError(f"--vary {word!r} is refused, allowed is NODE.PARAM=x,y,z or =FIRST:LAST:COUNT")
+        varied[place] = _values(word, text)
+    if given.seeds < 1:
+        raise ParameterError(f"--seeds {given.seeds} is refused, allowed is 1 or more")
+    return {**varied, **({SEED: list(range(given.seeds))} if given.seeds > 1 else {})}
+
+
+def _values(word: str, text: str) -> list[Any]:
+    if text.count(":") != 2:
+        return [read_yaml(each) for each in text.split(",")]
+    try:
+        first, last, count = text.split(":")
+        return np.linspace(float(first), float(last), int(count)).tolist()
+    except ValueError:
+        raise ParameterError(f"--vary {word!r} is refused, allowed is FIRST:LAST:COUNT of numbers") from None
+
+
+def cases(given: argparse.Namespace) -> Sequence[Case]:
+    """Every value with every other, the last one named changing first."""
+    varied = variations(given)
+    run = given.run or load_scenario(given.scenario).runs[0].name
+    found = []
+    for values in itertools.product(*varied.values()):
+        named = dict(zip(varied, values, strict=True))
+        places = [("*", SEED, value) if name == SEED else (*name.split(".", 1), value) for name, value in named.items()]
+        name = ", ".join(f"{name}={cell(value)}" for name, value in named.items())
+        found.append(Case(name or given.scenario, given.scenario, tuple(places), run))
+    return found
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """Every metric of the scenario's report and of its file that can be measured, and its unit."""
+    parameters = {role: configuration.values() for role, configuration in run.configurations.items()}
+    runs = {run.name: recording}
+    found = dict(report_for(run.report).metrics(runs, run.configurations[MASTER].common.vehicle, parameters))
+    found |= own_metrics(run.metrics, runs)
+    known = {name: metric for name, metric in found.items() if metric.value is not None}
+    return {
+        **{name: metric.value for name, metric in known.items()},
+        "units": {name: metric.unit for name, metric in known.items()},
+    }
+
+
+def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
+    """By name the unit of the metrics that are shown; ParameterError for one that no run has."""
+    units: dict[str, str] = {}
+    for result in results.values():
+        units |= result.measured.get("units", {})
+    chosen = given.metrics.split(",") if given.metrics else list(units)
+    for name in chosen:
+        if name not in units:
+            raise unknown_name("metric", name, units)
+    return {name: units[name] for name in chosen}
+
+
+def table(given: argparse.Namespace, results: Results) -> tuple[list[str], list[list[Any]]]:
+    """Columns and rows: the values and the metrics of each run, None for what could not be measured."""
+    varied, shown = variations(given), _shown(given, results)
+    columns = [*varied, *(f"{name} [{unit}]" for name, unit in shown.items())]
+    combined = zip(itertools.product(*varied.values()), results.values(), strict=True)
+    return columns, [[*values, *(result.measured.get(name) for name in shown)] for values, result in combined]
+
+
+def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
+    """The least and the largest of each metric over all runs."""
+    found = {}
+    for name, unit in _shown(given, results).items():
+        values = [result.measured[name] for result in results.values() if name in result.measured]
+        found |= {f"{name}_least": Metric(min(values), unit), f"{name}_largest": Metric(max(values), unit)}
+    return found
+
+
+def tables(given: argparse.Namespace, results: Results) -> str:
+    """The rows as aligned text."""
+    columns, rows = table(given, results)
+    return text_table(columns, [[cell(value) for value in row] for row in rows], left=())
+
+
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+    """Over one varied number lines with bands of the seeds, over two maps of the means; nothing over more or texts."""
+    from ev_sim.report.figures.over_values import lines_with_bands, maps
+
+    varied = variations(given)
+    seeds = len(varied.pop(SEED, [0]))
+    axes = {name: np.array(values, float) for name, values in varied.items() if _are_numbers(values)}
+    lengths = [len(values) for values in axes.values()]
+    if len(axes) != len(varied) or len(axes) not in (1, 2) or min(lengths) < 2:
+        return {}
+    columns, rows = table(given, results)
+    found = []
+    for i, column in list(enumerate(columns))[-len(_shown(given, results)) :]:
+        values = np.array([np.nan if row[i] is None else row[i] for row in rows], float)
+        found.append((column, values.reshape(*lengths, seeds)))
+    names, places = list(axes), list(axes.values())
+    if len(axes) == 1:
+        return {"sweep": lines_with_bands(names[0], places[0], found)}
+    means = [(column, values.mean(axis=2)) for column, values in found]
+    return {"sweep": maps(names[1], places[1], names[0], places[0], means)}
+
+
+def _are_numbers(values: Sequence[Any]) -> bool:
+    return all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values)

@@ -1,0 +1,87 @@
+"""Sweeps: values times values times seeds, each run as it is alone, and the files that come of it."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+import ev_sim
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.commands.run_scenario import main
+from ev_sim.report.table_files import write_tables
+from ev_sim.study import sweep
+from ev_sim.study.run_study import arguments
+
+WORDS = ("shchur2019", "--vary", "electronic_differential.gamma=0:10:3", "--vary", "plant.initial_speed=2.0,4.0")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    out = tmp_path_factory.mktemp("sweep")
+    main(["sweep", *WORDS, "--seeds", "2", "--duration", "0.1", "--workers", "1", "--no-report", "--out", str(out)])
+    return out
+
+
+def rows(folder: Path) -> list[dict[str, str]]:
+    with (folder / "table.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.mark.slow
+def test_each_row_is_the_run_alone(folder):
+    found = rows(folder)
+    assert len(found) == 3 * 2 * 2
+    row = found[-1]
+    assert (row["electronic_differential.gamma"], row["plant.initial_speed"], row["seed"]) == ("10.0", "4.0", "1")
+    changed = {"electronic_differential.gamma": 10.0, "plant.initial_speed": 4.0}
+    alone = ev_sim.run("shchur2019", set=changed, seed=1, duration=0.1)
+    measured = {name: metric for name, metric in alone.metrics.items() if metric.value is not None}
+    assert measured
+    for name, metric in measured.items():
+        assert float(row[f"{name} [{metric.unit}]"]) == metric.value
+
+
+@pytest.mark.slow
+def test_what_a_sweep_leaves_behind(folder):
+    assert {path.name for path in folder.iterdir()} >= {"summary.json", "sweep.png", "table.md", "table.tex"}
+    summary = json.loads((folder / "summary.json").read_text())
+    assert len(summary["cases"]) == 12
+    assert "electronic_differential.gamma=0, plant.initial_speed=2, seed=0" in summary["cases"]
+    assert (folder / "table.md").read_text().count("\n") == 2 + 12
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--vary", "gamma=1"], "--vary 'gamma=1' is refused, allowed is NODE.PARAM=x,y,z or =FIRST:LAST:COUNT"),
+        (["--vary", "asr.x=a:b:3"], "--vary 'asr.x=a:b:3' is refused, allowed is FIRST:LAST:COUNT of numbers"),
+        (["--seeds", "0"], "--seeds 0 is refused, allowed is 1 or more"),
+    ],
+)
+def test_words_without_sense_are_one_line(words, said):
+    with pytest.raises(ParameterError) as error:
+        sweep.cases(arguments("sweep", ["shchur2019", *words]))
+    assert str(error.value) == said
+
+
+def test_values_are_numbers_texts_and_units():
+    given = arguments("sweep", ["--vary", "plant.drive=ideal,averaged", "--vary", "plant.initial_speed=10 km/h,5.0"])
+    assert sweep.variations(given) == {
+        "plant.drive": ["ideal", "averaged"],
+        "plant.initial_speed": ["10 km/h", 5.0],
+    }
+    assert [case.name for case in sweep.cases(given)][:2] == [
+        "plant.drive=ideal, plant.initial_speed=10 km/h",
+        "plant.drive=ideal, plant.initial_speed=5",
+    ]
+
+
+def test_tables_keep_all_digits_for_machines_and_mask_what_latex_knows(tmp_path):
+    write_tables(tmp_path, ["peak_slip [%]", "name"], [[1 / 3, "a_b"], [None, "c|d"]])
+    assert (tmp_path / "table.csv").read_text() == "peak_slip [%],name\n0.3333333333333333,a_b\n,c|d\n"
+    assert r"peak\_slip [\%] & name \\" in (tmp_path / "table.tex").read_text()
+    assert r"0.333333 & a\_b \\" in (tmp_path / "table.tex").read_text()
+    assert (tmp_path / "table.md").read_text().endswith("| - | c&#124;d |\n")
