@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from toy_methods import toy, toy_graph
 
 from ev_msgs_py.contract.bench_signals import BenchShafts
+from ev_msgs_py.contract.bus_signals import SetPointFrames
 from ev_msgs_py.contract.frame import PLACES, TIME
 from ev_msgs_py.contract.roles import EXTRA, MASTER, REQUIRED, ROLES, RoleKind
 from ev_msgs_py.contract.shape import shape_of
@@ -34,12 +35,14 @@ from ev_sim.run.scenarios.scenario import load_scenario
 
 PERIOD = 10_000_000
 OTHERS = tuple(role for role in REQUIRED if role != MASTER)
-# What a method of the role cannot do without: the chain from the driver to the plant, and the bench where there is one.
+# What a method of the role cannot do without: the chain from driver to plant, by bus and bench if they are there.
 ESSENTIAL = {
     "plant": (WheelTorqueCommand, BenchShafts),
     "steering_column": (DriverCommand,),
     "electronic_differential": (DriverCommand,),
     "asr": (WheelTorqueRequest,),
+    "inverter_gateway": (WheelTorqueCommand,),
+    "test_bench": (SetPointFrames,),
 }
 faults = st.builds(Faults, st.floats(0, 0.4), st.floats(0, 0.3), st.sampled_from((0.0, 0.002)))
 

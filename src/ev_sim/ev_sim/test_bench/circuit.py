@@ -50,28 +50,35 @@ def advance_circuit(
     p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, told: CircuitSetPoint, period: float
 ) -> None:
     """One control period of a circuit."""
-    machine, load, most = c.machine.machine, p.load.machine, c.machine.machine.peak_torque
+    machine, most = c.machine.machine, c.machine.machine.peak_torque
     send(s.torque_path, periods, told.torque, most, p.set_point.torque_resolution)
-    send(s.load_torque_path, periods, told.load_torque, load.peak_torque, p.load_set_point.torque_resolution)
-    send(s.load_speed_path, periods, told.load_speed, load.maximum_speed, p.load_set_point.speed_resolution)
-    s.machine.command.mode, s.load.command.mode = float(TORQUE_MODE), told.load_mode
-    s.machine.command.torque_limit, s.load.command.torque_limit = most, load.peak_torque
+    s.machine.command.mode, s.machine.command.torque_limit = float(TORQUE_MODE), most
     s.machine.command.speed = _NO_LIMIT * machine.maximum_speed
-    s.mean_torque = s.mean_load_torque = s.mean_shaft_torque = s.power = s.load_power = 0.0
-    steps = int(c.steps)
-    for n in range(steps):
-        _step(p, c, s, periods, n)
+    begin_period(p, s, periods, told)
+    rate = c.h * p.set_point.torque_rate
+    for n in range(int(c.steps)):
+        s.machine.command.torque = follow(s.torque_path, periods, int(c.steps), n, c.delay, rate)
+        turn_shaft(p, c, s, periods, n)
     advance_temperatures(c.machine.thermal, machine, s.machine, period)
-    advance_temperatures(p.load.thermal, load, s.load, period)
+    advance_temperatures(p.load.thermal, p.load.machine, s.load, period)
 
 
 @compilable
-def _step(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, n: int) -> None:
-    """Step n of a period: set-points, torques, shaft, energies."""
+def begin_period(p: CircuitsParameters, s: CircuitState, periods: float, told: CircuitSetPoint) -> None:
+    """Tell the load machine, and begin the means."""
+    load = p.load.machine
+    send(s.load_torque_path, periods, told.load_torque, load.peak_torque, p.load_set_point.torque_resolution)
+    send(s.load_speed_path, periods, told.load_speed, load.maximum_speed, p.load_set_point.speed_resolution)
+    s.load.command.mode, s.load.command.torque_limit = told.load_mode, load.peak_torque
+    s.mean_torque = s.mean_load_torque = s.mean_shaft_torque = s.power = s.load_power = 0.0
+
+
+@compilable
+def turn_shaft(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, n: int) -> None:
+    """Step n of a period: set-points of the load, torques, shaft, energies."""
     h, steps = c.h, int(c.steps)
     drive, load = s.machine, s.load
-    rate, load_rate = h * p.set_point.torque_rate, h * p.load_set_point.torque_rate
-    drive.command.torque = follow(s.torque_path, periods, steps, n, c.delay, rate)
+    load_rate = h * p.load_set_point.torque_rate
     load.command.torque = -follow(s.load_torque_path, periods, steps, n, c.load_delay, load_rate)
     load_acceleration = h * p.load_set_point.speed_rate
     asked_speed = follow(s.load_speed_path, periods, steps, n, c.load_delay, load_acceleration)
