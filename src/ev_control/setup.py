@@ -33,6 +33,7 @@ setup(
         "ev_stack.methods": [
             "electronic_differential = ev_control.methods.electronic_differential",
             "asr = ev_control.methods.asr",
+            "inverter_gateway = ev_control.methods.inverter_gateway",
         ],
     },
 )

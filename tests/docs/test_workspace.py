@@ -23,7 +23,7 @@ def test_colcon_knows_every_package_as_ament_python():
 
 
 def test_versions_agree():
-    versions = set()
+    versions = set(re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE))
     for package in PACKAGES:
         folder = ROOT / "src" / package
         versions.add(ElementTree.parse(folder / "package.xml").findtext("version"))

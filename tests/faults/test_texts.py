@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from ev_msgs_py.contract.frame import Frame, channels
 from ev_msgs_py.faults.fault import parsed
 from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.parts import compiled_parts, part_of
+from ev_msgs_py.lockstep.parts import compiled_parts, hand_over, part_of
 from ev_msgs_py.parameters.declaration import ParameterError
 
 
@@ -52,6 +53,21 @@ def test_a_plant_without_faults_of_the_car_says_so():
         configure("plant", {"method": "kinematic", "faults": ["motor_share all 0"]})
     with pytest.raises(ParameterError, match="unknown number of this node 'wheel_states'"):
         configure("driver", {"faults": ["frozen wheel_states"]})
+
+
+def test_faults_may_be_set_while_a_node_runs():
+    """A part goes on with its state, the fault begins, and an empty list ends it."""
+    there, configuration = Frame(), configure("plant", {"method": "planar", "initial_speed": 10.0})
+    plant, seen = part_of(configuration, compiled=True), []
+    plant.start(there)
+    for texts in ((), ("constant imu.yaw_rate 0.5",), ()):
+        after = part_of(configuration.changed({"faults": texts}), compiled=True)
+        hand_over(plant, after)
+        plant = after
+        plant.step(Frame(), there)
+        seen.append(there.numbers[channels()["imu.yaw_rate"]])
+    assert seen == [0.0, 0.5, 0.0]
+    assert there.numbers[channels()["pose.x"]] == pytest.approx(0.3, rel=0.01)  # three periods of 10 m/s
 
 
 def test_what_is_not_asked_for_is_not_there():

@@ -37,8 +37,9 @@ def graph(*roles: Role) -> dict[str, Role]:
 
 def test_the_chain_of_the_design():
     """design.md: driver -> electronic_differential -> asr -> plant; plant and column speak first."""
-    assert step_order(ROLES) == ("driver", "electronic_differential", "asr")
-    assert sequence(ROLES) == ("plant", "steering_column", "test_bench", "driver", "electronic_differential", "asr")
+    answering = ("driver", "electronic_differential", "asr", "inverter_gateway")
+    assert step_order(ROLES) == answering
+    assert sequence(ROLES) == ("plant", "steering_column", "test_bench", *answering)
 
 
 @given(st.permutations(range(6)), st.data())

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from toy_methods import toy, toy_graph
 
 from ev_msgs_py.contract.bench_signals import BenchShafts
+from ev_msgs_py.contract.bus_signals import SetPointFrames
 from ev_msgs_py.contract.frame import PLACES, TIME
 from ev_msgs_py.contract.roles import EXTRA, MASTER, REQUIRED, ROLES, RoleKind
 from ev_msgs_py.contract.shape import shape_of
@@ -34,12 +35,14 @@ from ev_sim.run.scenarios.scenario import load_scenario
 
 PERIOD = 10_000_000
 OTHERS = tuple(role for role in REQUIRED if role != MASTER)
-# What a method of the role cannot do without: the chain from the driver to the plant, and the bench where there is one.
+# What a method of the role cannot do without: the chain from driver to plant, by bus and bench if they are there.
 ESSENTIAL = {
     "plant": (WheelTorqueCommand, BenchShafts),
     "steering_column": (DriverCommand,),
     "electronic_differential": (DriverCommand,),
     "asr": (WheelTorqueRequest,),
+    "inverter_gateway": (WheelTorqueCommand,),
+    "test_bench": (SetPointFrames,),
 }
 faults = st.builds(Faults, st.floats(0, 0.4), st.floats(0, 0.3), st.sampled_from((0.0, 0.002)))
 
@@ -448,6 +451,21 @@ def test_realtime_holds_the_inputs_over_steps_that_were_left_out():
         expected = feed(steady, stamp)
     assert numbers_said(after[-1:]) == numbers_said(expected[-1:])
     assert after[-1].stamp == 4 * PERIOD
+
+
+def test_realtime_holds_an_input_that_is_lost_and_goes_on():
+    """Driver and column read each other: without that one lost message would stop both for ever."""
+    stepper = WatchedStepper(toy("driver", (BodyVelocity, SteeringColumnState)), may_skip=True)
+    feed(stepper, 0)
+    assert feed(stepper, PERIOD, BodyVelocity) == []
+    assert [answer.stamp for answer in feed(stepper, 2 * PERIOD, BodyVelocity)] == [PERIOD]
+    assert [answer.stamp for answer in feed(stepper, 3 * PERIOD)] == [3 * PERIOD]
+
+
+def test_realtime_integrates_with_zero_what_was_never_heard():
+    stepper = WatchedStepper(toy("steering_column", (DriverCommand, WheelStates)), may_skip=True)
+    assert [answer.stamp for answer in feed(stepper, 0, WheelStates)] == [0]
+    assert feed(stepper, PERIOD, WheelStates)[-1].stamp == PERIOD and stepper.stepped == [0]
 
 
 def test_realtime_lets_a_node_that_answers_step_once():

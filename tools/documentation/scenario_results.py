@@ -72,6 +72,7 @@ SCENARIO_PAGES = {
 
 STUDY_PAGES = {  # pages that show studies alone
     "docs/asr.md": ("asr_shootout",),
+    "docs/faults.md": ("faults",),
     "docs/dissertation.md": ("five_methods", "urban_sensitivity"),
 }
 

@@ -7,9 +7,11 @@ from typing import NamedTuple
 from ev_control.inverter_gateway.leading import is_faulty
 from ev_control.inverter_gateway.state import Device
 from ev_msgs_py.can.drive_states import FAULT, FAULT_REACTION_ACTIVE, STATE_NAMES
-from ev_msgs_py.can.faults import WARNINGS, names_of
+from ev_msgs_py.can.faults import FAULTS, WARNINGS, names_of
+from ev_msgs_py.compiling.compilable import compilable
 
 GOOD, WARNED, FAULTY, SILENT = range(4)  # as the levels of diagnostic_msgs: OK, WARN, ERROR, STALE
+OWN_FAULTS = ("StaleFeedback", "StaleCommand", "Implausible")  # of the gateway, in the bits above those of FAULTS
 
 
 class Diagnosis(NamedTuple):
@@ -23,11 +25,11 @@ class Diagnosis(NamedTuple):
 def diagnosis(s: Device, feedback_timeout: float) -> Diagnosis:
     """The diagnosis of a device; a latched fault comes before everything else."""
     feedback = s.feedback
-    state, latched = int(feedback.state), faults_of(s)
+    state, faults = int(feedback.state), latched_names(latched(s))
     warned = [name for place, name in enumerate(WARNINGS) if int(feedback.warning_bits) >> place & 1]
     details = {
         "state": STATE_NAMES[state],
-        "faults": ", ".join(latched),
+        "faults": ", ".join(faults),
         "warnings": ", ".join(warned),
         "error_code": f"{int(feedback.error_code):04X}h",
         "feedback_age_s": f"{feedback.age:.4f}" if feedback.age < 1e6 else "never heard",
@@ -36,8 +38,8 @@ def diagnosis(s: Device, feedback_timeout: float) -> Diagnosis:
         "dc_voltage_V": f"{feedback.dc_voltage:.3f}",
         "winding_temperature_degC": f"{feedback.winding_temperature:.1f}",
     }
-    if latched or is_faulty(s) or state in (FAULT, FAULT_REACTION_ACTIVE):
-        return Diagnosis(FAULTY, f"{STATE_NAMES[state]}: {', '.join(latched) or 'fault not yet named'}", details)
+    if faults or is_faulty(s) or state in (FAULT, FAULT_REACTION_ACTIVE):
+        return Diagnosis(FAULTY, f"{STATE_NAMES[state]}: {', '.join(faults) or 'fault not yet named'}", details)
     if feedback.age > feedback_timeout:
         return Diagnosis(SILENT, "no valid feedback", details)
     if warned:
@@ -45,7 +47,13 @@ def diagnosis(s: Device, feedback_timeout: float) -> Diagnosis:
     return Diagnosis(GOOD, STATE_NAMES[state], details)
 
 
-def faults_of(s: Device) -> tuple[str, ...]:
-    """The names of all faults that are latched, in the inverter and in the gateway."""
-    own = ("StaleFeedback",) * (s.stale != 0.0) + ("StaleCommand",) * (s.command_stale != 0.0)
-    return names_of(int(s.feedback.fault_bits)) + own
+@compilable
+def latched(s: Device) -> int:
+    """The bits of all faults that are latched, in the inverter and in the gateway."""
+    own = int(s.stale) + 2 * int(s.command_stale) + 4 * int(s.implausible)
+    return int(s.feedback.fault_bits) | own << len(FAULTS)
+
+
+def latched_names(bits: int) -> tuple[str, ...]:
+    """The names of faults in the bits of `latched`."""
+    return (*names_of(bits), *(name for place, name in enumerate(OWN_FAULTS) if bits >> (len(FAULTS) + place) & 1))

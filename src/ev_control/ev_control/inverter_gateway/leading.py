@@ -18,7 +18,7 @@ from ev_msgs_py.can.drive_states import (
 from ev_msgs_py.compiling.compilable import compilable
 
 _QUIET = 0.005  # s without torque, command or reset bit, with which a reset begins: its bit shall be seen to rise
-MAY_BE_ENABLED, LATCHED, SILENT, WITHOUT_COMMAND = range(4)
+MAY_BE_ENABLED, LATCHED, SILENT, WITHOUT_COMMAND, DOUBTFUL = range(5)
 
 
 @compilable
@@ -64,7 +64,7 @@ def advance_device(p: GatewayParameters, s: Device, period: float) -> None:
 @compilable
 def is_faulty(s: Device) -> bool:
     """Whether a fault is latched here; only a reset clears it."""
-    return s.tripped != 0.0 or s.stale != 0.0 or s.command_stale != 0.0
+    return s.tripped != 0.0 or s.stale != 0.0 or s.command_stale != 0.0 or s.implausible != 0.0
 
 
 @compilable
@@ -73,7 +73,7 @@ def _advance_reset(p: GatewayParameters, s: Device, state: int, period: float) -
     fresh = s.feedback.age <= p.feedback_timeout
     s.reset_time += period
     if s.reset_time > 2.0 * _QUIET and fresh and state == SWITCH_ON_DISABLED:
-        s.tripped = s.stale = s.command_stale = 0.0
+        s.tripped = s.stale = s.command_stale = s.implausible = s.doubtful_time = 0.0
         s.reset_time = -1.0
     elif s.reset_time > p.reset_timeout:
         s.reset_time = -1.0
@@ -86,6 +86,8 @@ def refusal(p: GatewayParameters, s: Device) -> int:
         return LATCHED
     if s.feedback.age > p.feedback_timeout:
         return SILENT
+    if s.doubtful_time > 0.0:
+        return DOUBTFUL
     return MAY_BE_ENABLED if s.command_age <= p.command_timeout else WITHOUT_COMMAND
 
 

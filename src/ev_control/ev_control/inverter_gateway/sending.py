@@ -34,6 +34,7 @@ def heartbeat(f: BenchFrames, s: Gateway, place: int) -> int:
     stale = s.drive_11.stale + 2.0 * s.drive_12.stale + 4.0 * s.load_11.stale + 8.0 * s.load_12.stale
     enable = s.drive_11.enable + 2.0 * s.drive_12.enable + 4.0 * s.load_11.enable + 8.0 * s.load_12.enable
     payload = inserted(0, f.heartbeat.command_stale, latched)
+    payload = inserted(payload, f.heartbeat.implausible, s.drive_11.implausible + 2.0 * s.drive_12.implausible)
     payload = inserted(payload, f.heartbeat.stale, stale)
     payload = inserted(payload, f.heartbeat.enable, enable)
     counter = int(s.heartbeat_counters[place])

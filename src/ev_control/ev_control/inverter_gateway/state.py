@@ -43,6 +43,8 @@ class Device:
     tripped: float = entry(unit="1", about="latched: it was in a fault while it was to be enabled")
     stale: float = entry(unit="1", about="latched: its feedback stayed away")
     command_stale: float = entry(unit="1", about="latched: the command for it stayed away")
+    implausible: float = entry(unit="1", about="latched: its circuit measures what cannot be, see `plausibility`")
+    doubtful_time: float = entry(unit="s", about="since when what is measured cannot be")
     command_age: float = entry(LONG_AGO, unit="s")
     reset_time: float = entry(-1.0, unit="s", about="since the reset sequence began; -1: there is none")
     mode: float = entry(unit="1", about="as in the set-point frame")

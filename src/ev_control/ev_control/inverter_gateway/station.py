@@ -7,6 +7,7 @@ from typing import Any
 
 from ev_control.inverter_gateway.hearing import receive_feedback
 from ev_control.inverter_gateway.leading import (
+    DOUBTFUL,
     LATCHED,
     MAY_BE_ENABLED,
     SILENT,
@@ -71,6 +72,7 @@ class GatewayStation:
         reasons = {
             LATCHED: "has a latched fault: reset it first",
             SILENT: f"says nothing: no valid feedback within {self.p.feedback_timeout:g} s",
+            DOUBTFUL: "measures what cannot be",
             WITHOUT_COMMAND: f"has no command: none came within {self.p.command_timeout:g} s",
         }
         for name in names:

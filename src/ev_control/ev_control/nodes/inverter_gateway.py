@@ -13,7 +13,7 @@ from ev_control.inverter_gateway.station import GatewayStation
 from ev_msgs_py.can.channel import Frame
 from ev_msgs_py.can.frames import DEVICES, DRIVES
 from ev_msgs_py.can.schedule import is_due
-from ev_msgs_py.nodes.bus_node import BusNode
+from ev_msgs_py.nodes.bus_node import BusNode, on_bus_or_in_graph
 from ev_msgs_py.nodes.run_role import run_node
 
 _MOTION_CYCLE, _REST_CYCLE = 10.0, 100.0  # ms
@@ -81,4 +81,4 @@ class InverterGatewayNode(BusNode):
 
 def main() -> None:
     """ros2 run ev_control inverter_gateway"""
-    run_node("inverter_gateway", InverterGatewayNode)
+    run_node("inverter_gateway", lambda: on_bus_or_in_graph("inverter_gateway", InverterGatewayNode))

@@ -91,6 +91,7 @@ class HeartbeatLayout(Kind):
     """What the controller has latched and enabled, by device; bits of one group are one number here, too."""
 
     command_stale: BitField
+    implausible: BitField
     stale: BitField
     enable: BitField
 
@@ -145,6 +146,7 @@ def bench_frames(database: Database) -> BenchFrames:
 _GROUPS = {
     "faults": tuple(fault.name for fault in FAULTS),
     "warnings": WARNINGS,
+    "implausible": tuple(f"Implausible{device}" for device in DRIVES),
     "stale": tuple(f"Stale{device}" for device in DEVICES),
     "enable": tuple(f"Enable{device}" for device in DEVICES),
 }

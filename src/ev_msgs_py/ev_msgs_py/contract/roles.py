@@ -16,6 +16,7 @@ from ev_msgs_py.contract.bench_signals import (
     BenchTemperatures,
     LoadCommand,
 )
+from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
@@ -88,8 +89,8 @@ ROLES = {
         Role(
             "test_bench",
             RoleKind.INTEGRATES,
-            reads=(WheelTorqueCommand, LoadCommand, BatteryCondition),
-            writes=(BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy),
+            reads=(WheelTorqueCommand, SetPointFrames, LoadCommand, BatteryCondition),
+            writes=(BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy, FeedbackFrames, BusStates),
             default_method="circuits",
             optional=True,
         ),
@@ -113,6 +114,14 @@ ROLES = {
             reads=(WheelTorqueRequest, SteeringColumnState, *_BODY),
             writes=(WheelTorqueCommand,),
             default_method="off",
+        ),
+        Role(
+            "inverter_gateway",
+            RoleKind.ANSWERS,
+            reads=(WheelTorqueCommand, FeedbackFrames, BenchShafts, WheelStates),
+            writes=(SetPointFrames,),
+            default_method="can",
+            optional=True,
         ),
     )
 }

@@ -14,6 +14,7 @@ from ev_msgs_py.contract.bench_signals import (
     BenchTemperatures,
     LoadCommand,
 )
+from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.shape import Shape, shape_of
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
@@ -83,6 +84,9 @@ TOPICS = {
         Topic("bench/electrical", BenchElectrical, JOINT_STATE),
         Topic("bench/temperatures", BenchTemperatures, JOINT_STATE),
         Topic("bench/energy", BenchEnergy, JOINT_STATE),
+        Topic("can/set_points", SetPointFrames, JOINT_STATE),
+        Topic("can/feedback", FeedbackFrames, JOINT_STATE),
+        Topic("can/bus", BusStates, JOINT_STATE),
         Topic("recorder/progress", RecorderProgress, "std_msgs/msg/Header", frame=""),
     )
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
@@ -17,6 +18,7 @@ from ev_msgs_py.can.schedule import TICK
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.reports import Reports
+from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.ticks import Ticks
 from ev_msgs_py.parameters.declaration import ParameterError, entries
 from ev_msgs_py.parameters.values import build, replaced
@@ -115,3 +117,11 @@ class BusNode(Node):
         if given:
             self.changed()
         return SetParametersResult(successful=True)
+
+
+def on_bus_or_in_graph(role: str, on_bus: Callable[[], Node]) -> Any:
+    """The node of a role: in lockstep one of the graph, where frames are signals; else one that speaks on a bus."""
+    asked = Node(role, automatically_declare_parameters_from_overrides=True)
+    mode = ros_parameters.overrides(asked).get("mode")
+    asked.destroy_node()
+    return make_node(role) if mode == "lockstep" else on_bus()

@@ -21,11 +21,12 @@ _WRONG = 0xFF  # what a corrupted checksum is changed by
 @compilable
 def is_sent(f: BenchFrames, s: Inverter, kind: int, before: float, now: float) -> bool:
     """Whether a frame of this kind is sent between two ticks."""
-    return s.injected.silent == 0.0 and is_due(_ticks(f, kind), before, now)
+    return s.injected.silent == 0.0 and is_due(ticks_between(f, kind), before, now)
 
 
 @compilable
-def _ticks(f: BenchFrames, kind: int) -> float:
+def ticks_between(f: BenchFrames, kind: int) -> float:
+    """Cycles of 1 ms between two frames of a kind."""
     if kind == MOTION:
         return f.motion.ticks
     if kind == ELECTRICAL:

@@ -50,6 +50,14 @@ def advance_inverter(p: InverterParameters, s: Inverter, speed: float, period: f
 
     A fault takes the torque away in the cycle in which it is found.
     """
+    lead_inverter(p, s, speed, period)
+    advance_torque(p, s, speed, period)
+    end_inverter_cycle(p, s, period)
+
+
+@compilable
+def lead_inverter(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
+    """The first part of a cycle: what is wrong, and which state follows."""
     begin_cycle(s)
     advance_dc_link(p.dc_link, s, period)
     causes = _causes(p, s, speed, period)
@@ -63,7 +71,11 @@ def advance_inverter(p: InverterParameters, s: Inverter, speed: float, period: f
         s.faults = s.error_code = 0.0
     if s.state != OPERATION_ENABLED:
         s.direction = s.command.direction
-    advance_torque(p, s, speed, period)
+
+
+@compilable
+def end_inverter_cycle(p: InverterParameters, s: Inverter, period: float) -> None:
+    """The last part of a cycle, behind the torque: temperatures, warnings, and everything gets older."""
     advance_temperatures(p.thermal, p.machine, s, period)
     s.warnings = float(_warnings(p, s))
     end_cycle(s, period)

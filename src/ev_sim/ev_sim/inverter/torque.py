@@ -20,19 +20,9 @@ _HALF_STEP = 1.0 / 64.0  # N m
 
 @compilable
 def advance_torque(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
-    """Let the torque follow its reference over `period` [s], and say what currents that takes."""
-    share = 1.0 - exp(-period / p.machine.torque_lag)
-    follow_reference(p, s, speed, period, share, largest_torque(p, s))
-    _electrical(p, s, speed, int(s.state))
-
-
-@compilable
-def follow_reference(
-    p: InverterParameters, s: Inverter, speed: float, period: float, share: float, most: float
-) -> None:
     """Let the torque follow its reference over `period` [s]; without an active power stage it is zero at once.
 
-    First order, T' = (T_ref - T)/tau, of which a period closes `share` [1]; `most` is `largest_torque` [N m].
+    First order: T' = (T_ref - T)/tau.
     """
     state = int(s.state)
     if state not in (OPERATION_ENABLED, QUICK_STOP_ACTIVE):
@@ -40,20 +30,22 @@ def follow_reference(
     else:
         reference = 0.0
         if state == OPERATION_ENABLED:
-            asked = _asked(p, s, speed, period, most)
-            reference = _limited(p, s, asked, speed, most)
+            asked = _asked(p, s, speed, period)
+            reference = _limited(p, s, asked, speed)
             s.limited = 1.0 if abs(asked - reference) > _HALF_STEP else 0.0
-        s.torque += share * (reference - s.torque)
+        s.torque += (1.0 - exp(-period / p.machine.torque_lag)) * (reference - s.torque)
+    _electrical(p, s, speed, state)
 
 
 @compilable
-def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most: float) -> float:
+def _asked(p: InverterParameters, s: Inverter, speed: float, period: float) -> float:
     """The torque [N m] that the set-point asks for, forwards positive."""
     sense = -1.0 if s.direction != 0.0 else 1.0
     if int(s.command.mode) == TORQUE_MODE:
         return _below_speed_limit(p, sense * s.command.torque, speed, abs(s.command.speed))
     if int(s.command.mode) == SPEED_MODE and p.offers_speed_mode != 0.0:
         error = sense * s.command.speed - speed
+        most = _most(p, s)
         integral = s.speed_integral + p.speed_gain * error * period / p.speed_integral_time
         s.speed_integral = min(max(integral, -most), most)
         return p.speed_gain * error + s.speed_integral
@@ -69,14 +61,13 @@ def _below_speed_limit(p: InverterParameters, asked: float, speed: float, limit:
 
 
 @compilable
-def largest_torque(p: InverterParameters, s: Inverter) -> float:
-    """The torque [N m] that set-point, machine and temperatures allow."""
+def _most(p: InverterParameters, s: Inverter) -> float:
     return min(s.command.torque_limit, p.machine.peak_torque) * derating(p.thermal, s)
 
 
 @compilable
-def _limited(p: InverterParameters, s: Inverter, asked: float, speed: float, most: float) -> float:
-    most = min(most, voltage_limited_torque(p.machine.winding, s.dc_link.voltage, speed))
+def _limited(p: InverterParameters, s: Inverter, asked: float, speed: float) -> float:
+    most = min(_most(p, s), voltage_limited_torque(p.machine.winding, s.dc_link.voltage, speed))
     return limited_torque(p.machine, min(max(asked, -most), most), speed, _COLD)
 
 

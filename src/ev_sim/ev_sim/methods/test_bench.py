@@ -1,3 +1,4 @@
 """Registers the test benches."""
 
-import ev_sim.test_bench.circuits  # noqa: F401
+import ev_sim.test_bench.circuits
+import ev_sim.test_bench.circuits_on_can  # noqa: F401

@@ -18,7 +18,7 @@ from ev_sim.report.text_table import text_table
 from ev_sim.run.recording.recording import Recording
 from ev_sim.run.scenarios.scenario import Run
 from ev_sim.study.case import Case
-from ev_sim.study.fault_cases import BEGIN, DURATION, FAULTS, OF_MOTORS, ROADS, SCENARIO, SOUND, values_of
+from ev_sim.study.fault_cases import BEGIN, DURATION, FAULTS, OF_MOTORS, POWERED, ROADS, SCENARIO, SOUND, values_of
 from ev_sim.study.study import Results
 
 if TYPE_CHECKING:
@@ -43,8 +43,9 @@ SUMS = ("safe_",)
 
 
 def laws() -> list[str]:
-    """All electronic differentials of the package that brings the node."""
-    return [name for name, method in methods_of(ROLE).items() if method.package == node_package(ROLE)]
+    """All electronic differentials of the package that brings the node; two of them on another column as well."""
+    own = [name for name, method in methods_of(ROLE).items() if method.package == node_package(ROLE)]
+    return [*own, *(name + POWERED for name in ("equal_torque", DRAWN))]
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -97,7 +98,6 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
         "time": recording.time,
         "deviation": deviation,
         "yaw_rate": yaw_rate,
-        "hand_torque": channel(recording, "driver.command.hand_torque"),
     }
 
 
@@ -147,14 +147,13 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     from ev_sim.report.figures.drawing import sheet
 
     panels = []
-    for road in ROADS:
+    for law, road in ((law, road) for law in (DRAWN, DRAWN + POWERED) for road in ROADS):
         for quantity, title, unit in (
             ("deviation", "from the path, left positive", "m"),
             ("yaw_rate", "yaw rate less that of the path", "deg/s"),
-            ("hand_torque", "hand torque", "N m"),
         ):
             drawn = {
-                f"{fault}, {asr}": results.get(name_of(fault, DRAWN, asr, road))
+                f"{fault}, {asr}": results.get(name_of(fault, law, asr, road))
                 for fault in (SOUND, *OF_MOTORS[:2])
                 for asr in (OFF, LIMP)
                 if fault != SOUND or asr == OFF
@@ -164,5 +163,5 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
                 for label, result in drawn.items()
                 if result is not None and "time" in result.measured
             ]
-            panels.append(Panel(f"{road}: {title}", unit, tuple(curves)))
+            panels.append(Panel(f"{law}, {road}: {title}", unit, tuple(curves)))
     return {DRAWN: sheet(panels, "time [s]")}

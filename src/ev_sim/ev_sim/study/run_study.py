@@ -18,7 +18,7 @@ from ev_sim.report.table_files import write_tables
 from ev_sim.run.outcome import RunFailed
 from ev_sim.run.output_folder import OutputFolder
 from ev_sim.run.progress_bar import bar_of_runs
-from ev_sim.study.case import Case, run_of
+from ev_sim.study.case import Case, CaseResult, run_of
 from ev_sim.study.study import Results, Study, study_named
 from ev_sim.study.workers import drive_cases
 
@@ -89,13 +89,22 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     print_metrics(metrics)
     for reason in dict.fromkeys(result.refused for result in driven if result.refused):
         print(f"not driven: {', '.join(result.name for result in driven if result.refused == reason)}: {reason}")
-    for result in driven:
-        for note in result.notes:
-            print(f"note: {result.name}: {note}")
+    _print_notes(driven)
     print(f"signal hash {content['signal_hash']}")
     print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s")
     page = "" if given.no_report else "report.html, "
     print(f"{page}figures and summary: {folder.directory}")
+
+
+def _print_notes(results: Sequence[CaseResult]) -> None:
+    """Each note once, with the first case that has it."""
+    cases: dict[str, list[str]] = {}
+    for result in results:
+        for note in result.notes:
+            cases.setdefault(note, []).append(result.name)
+    for note, names in cases.items():
+        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+        print(f"note: {names[0]}{more}: {note}")
 
 
 def _refuse_if_none_can_be_driven(cases: Sequence[Case]) -> None:

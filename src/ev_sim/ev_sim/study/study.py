@@ -20,6 +20,7 @@ STUDIES = (
     "asr_shootout",
     "bench_convergence",
     "bench_difference",
+    "bench_faults",
     "compare",
     "faults",
     "five_methods",

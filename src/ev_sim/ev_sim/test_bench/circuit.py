@@ -10,7 +10,7 @@ from ev_msgs_py.compiling.compilable import compilable
 from ev_sim.drives.losses import loss_power
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.temperatures import advance_temperatures
-from ev_sim.inverter.torque import follow_reference, largest_torque
+from ev_sim.inverter.torque import advance_torque
 from ev_sim.test_bench.parameters import CircuitsParameters
 from ev_sim.test_bench.set_points import follow, send
 from ev_sim.test_bench.shaft import Motion, turn
@@ -26,8 +26,6 @@ class CircuitsConstants(NamedTuple):
     steps: float  # in a control period
     delay: float  # of the set-points of the machines under test [steps]
     load_delay: float  # of those of the load machines [steps]
-    share: float  # of a difference of torque that the machine under test closes in a step [1]
-    load_share: float  # that the load machine closes [1]
     machine: InverterParameters  # machine under test
 
 
@@ -52,39 +50,43 @@ def advance_circuit(
     p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, told: CircuitSetPoint, period: float
 ) -> None:
     """One control period of a circuit."""
-    machine, load, most = c.machine.machine, p.load.machine, c.machine.machine.peak_torque
+    machine, most = c.machine.machine, c.machine.machine.peak_torque
     send(s.torque_path, periods, told.torque, most, p.set_point.torque_resolution)
-    send(s.load_torque_path, periods, told.load_torque, load.peak_torque, p.load_set_point.torque_resolution)
-    send(s.load_speed_path, periods, told.load_speed, load.maximum_speed, p.load_set_point.speed_resolution)
-    s.machine.command.mode, s.load.command.mode = float(TORQUE_MODE), told.load_mode
-    s.machine.command.torque_limit, s.load.command.torque_limit = most, load.peak_torque
+    s.machine.command.mode, s.machine.command.torque_limit = float(TORQUE_MODE), most
     s.machine.command.speed = _NO_LIMIT * machine.maximum_speed
-    s.mean_torque = s.mean_load_torque = s.mean_shaft_torque = s.power = s.load_power = 0.0
-    steps = int(c.steps)
-    most, load_most = largest_torque(c.machine, s.machine), largest_torque(p.load, s.load)
-    for n in range(steps):
-        _step(p, c, s, periods, n, most, load_most)
+    begin_period(p, s, periods, told)
+    rate = c.h * p.set_point.torque_rate
+    for n in range(int(c.steps)):
+        s.machine.command.torque = follow(s.torque_path, periods, int(c.steps), n, c.delay, rate)
+        turn_shaft(p, c, s, periods, n)
     advance_temperatures(c.machine.thermal, machine, s.machine, period)
-    advance_temperatures(p.load.thermal, load, s.load, period)
+    advance_temperatures(p.load.thermal, p.load.machine, s.load, period)
 
 
 @compilable
-def _step(
-    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, n: int, most: float, load_most: float
-) -> None:
-    """Step n of a period: set-points, torques of at most so much [N m], shaft, energies."""
+def begin_period(p: CircuitsParameters, s: CircuitState, periods: float, told: CircuitSetPoint) -> None:
+    """Tell the load machine, and begin the means."""
+    load = p.load.machine
+    send(s.load_torque_path, periods, told.load_torque, load.peak_torque, p.load_set_point.torque_resolution)
+    send(s.load_speed_path, periods, told.load_speed, load.maximum_speed, p.load_set_point.speed_resolution)
+    s.load.command.mode, s.load.command.torque_limit = told.load_mode, load.peak_torque
+    s.mean_torque = s.mean_load_torque = s.mean_shaft_torque = s.power = s.load_power = 0.0
+
+
+@compilable
+def turn_shaft(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, n: int) -> None:
+    """Step n of a period: set-points of the load, torques, shaft, energies."""
     h, steps = c.h, int(c.steps)
     drive, load = s.machine, s.load
-    rate, load_rate = h * p.set_point.torque_rate, h * p.load_set_point.torque_rate
-    drive.command.torque = follow(s.torque_path, periods, steps, n, c.delay, rate)
+    load_rate = h * p.load_set_point.torque_rate
     load.command.torque = -follow(s.load_torque_path, periods, steps, n, c.load_delay, load_rate)
     load_acceleration = h * p.load_set_point.speed_rate
     asked_speed = follow(s.load_speed_path, periods, steps, n, c.load_delay, load_acceleration)
     in_speed_mode = int(load.command.mode) == SPEED_MODE
     load.command.speed = asked_speed if in_speed_mode else p.load.machine.maximum_speed  # else it is a limit
     before, load_before = drive.torque, load.torque
-    follow_reference(c.machine, drive, s.speed, h, c.share, most)
-    follow_reference(p.load, load, s.load_speed, h, c.load_share, load_most)
+    advance_torque(c.machine, drive, s.speed, h)
+    advance_torque(p.load, load, s.load_speed, h)
     torque, load_torque = 0.5 * (before + drive.torque), 0.5 * (load_before + load.torque)
     inertia, load_inertia = c.machine.machine.rotor_inertia, p.load.machine.rotor_inertia
     moved = turn(p.shaft, s, inertia, load_inertia, torque, load_torque, h)

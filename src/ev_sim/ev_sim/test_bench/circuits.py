@@ -15,7 +15,6 @@ from ev_msgs_py.contract.bench_signals import (
 )
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.elementary import expm1
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.car import Car
@@ -53,9 +52,7 @@ def prepare(parameters: CircuitsParameters, vehicle: Vehicle, period: float) -> 
     motor = {field.name: getattr(vehicle.motor, field.name) for field in fields(Machine)}
     machine = Machine(**{**motor, "rotor_inertia": max(vehicle.motor.rotor_inertia, p.least_rotor_inertia)})
     inverter = InverterParameters(machine=machine, thermal=vehicle.motor.thermal)
-    share, load_share = (-expm1(-h / each.torque_lag) for each in (machine, p.load.machine))
-    delay, load_delay = p.set_point.delay / h, p.load_set_point.delay / h
-    return CircuitsConstants(h, float(steps), delay, load_delay, share, load_share, inverter)
+    return CircuitsConstants(h, float(steps), p.set_point.delay / h, p.load_set_point.delay / h, inverter)
 
 
 @compilable

@@ -49,7 +49,8 @@ def differences(driven: Scenario, own: Scenario) -> list[Difference]:
 
 def _of_run(run: Run, before: Run) -> Iterator[Difference]:
     for role, configuration in run.configurations.items():
-        scenarios, defaults = before.configurations[role].values(), _defaults(configuration)
+        own, defaults = before.configurations.get(role), _defaults(configuration)
+        scenarios = own.values() if own else defaults  # an optional role that the command line lets somebody play
         for entry in configuration.entries():
             name, value = entry.name, entry.default
             instead_of = scenarios.get(name, defaults[name])

@@ -154,12 +154,13 @@ def _refuse_unknown_overrides(overrides: Overrides) -> None:
 
 def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides, duration: float) -> Run:
     values = {role: _values(role, namespace, files, overrides) for role in ROLES}
-    values = {role: said for role, said in values.items() if "method" in said or not ROLES[role].optional}
     if "duration" in values[MASTER]:
         raise ParameterError("plant.duration is refused: the duration of a run is that of the scenario, or --duration")
     values[MASTER]["duration"] = duration
     configurations = {}
     for role in values:
+        if not _is_played(role, values):
+            continue
         try:
             for other, needed in chosen_method(role, values[role]).requires.items():
                 if other in values:
@@ -167,6 +168,8 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}") from None
     for role in values:
+        if not _is_played(role, values):
+            continue
         try:
             configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
         except ParameterError as error:
@@ -177,6 +180,11 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
     if duration < period:
         raise ParameterError(f"duration: {duration!r} is refused, allowed is at least one control period, {period:g} s")
     return Run(name, namespace, configurations, duration)
+
+
+def _is_played(role: str, values: Mapping[str, Mapping[str, Any]]) -> bool:
+    """Optional roles are played where a parameter chooses their method, or another method requires it."""
+    return "method" in values[role] or not ROLES[role].optional
 
 
 def _origin(name: str, role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> str:

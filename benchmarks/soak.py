@@ -1,0 +1,180 @@
+"""Memory, file descriptors and rate of the nodes over a million steps and more: all must stay flat.
+
+    source scripts/setup.sh && python benchmarks/soak.py [--steps N] [--one-process-steps N] [--json FILE]
+
+The graph is that of shchur2019 without recorder, which keeps a whole run by design. Every stamp that is seen must be a
+whole multiple of the period. The first tenth is warm-up.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import rclpy
+from lockstep import graph_parameters
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rosgraph_msgs.msg import Clock
+
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.nodes.run_role import make_node
+from ev_msgs_py.nodes.spinning import spin
+from ev_sim.run.domain import free_domain
+from ev_sim.run.in_process import parameter_overrides
+from ev_sim.run.node_parameters import write_parameter_file
+from ev_sim.run.processes import command
+from ev_sim.run.same_addresses import same_addresses
+from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
+
+PERIOD = 0.01  # s
+LOOKS = 20
+PATIENCE = 60.0  # s without a step
+
+
+@dataclass(frozen=True)
+class Look:
+    """What the processes hold at an instant."""
+
+    step: int
+    wall_time: float  # s
+    memory: dict[str, int]  # resident [kB]
+    descriptors: dict[str, int]
+
+
+def held(processes: dict[str, int]) -> tuple[dict[str, int], dict[str, int]]:
+    """Resident memory [kB] and number of open files of processes."""
+    memory, descriptors = {}, {}
+    for name, process in processes.items():
+        status = Path(f"/proc/{process}/status").read_text()
+        memory[name] = int(status.partition("VmRSS:")[2].split()[0])
+        descriptors[name] = len(os.listdir(f"/proc/{process}/fd"))
+    return memory, descriptors
+
+
+def endless_run(steps: int) -> Run:
+    """The scenario, as long as the steps last."""
+    values = [("*", "control_period", PERIOD)]
+    return load_scenario("shchur2019", Overrides(values=values, duration=(steps + 1) * PERIOD)).runs[0]
+
+
+def follow(domain: int, steps: int, processes: dict[str, int]) -> list[Look]:
+    """Looks at processes until the graph has made so many steps."""
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=domain)
+    observer = Node("soak", context=context, start_parameter_services=False)
+    clock = observer.create_subscription(Clock, "/clock", lambda message: None, QoSProfile(depth=1))
+    looks: list[Look] = []
+    progress = time.monotonic()
+    while not looks or looks[-1].step < steps:
+        time.sleep(0.001)
+        taken = clock.handle.take_message(Clock, False)
+        if taken is None:
+            if time.monotonic() > progress + PATIENCE:
+                sys.exit(f"no step for {PATIENCE:g} s after step {looks[-1].step if looks else 0}")
+            continue
+        progress = time.monotonic()
+        stamp = stamps.read(taken[0].clock)
+        step, rest = divmod(stamp, stamps.from_seconds(PERIOD))
+        if rest:
+            sys.exit(f"stamp {stamp} ns is no multiple of the period")
+        if step >= steps * len(looks) // LOOKS:
+            looks.append(Look(step, time.monotonic(), *held(processes)))
+    context.shutdown()
+    return looks
+
+
+def of_processes(steps: int) -> list[Look]:
+    """The graph with a process per node."""
+    run = endless_run(steps)
+    with free_domain() as domain, tempfile.TemporaryDirectory() as directory:
+        nodes = graph_parameters(run, Path(directory))
+        file = Path(directory) / "parameters.yaml"
+        write_parameter_file(file, run, nodes)
+        arguments = ["--ros-args", "--params-file", str(file), "-r", f"__ns:={run.namespace}"]
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+        with same_addresses():
+            started = {name: subprocess.Popen([*command(name), *arguments], env=environment) for name in nodes}
+        try:
+            return follow(domain, steps, {name: process.pid for name, process in started.items()})
+        finally:
+            for process in started.values():
+                process.kill()
+                process.wait()
+
+
+def in_one_process(steps: int) -> list[Look]:
+    """The graph with all nodes in one process, other than the one that looks."""
+    with free_domain() as domain:
+        process = multiprocessing.get_context("spawn").Process(target=_drive, args=(steps, domain), daemon=True)
+        process.start()
+        try:
+            return follow(domain, steps, {"all nodes": process.pid})
+        finally:
+            process.kill()
+            process.join()
+
+
+def _drive(steps: int, domain: int) -> None:
+    run = endless_run(steps)
+    with tempfile.TemporaryDirectory() as directory:
+        context = rclpy.Context()
+        rclpy.init(context=context, domain_id=domain)
+        nodes = [
+            make_node(name, context=context, namespace=run.namespace, parameter_overrides=parameter_overrides(values))
+            for name, values in graph_parameters(run, Path(directory)).items()
+        ]
+        spin(nodes, lambda: nodes[0].done)
+
+
+def summary(looks: list[Look]) -> dict[str, float]:
+    """Rates of the first and last quarter after the warm-up, and what has grown from its end to the last step."""
+    steady = looks[LOOKS // 10 :]
+    quarter = len(steady) // 4
+    first, last = (steady[0], steady[quarter]), (steady[-1 - quarter], steady[-1])
+    return {
+        "steps": steady[-1].step,
+        "first_rate": _rate(*first),
+        "last_rate": _rate(*last),
+        "largest_growth_of_memory_kB": max(
+            steady[-1].memory[name] - steady[0].memory[name] for name in steady[0].memory
+        ),
+        "largest_growth_of_descriptors": max(
+            steady[-1].descriptors[name] - steady[0].descriptors[name] for name in steady[0].descriptors
+        ),
+    }
+
+
+def _rate(begin: Look, end: Look) -> float:
+    return (end.step - begin.step) / (end.wall_time - begin.wall_time)
+
+
+def main() -> None:
+    """Print what was found, and write every look as JSON where asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--steps", type=int, default=1_000_000, help="over DDS, with a process per node")
+    parser.add_argument("--one-process-steps", type=int, default=10_000_000, help="with all nodes in one process")
+    parser.add_argument("--json", type=Path, metavar="FILE")
+    given = parser.parse_args()
+    found = {}
+    for name, way, steps in (
+        ("processes", of_processes, given.steps),
+        ("one process", in_one_process, given.one_process_steps),
+    ):
+        if steps:
+            found[name] = way(steps)
+            print(name, *(f"  {key}: {value:.6g}" for key, value in summary(found[name]).items()), sep="\n", flush=True)
+    if given.json:
+        given.json.write_text(json.dumps({name: [asdict(each) for each in looks] for name, looks in found.items()}))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,142 @@
+"""One fault on the bench behind a CAN bus: what it does to the torques of both drives, and what is said of it."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ev_msgs_py.can.database import load_database
+from ev_msgs_py.can.frames import joined
+from ev_sim.run.recording.recording import Recording
+from ev_sim.run.scenarios.scenario import Run
+from ev_sim.study.case import Case
+
+SCENARIO = "bench_fault"
+CYCLE = 0.001  # s, of the bus
+LASTS = 0.1  # s, that the cause is there
+ENABLED_IN_VAIN, RESET, END = 0.2, 0.3, 0.6  # s after the fault
+_SLOW = 0.02  # s until a frame with faults and a heartbeat have come, both every 10 ms
+_SIDES = {"right": ("11", "front_right"), "left": ("12", "front_left")}
+GEAR_RATIO = 7.4  # of the vehicle of the scenario
+_LEAST_TORQUE = 5.0  # N m, of a drive that works
+
+
+class Fault(NamedTuple):
+    """Kind and value as in test_bench.inject, the name that it must get; no name: it is to be lived with."""
+
+    kind: str
+    value: float
+    named: str
+    both: bool = False  # a fault of one drive stops the other one, too
+
+
+FAULTS = {
+    "lost frames": Fault("lost_frames", 0.0, "CommandTimeout"),
+    "wrong counter": Fault("wrong_counter", 0.0, "WrongCounter"),
+    "wrong CRC": Fault("wrong_crc", 0.0, "WrongCrc"),
+    "stale feedback: silent": Fault("silent", 0.0, "StaleFeedback"),
+    "stale feedback: wrong CRC": Fault("feedback_wrong_crc", 0.0, "StaleFeedback"),
+    "stale feedback: wrong counter": Fault("feedback_wrong_counter", 0.0, "StaleFeedback"),
+    "derating by heat": Fault("hot_winding", 98.0, ""),
+    "over-temperature, winding": Fault("hot_winding", 120.0, "WindingTemperature"),
+    "over-temperature, inverter": Fault("hot_inverter", 80.0, "InverterTemperature"),
+    "transducer offset": Fault("transducer_offset", 100.0, "Implausible"),
+    "transducer gain": Fault("transducer_gain", 2.0, "Implausible"),
+    "load machine at its limit": Fault("load_limit", 0.0, "Implausible"),
+    "inverter trip": Fault("trip", 0.0, "Trip"),
+    "inverter trip, both stop": Fault("trip", 0.0, "Trip", both=True),
+    "DC-link loss": Fault("dc_link_loss", 0.0, "DcLinkLoss"),
+    "DC-link loss, both stop": Fault("dc_link_loss", 0.0, "DcLinkLoss", both=True),
+    "DC-link over-voltage": Fault("over_voltage", 200.0, "DcOverVoltage"),
+    "over-current": Fault("over_current", 700.0, "OverCurrent"),
+}
+
+
+def trial(what: str, seed: int) -> Case:
+    """A fault at a random instant, side and torque."""
+    fault, chance = FAULTS[what], random.Random(f"{what} {seed}")
+    begin = 0.8 + CYCLE * chance.randrange(200)
+    value = float(chance.randrange(64)) if fault.kind == "wrong_crc" else fault.value
+    return Case(
+        f"{what} {seed}",
+        SCENARIO,
+        (
+            ("test_bench", "inject.kind", fault.kind),
+            ("test_bench", "inject.drive", chance.choice(tuple(_SIDES))),
+            ("test_bench", "inject.value", value),
+            ("test_bench", "inject.begin", begin),
+            ("test_bench", "inject.end", begin + LASTS),
+            ("inverter_gateway", "enable_at", begin + ENABLED_IN_VAIN),
+            ("inverter_gateway", "reset_at", begin + RESET),
+            ("inverter_gateway", "fault_stops", "both" if fault.both else "drive"),
+            ("driver", "pedals.drive_torque", [chance.uniform(900.0, 1800.0)]),
+        ),
+        duration=begin + END,
+    )
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """When which torque was gone, what stood on the bus, and how it went on."""
+    p = run.configurations["test_bench"].parameters.inject
+    side, other = p.drive, "left" if p.drive == "right" else "right"
+    t = recording.time - p.begin
+    since = 0.0
+    if p.kind == "load_limit":
+        since = _apart_after(recording, side, t, run.configurations["inverter_gateway"].parameters.plausibility.speed)
+    torque, others = _torque(recording, side), _torque(recording, other)
+    faulty = (t > CYCLE) & (t < RESET)
+    return {
+        "gone_after": _gone_after(t, torque) - since,
+        "other_gone_after": _gone_after(t, others),
+        "least": float(np.abs(torque[(t > LASTS / 2) & (t < LASTS)]).max()),
+        "before": float(torque[t < 0.0][-1]),
+        "named": sorted(_named(recording, side, (t > 0.0) & (t < LASTS + _SLOW))),
+        "latched": bool(np.all(torque[(t > LASTS) & (t < RESET)] == 0.0)),
+        "other_kept": bool(np.all(np.abs(others[faulty]) > _LEAST_TORQUE)),
+        "back": bool(torque[-1] > _LEAST_TORQUE and others[-1] > _LEAST_TORQUE),
+    }
+
+
+def _torque(recording: Recording, side: str) -> np.ndarray:
+    return recording.channels[f"bench.shafts.machine_torque.{_SIDES[side][1]}"]
+
+
+def _gone_after(t: np.ndarray, torque: np.ndarray) -> float:
+    """End of the last cycle before the reset in which there was torque [s]; each number is the mean of a cycle."""
+    return float(t[(t < RESET) & (torque != 0.0)][-1])
+
+
+def _apart_after(recording: Recording, side: str, t: np.ndarray, least: float) -> float:
+    """When the shaft is so far [rad/s] from the wheel that it stands for [s]; before that nothing can be noticed."""
+    wheel = _SIDES[side][1]
+    speed = recording.channels[f"bench.shafts.speed.{wheel}"]
+    turned = GEAR_RATIO * recording.channels[f"wheel_states.velocity.{wheel}"]
+    return float(t[(t > 0.0) & (np.abs(speed - turned) > least)][0])
+
+
+def _named(recording: Recording, side: str, when: np.ndarray) -> set[str]:
+    """The names of what is set in frames with faults of a drive and in heartbeats."""
+    circuit = _SIDES[side][0]
+    faults, heartbeat = _layouts(circuit)
+    words = [recording.channels[f"can.feedback.drive_{circuit}_faults_{half}"][when] for half in ("low", "high")]
+    names = {name for low, high in zip(*words, strict=True) if low >= 0.0 for name in _set(faults, joined(low, high))}
+    for low in recording.channels[f"can.set_points.heartbeat_{circuit}"][when]:
+        if low >= 0.0:
+            own = {name for name in _set(heartbeat, int(low)) if name.endswith(f"Drive{circuit}")}
+            names |= {f"{name.removesuffix(f'Drive{circuit}')}" for name in own}
+    renamed = {"Stale": "StaleFeedback"}
+    return {renamed.get(name, name) for name in names if name not in ("Enable", "ErrorCode")}
+
+
+def _set(layout: Any, payload: int) -> set[str]:
+    return {name for name, value in layout.values(payload).items() if value != 0.0}
+
+
+@cache
+def _layouts(circuit: str) -> tuple[Any, Any]:
+    database = load_database()
+    return database[f"Drive{circuit}_Faults"], database["Ecu_Heartbeat"]

@@ -1,0 +1,37 @@
+"""Drive one run in one way and print the hash of its signals: python -m determinism.trial SCENARIO RUN SECONDS WAY."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from determinism.surroundings import WAYS
+from ev_sim.run.in_process import run_in_process
+from ev_sim.run.offline import run_offline
+from ev_sim.run.outcome import Outcome
+from ev_sim.run.processes import run_in_processes
+from ev_sim.run.recording.recording import Recording, signal_hash
+from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
+
+
+def driven(run: Run, way: str) -> Recording:
+    """The signals of a run that is driven in one of the ways."""
+    if way == WAYS[0]:
+        return run_offline(run.configurations, run.duration)
+    drive: Callable[..., Outcome] = run_in_process if way == WAYS[1] else run_in_processes
+    with tempfile.TemporaryDirectory(prefix="ev_stack_determinism_") as folder:
+        return drive(run, Path(folder), False, lambda time: None).recording
+
+
+def main(argv: list[str]) -> None:
+    """Print the hash of the run that the words name."""
+    scenario, name, seconds, way = argv
+    runs = load_scenario(scenario, Overrides(duration=float(seconds))).runs
+    (run,) = [each for each in runs if each.name == name]
+    print(signal_hash(driven(run, way)))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
