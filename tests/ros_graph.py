@@ -25,9 +25,11 @@ from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.lockstep.stepper import WRITERS
+from ev_msgs_py.nodes.health import HEALTH
 from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.nodes.spinning import spin
+from ev_msgs_py.nodes.time_services import TIME
 from ev_msgs_py.wire.message_classes import message_class
 from ev_msgs_py.wire.message_format import format_of
 from ev_sim.nodes.recorder import RecorderNode
@@ -99,10 +101,17 @@ class Probe(Node):
         self.callers = {name: self.create_client(Trigger, f"plant/{name}") for name in SERVICES}
         self.heard: dict[type, list[tuple[int, Any]]] = {}
         self.reports: list[str] = []
+        self.health: dict[str, dict[str, str]] = {}
         self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 100)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        self.reports += [f"{status.name}: {status.message}" for status in message.status]
+        for status in message.status:
+            if status.name.endswith(TIME):
+                continue
+            if status.name.endswith(HEALTH):
+                self.health[status.name] = {value.key: value.value for value in status.values}
+            else:
+                self.reports.append(f"{status.name}: {status.message}")
 
     def listen(self, signal: type) -> list[tuple[int, Any]]:
         """The list to which stamps and signals of a topic are added from now on."""

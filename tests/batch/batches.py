@@ -25,13 +25,15 @@ def lane_change() -> Mapping[str, Configuration]:
 
 
 def vary() -> dict[str, list[Any]]:
-    """Values of every kind: of a method, of all roles, of a sensor, an array, and of the car."""
+    """Values of every kind: of a method, of all roles, of a sensor, an array, of the car, and faults."""
     return {
         "plant.initial_speed": [18.0 + run for run in range(RUNS)],
         "*.seed": list(range(RUNS)),
         "*.vehicle.mass": [1100.0 + 10.0 * run for run in range(RUNS)],
         "plant.sensors.wheel_speed.bias": [0.1 * run for run in range(RUNS)],
         "driver.speed_profile.speed": [[18.0 + run] for run in range(RUNS)],
+        "plant.faults": [["lost wheel_states 0.3", f"motor_share front_left 0 from {run}"] for run in range(RUNS)],
+        "steering_column.faults": [["delayed steering_column 0.03 from 2.5"]] * RUNS,
     }
 
 

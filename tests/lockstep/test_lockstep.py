@@ -453,6 +453,21 @@ def test_realtime_holds_the_inputs_over_steps_that_were_left_out():
     assert after[-1].stamp == 4 * PERIOD
 
 
+def test_realtime_holds_an_input_that_is_lost_and_goes_on():
+    """Driver and column read each other: without that one lost message would stop both for ever."""
+    stepper = WatchedStepper(toy("driver", (BodyVelocity, SteeringColumnState)), may_skip=True)
+    feed(stepper, 0)
+    assert feed(stepper, PERIOD, BodyVelocity) == []
+    assert [answer.stamp for answer in feed(stepper, 2 * PERIOD, BodyVelocity)] == [PERIOD]
+    assert [answer.stamp for answer in feed(stepper, 3 * PERIOD)] == [3 * PERIOD]
+
+
+def test_realtime_integrates_with_zero_what_was_never_heard():
+    stepper = WatchedStepper(toy("steering_column", (DriverCommand, WheelStates)), may_skip=True)
+    assert [answer.stamp for answer in feed(stepper, 0, WheelStates)] == [0]
+    assert feed(stepper, PERIOD, WheelStates)[-1].stamp == PERIOD and stepper.stepped == [0]
+
+
 def test_realtime_lets_a_node_that_answers_step_once():
     """It has no time of its own, so nothing slips."""
     stepper = WatchedStepper(toy("driver", (BodyVelocity,)), may_skip=True)

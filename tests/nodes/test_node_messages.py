@@ -200,12 +200,26 @@ def command_while(plant: Bench, until: Callable[[], bool], **spoil: Any) -> int:
     return last
 
 
-def test_a_command_older_than_its_time_limit_becomes_zero_torque(plant):
-    """A state shows the torque of the period before it, so the last one comes one period after the limit of 0.1 s."""
+def test_a_command_fades_until_it_is_as_old_as_may_be_and_drives_again_when_it_is_back(plant):
+    """A state shows the torque of the period before it: 50 N m up to 0.08 s, 25 N m up to 0.09 s, none at 0.1 s."""
     last = command_while(plant, lambda: len(driven(plant)) >= 5)
     plant.run(lambda: plant.heard[-1][0] > last + from_seconds(0.3))
-    assert last + from_seconds(0.1) <= driven(plant)[-1] <= last + from_seconds(0.1 + PERIOD)
-    assert {wheels.effort.front_left for _, wheels in plant.heard} == {0.0, 50.0}
+    efforts = {stamp - last: wheels.effort.front_left for stamp, wheels in plant.heard if stamp > last}
+    assert all(torque == 0.0 for age, torque in efforts.items() if age >= from_seconds(0.1))
+    assert efforts[from_seconds(0.09)] <= 25.0 + 1e-9  # less where the wall clock was ahead
+    assert efforts[from_seconds(0.01)] > 0.0
+    before = len(driven(plant))
+    command_while(plant, lambda: len(driven(plant)) > before)
+
+
+def test_real_time_counts_what_it_does(plant):
+    command_while(plant, lambda: len(driven(plant)) >= 3)
+    timing = plant.node.schedule.timing.as_json()
+    assert timing["steps"] == sum(timing["lateness"]["counts"]) == sum(timing["period"]["counts"]) + 1
+    assert sum(timing["arrival"]["torque_command"]["counts"]) >= 3
+    assert timing["without_command"] > 0
+    plant.say(to_seconds(plant.node.now) + 5.0, WheelTorqueCommand(Wheels.front(50.0, 50.0)))
+    plant.run(lambda: plant.node.schedule.timing.refused[WheelTorqueCommand] == 1)
 
 
 def test_a_spoilt_command_counts_as_none(plant):

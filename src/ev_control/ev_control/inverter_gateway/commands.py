@@ -34,7 +34,7 @@ class Commands:
         reports: Reports,
     ) -> None:  # fmt: skip
         self._station, self._parameters, self._reports = station, parameters, reports
-        self._torques = SignalReader(node, TOPICS[WheelTorqueCommand], self._take_torques, reports.refuse)
+        self._torques = SignalReader(node, TOPICS[WheelTorqueCommand], self._take_torques, reports.note)
         self._loads: Any = node.create_subscription(JointState, LOAD_COMMAND, self._take_loads, _QUEUE)
 
     def take(self) -> bool:
@@ -53,7 +53,7 @@ class Commands:
         try:
             _, torques = format_of(WheelTorqueCommand).read(message)
         except MessageError as error:
-            self._reports.refuse("torque_command", f"torque_command ignored: {error}")
+            self._reports.note("torque_command", f"torque_command ignored: {error}")
             return
         p = self._parameters()
         for name, wheel in (("Drive11", p.wheel_11), ("Drive12", p.wheel_12)):
@@ -65,7 +65,7 @@ class Commands:
         ours = {NAMES[name]: name for name in LOADS}
         wrong = set(message.name) - set(ours) or len(values) != len(message.name) or not all(map(isfinite, values))
         if wrong or (message.velocity and message.effort):
-            self._reports.refuse(
+            self._reports.note(
                 LOAD_COMMAND,
                 f"{LOAD_COMMAND} ignored: needed are the names {', '.join(ours)} and either efforts or velocities",
             )

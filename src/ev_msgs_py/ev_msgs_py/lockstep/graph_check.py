@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from ev_msgs_py.lockstep.configuration import CommonParameters, Configuration
 from ev_msgs_py.parameters.declaration import ParameterError, flatten
 
-_OWN = ("seed",)  # of the common parameters those that each node may have its own value of
+# Of the common parameters those that each node may have its own value of.
+_OWN = ("seed", "scheduling_priority", "lock_memory")
 
 
 def check_graph(configurations: Mapping[str, Configuration]) -> None:

@@ -9,6 +9,7 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import TIME, Frame
 from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.lockstep.graph import arrival_order, sequence, step_order, writers
+from ev_msgs_py.lockstep.holding_inbox import HoldingInbox
 from ev_msgs_py.lockstep.inbox import Arrival, Inbox
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.part import Part
@@ -62,9 +63,14 @@ class Stepper:
         heralds = frozenset(s for s in self.upstream if s not in INTEGRATED)
         # The master repeats no other state than the present one, so it must not leave anybody behind: it goes on when
         # the others that integrate have done so too. They have heard all that answer, and these the master.
-        follows = method.role == MASTER and not may_skip
-        followed = frozenset(s for s in self.reads if s in INTEGRATED) if follows else frozenset()
-        self.inbox = Inbox(self.reads, heralds | {*ROLES[MASTER].writes}, period, may_skip, followed)
+        followed = frozenset(s for s in self.reads if s in INTEGRATED) if method.role == MASTER else frozenset()
+        heralds |= {*ROLES[MASTER].writes}
+        if may_skip:
+            # Who integrates and is not the master speaks of the next instant: that says nothing of this one's inputs.
+            pacing = frozenset(s for s in self.reads if s in ROLES[MASTER].writes or s not in INTEGRATED)
+            self.inbox: Inbox = HoldingInbox(self.reads, heralds, period, pacing, neutral=self.integrates)
+        else:
+            self.inbox = Inbox(self.reads, heralds, period, followed=followed)
         self.answer: Answer | None = None
         self.period = period
         self._before: Answer | None = None

@@ -17,7 +17,6 @@ class Advance:
     ) -> None:
         self._stepper, self._schedule, self._stepped, self._warn = stepper, schedule, stepped, warn
         self.ended = False
-        self._overruns = 0  # realtime steps that came more than one period late
 
     def where_due(self) -> None:
         """Take all steps that may be taken now."""
@@ -34,8 +33,10 @@ class Advance:
             self._stepped(answer)
             if schedule.now == self._stepper.period:
                 schedule.pace_from_here()  # the first step has waited for all nodes to come up
-            if realtime and late > stamps.to_seconds(self._stepper.period):
-                self._note_overrun()
+            if realtime:
+                schedule.timing.stepped(late)
+                if late > stamps.to_seconds(self._stepper.period):
+                    self._note_overrun()
 
     def _held_step(self) -> Answer:
         """One step with the newest inputs; without a torque command that is fresh enough the torque is zero."""
@@ -45,13 +46,14 @@ class Advance:
     def _note_overrun(self) -> None:
         """Time that is lost stays lost: a burst of late steps would be no real time."""
         self._schedule.pace_from_here()
-        self._overruns += 1
-        if self._overruns == 1:
+        self._schedule.timing.overruns += 1
+        if self._schedule.timing.overruns == 1:
             at = stamps.to_seconds(self._schedule.now)
             self._warn(f"realtime: the step to {at} s came more than a period late")
 
     @property
     def summary(self) -> str:
         """What was simulated, how fast, and how often too late."""
-        late = f", {self._overruns} steps came more than a period late" if self._overruns else ""
+        overruns = self._schedule.timing.overruns
+        late = f", {overruns} steps came more than a period late" if overruns else ""
         return self._schedule.summary + late

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 
-from ev_msgs_py.contract import frame
+from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.signals import WheelTorqueCommand
+from ev_msgs_py.nodes.master_parameters import MasterParameters
+
+_COMMAND = frame.PLACES[WheelTorqueCommand]
+_DRIVE = slice(_COMMAND.start, _COMMAND.start + 4)
+_BRAKE = slice(_COMMAND.start + 4, _COMMAND.stop)
 
 
 class HeldInputs:
-    """Keeps the numbers of the newest message of each kind, and its stamp."""
+    """Keeps the numbers of the newest message of each kind, its stamp, and when it came."""
 
     def __init__(self, reads: tuple[type, ...]) -> None:
         self._needed = {kind for kind in reads if kind is not WheelTorqueCommand}
@@ -20,25 +26,49 @@ class HeldInputs:
         """Forget everything."""
         self._frame = Frame()
         self._stamps: dict[type, int] = {}
+        self._command_came = 0.0
 
-    def take(self, kind: type, stamp: int, numbers: Sequence[float]) -> bool:
-        """Keep a message; whether it is the first of its kind."""
-        first = kind not in self._stamps
+    def take(self, kind: type, stamp: int, numbers: Sequence[float], limit: int) -> bool:
+        """Keep a message, whose stamp must be above those of its kind before and not above the limit; whether it is."""
+        if not self.stamp_of(kind) < stamp <= limit:
+            return False
         self._stamps[kind] = stamp
         self._frame.numbers[frame.PLACES[kind]] = frame.numbers_of(numbers)
-        return first
+        if kind is WheelTorqueCommand:
+            self._command_came = time.monotonic()
+        return True
+
+    def stamp_of(self, kind: type) -> int:
+        """The stamp of the message of a kind that is held, -1 if there is none."""
+        return self._stamps.get(kind, -1)
 
     @property
     def complete(self) -> bool:
         """Whether everything but the torque command, which may be zero, has been heard once."""
         return self._needed <= self._stamps.keys()
 
-    def at(self, now: int, age_limit: int) -> Frame:
-        """The inputs of a step; a torque command older than the limit, both in nanoseconds, is zero torque."""
+    def share(self, now: int, period: int, p: MasterParameters) -> float:
+        """What is left of the held torque command [1] in the step from now on.
+
+        It falls to zero by a ramp. No torque acts any more when the command is `command_timeout` old, so what counts
+        is its age at the end of the step, by its stamp or by the wall clock, whichever is more.
+        """
+        sent = self._stamps.get(WheelTorqueCommand)
+        if sent is None:
+            return 0.0
+        age = max(stamps.to_seconds(now - sent), time.monotonic() - self._command_came)
+        left = p.command_timeout - age - stamps.to_seconds(period)
+        if left <= 0.0:
+            return 0.0
+        return min(left / p.command_ramp, 1.0) if p.command_ramp > 0.0 else 1.0
+
+    def at(self, share: float, brake_torque: float) -> Frame:
+        """The inputs of a step; what is missing of the command's torques is made up for by braking."""
         here = Frame()
         here.numbers[:] = self._frame.numbers
-        sent = self._stamps.get(WheelTorqueCommand)
-        if sent is None or now - sent > age_limit:
-            place = frame.PLACES[WheelTorqueCommand]
-            here.numbers[place] = frame.numbers_of([0.0] * (place.stop - place.start))
+        if share < 1.0:
+            numbers = here.numbers
+            numbers[_DRIVE] = frame.numbers_of([share * torque for torque in numbers[_DRIVE]])
+            brake = (1.0 - share) * brake_torque
+            numbers[_BRAKE] = frame.numbers_of([share * torque + brake for torque in numbers[_BRAKE]])
         return here

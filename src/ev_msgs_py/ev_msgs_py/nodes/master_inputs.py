@@ -25,11 +25,16 @@ class MasterInputs:
 
     def _of_a_step(self, topic: Topic) -> Callable[[bytes], None]:
         kind, read, offer, go_on = topic.signal, self._reception.reader(topic), self._inbox.offer, self._go_on
+        arrivals = self._reception.arrivals
 
         def take(message: bytes) -> None:
             readable = read(message)
-            if readable is not None and offer(kind, *readable) is Arrival.NEW:
-                go_on()
+            if readable is not None:
+                arrival = offer(kind, *readable)
+                if arrival is Arrival.NEW:
+                    go_on()
+                else:
+                    arrivals[arrival] += 1
 
         return take
 
@@ -38,8 +43,8 @@ class MasterInputs:
 
         def hold(message: bytes) -> None:
             readable = read(message)
-            if readable is not None and self._schedule.held.take(topic.signal, *readable):
-                self._schedule.pace_from_here()  # realtime begins when the last input has come
+            if readable is not None:
+                self._schedule.hold(topic.signal, *readable)
 
         return hold
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any
@@ -20,6 +21,7 @@ from ev_msgs_py.nodes.silence import Silence
 from ev_msgs_py.nodes.state_publisher import StatePublisher
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.time_services import TimeServices
+from ev_msgs_py.nodes.timing import TIMING
 
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 
@@ -34,7 +36,9 @@ class MasterNode(SteppedNode):
         self._state = StatePublisher(self, self.writers.values())
         self._silence = Silence(self)
         self._advance = Advance(self.stepper, self.schedule, self._stepped, self.reports.warn)
-        self._granted = TimeServices(self, lambda: self.now, self._begin, self.schedule.pace_from_here)
+        self._granted = TimeServices(
+            self, lambda: self.now, self._begin, self.schedule.pace_from_here, self.reports.tell
+        )
         self.schedule.rests = self._granted.rests
         # For rclpy's own executors; `spinning.spin` calls idle() by itself. The clock is the wall's, not /clock.
         self.create_timer(_RETRY_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
@@ -74,6 +78,7 @@ class MasterNode(SteppedNode):
             return
         if self.stepper.inbox.complete() is None or not self.schedule.recorder_keeps_up:
             self._state.repeat(self.stepper.answer)
+            self.health.late_answers += 1
             self._silence.name_after(self.configuration.extra.answer_timeout, self.stepper.inbox.missing(), self.now)
 
     def reconfigured(self) -> None:
@@ -97,3 +102,6 @@ class MasterNode(SteppedNode):
             self.done = True
             self.reports.pass_on(self.stepper.part)
             self.get_logger().info(self._advance.summary)
+            if self.realtime:
+                self.reports.tell(TIMING, self._advance.summary, {TIMING: json.dumps(self.schedule.timing.as_json())})
+                self.reports.wait_until_heard()

@@ -20,7 +20,13 @@ class MasterParameters:
         0.0, unit="s", low=0.0, high=1e6, about="the node ends at this time; 0: never", read_only=True
     )
     command_timeout: float = parameter(
-        0.1, unit="s", low=0.001, high=60.0, about="realtime: an older torque command becomes zero torque"
+        0.1, unit="s", low=0.001, high=60.0, about="realtime: age of a torque command at which no torque is left of it"
+    )
+    command_ramp: float = parameter(
+        0.02, unit="s", low=0.0, high=60.0, about="realtime: time before that over which its torque falls to zero"
+    )
+    command_loss_brake_torque: float = parameter(
+        0.0, unit="N m", low=0.0, high=10000.0, about="realtime: at each wheel in place of what is lost; 0: it coasts"
     )
     answer_timeout: float = parameter(
         2.0, unit="s", low=0.1, high=3600.0, about="wall time without an answer after which the silent nodes are named"

@@ -78,7 +78,7 @@ class Reception:
     def refuse(self, topic: Topic, message: bytes, error: MessageError) -> None:
         """Count a message that is ignored, and report the first of each topic."""
         self.refused += 1
-        self._reports.refuse(topic.name, f"{topic.name}{_when(message)} ignored: {error}")
+        self._reports.note(topic.name, f"{topic.name}{_when(message)} ignored: {error}")
 
     def _report_gap(self, topic: Topic, stamp: int) -> None:
         last = self._stepper.inbox.last

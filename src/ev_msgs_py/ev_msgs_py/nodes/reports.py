@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.duration import Duration
 from rclpy.node import Node
 
-REFUSED = "refused"  # key of a diagnostic value: what is ignored, without harm to the run
-_NAMED = 20  # of what is refused; more than these are counted only
+NOTED = "noted"  # key of a diagnostic value: what is named once, and does not make a run less reproducible
+_NAMED = 20  # of what is noted; more than these are counted only
 _LOOK_PERIOD = 0.1  # s of wall time between looks at what a part notes
 
 
@@ -22,7 +24,8 @@ class Reports:
         self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._part: Any = None
         self._said: set[str] = set()
-        self._refused: set[str] = set()
+        self._noted: set[str] = set()
+        self._unheard: list[tuple[str, KeyValue]] = []
         self._next_look = 0.0
 
     def warn(self, text: str) -> None:
@@ -30,13 +33,21 @@ class Reports:
         self._node.get_logger().warning(text)
         self._diagnose(DiagnosticStatus.WARN, text)
 
-    def refuse(self, what: str, text: str) -> None:
-        """Say, once of each node or topic, that its messages are refused: that costs time, and changes no number."""
-        if what in self._refused or len(self._refused) >= _NAMED:
+    def note(self, what: str, text: str) -> None:
+        """Say, once of each node, topic or the like, what may cost time and changes no number, as refused messages."""
+        if what in self._noted or len(self._noted) >= _NAMED:
             return
-        self._refused.add(what)
+        self._noted.add(what)
         self._node.get_logger().warning(text)
-        self._diagnose(DiagnosticStatus.WARN, text, KeyValue(key=REFUSED, value=what))
+        self._unheard.append((text, KeyValue(key=NOTED, value=what)))
+        self._say_unheard()
+
+    def _say_unheard(self) -> None:
+        """A node that has just begun may not have been found yet by those who listen."""
+        if self._unheard and self._publisher.get_subscription_count():
+            for text, what in self._unheard:
+                self._diagnose(DiagnosticStatus.WARN, text, what)
+            self._unheard.clear()
 
     def pass_on_now_and_then(self, part: Any) -> None:
         """As `pass_on`, unless the last look was a moment ago: a part is asked much less often than it steps."""
@@ -46,6 +57,7 @@ class Reports:
     def pass_on(self, part: Any) -> None:
         """Say what a part notes for the first time, as OK; a new part begins anew."""
         self._next_look = time.monotonic() + _LOOK_PERIOD
+        self._say_unheard()
         if part is not self._part:
             self._part, self._said = part, set()
         for text in part.notes():
@@ -54,8 +66,18 @@ class Reports:
                 self._node.get_logger().info(text)
                 self._diagnose(DiagnosticStatus.OK, text)
 
-    def _diagnose(self, level: bytes, text: str, *more: KeyValue) -> None:
-        status = DiagnosticStatus(level=level, name=self._node.get_fully_qualified_name(), message=text)
+    def tell(self, what: str, text: str, values: Mapping[str, Any]) -> None:
+        """Publish numbers about the run, if anybody listens; `what` tells them apart from the reports."""
+        if self._publisher.get_subscription_count():
+            more = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+            self._diagnose(DiagnosticStatus.OK, text, *more, name=f": {what}")
+
+    def wait_until_heard(self) -> None:
+        """The last word of a process is lost if it ends too soon."""
+        self._publisher.wait_for_all_acked(Duration(seconds=1.0))
+
+    def _diagnose(self, level: bytes, text: str, *more: KeyValue, name: str = "") -> None:
+        status = DiagnosticStatus(level=level, name=self._node.get_fully_qualified_name() + name, message=text)
         status.values = [KeyValue(key="role", value=self._role), *more]
         report = DiagnosticArray(status=[status])
         report.header.stamp = self._node.get_clock().now().to_msg()

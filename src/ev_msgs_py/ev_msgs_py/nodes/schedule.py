@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import Frame
@@ -12,6 +12,8 @@ from ev_msgs_py.lockstep.stepper import Stepper
 from ev_msgs_py.nodes.held_inputs import HeldInputs
 from ev_msgs_py.nodes.master_parameters import RECORDER_LAG, MasterParameters
 from ev_msgs_py.nodes.pace import Pace
+from ev_msgs_py.nodes.timing import Timing
+from ev_msgs_py.parameters.declaration import ParameterError
 
 
 class Schedule:
@@ -21,6 +23,10 @@ class Schedule:
         self._stepper = stepper
         self.realtime = realtime
         self.held = HeldInputs(stepper.reads)
+        self.timing = Timing(stepper.reads)
+        if realtime and stamps.from_seconds(parameters.command_timeout) <= 2 * stepper.period:
+            given = f"{parameters.command_timeout:g} s"
+            raise ParameterError(f"command_timeout: {given} is refused, allowed is more than two control periods")
         self._pace = Pace()
         self._recorded = -1  # stamp up to which the recorder holds everything
         self.rests: Callable[[], bool] = lambda: False  # whether a service has stopped time
@@ -31,7 +37,7 @@ class Schedule:
         self._await_recorder = parameters.await_recorder
         self._end = stamps.from_seconds(parameters.duration)
         self._factor = 1.0 if self.realtime else parameters.real_time_factor
-        self._command_timeout = stamps.from_seconds(parameters.command_timeout)
+        self._parameters = parameters
         self.pace_from_here()
 
     @property
@@ -44,6 +50,7 @@ class Schedule:
         """A new run begins."""
         self._recorded = -1
         self.held.clear()
+        self.timing = Timing(self._stepper.reads)
         self.pace_from_here()
 
     def pace_from_here(self) -> None:
@@ -57,7 +64,20 @@ class Schedule:
 
     def held_inputs(self, now: int) -> Frame:
         """What realtime integrates with at a stamp."""
-        return self.held.at(now, self._command_timeout)
+        share = self.held.share(now, self._stepper.period, self._parameters)
+        self.timing.without_command += share < 1.0
+        return self.held.at(share, self._parameters.command_loss_brake_torque)
+
+    def hold(self, kind: type, stamp: int, numbers: Sequence[float]) -> None:
+        """Keep an input of realtime, which begins when the last of them has come."""
+        waited = not self.held.complete
+        # What integrates speaks of the next instant.
+        if not self.held.take(kind, stamp, numbers, self.now + 2 * self._stepper.period):
+            self.timing.refused[kind] += stamp != self.held.stamp_of(kind)  # repeated ones are none the worse for it
+            return
+        self.timing.arrival[kind].add(time.monotonic() - self._pace.due(stamp, self._factor))
+        if waited:
+            self.pace_from_here()
 
     @property
     def recorder_keeps_up(self) -> bool:
@@ -87,9 +107,14 @@ class Schedule:
 
     @property
     def due_within(self) -> float:
-        """Seconds until the next instant if it only waits for its time, else infinity."""
+        """Seconds until the next instant if it only waits for its time, else infinity.
+
+        In lockstep an input that completes a step is followed by the step; in real time one may have become due since.
+        """
         late = self.lateness
-        return -late if late < 0.0 and self.has_inputs else math.inf
+        if not self.has_inputs or self.at_end:
+            return math.inf
+        return -late if late < 0.0 else 0.0 if self.realtime else math.inf
 
     @property
     def summary(self) -> str:

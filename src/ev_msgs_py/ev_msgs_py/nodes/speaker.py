@@ -8,7 +8,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-_LOOK_PERIOD = 0.05  # s of wall time between looks into the graph for one sender
+_SOON, _LATER = 0.01, 0.2  # s of wall time between looks into the graph for a sender: not known yet, refused
 _KEPT = 100  # senders of whom it is known when they were looked up
 
 Refuse = Callable[[str, str], None]  # is told the node that is refused, and a line about it
@@ -26,7 +26,7 @@ class Speaker:
         self._node, self._topic, self._refuse = node, node.resolve_topic_name(topic), refuse
         self._allowed = f"{node.get_namespace().rstrip('/')}/{name}"
         self._admitted: bytes | None = None
-        self._looked: dict[bytes, float] = {}  # when senders that are not admitted were last looked up
+        self._next_look: dict[bytes, float] = {}  # when senders that are not admitted are looked up again
         self.refused = 0
 
     def admits(self, info: Mapping[str, Any]) -> bool:
@@ -35,10 +35,10 @@ class Speaker:
         if gid == self._admitted and gid:
             return True
         now = time.monotonic()
-        if now - self._looked.get(gid, -_LOOK_PERIOD) >= _LOOK_PERIOD:
-            if len(self._looked) >= _KEPT:
-                self._looked.clear()
-            self._looked[gid] = now
+        if now >= self._next_look.get(gid, 0.0):
+            if len(self._next_look) >= _KEPT:
+                self._next_look.clear()
+            self._next_look[gid] = now + _SOON
             if self._may_speak(gid):
                 self._admitted = gid
             elif gid == self._admitted:
@@ -61,6 +61,7 @@ class Speaker:
         allowed = [other for other, name in there.items() if name == self._allowed]
         for other, name in there.items():
             if name != self._allowed and "_UNKNOWN_" not in name and (not gid or other == gid):
+                self._next_look[gid] = time.monotonic() + _LATER
                 self._refuse(name, f"{name} is refused: {self._topic} is for {self._allowed} alone")
         if len(allowed) > 1 and self._admitted not in allowed:
             self._refuse(

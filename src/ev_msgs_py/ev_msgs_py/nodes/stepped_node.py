@@ -15,10 +15,12 @@ from ev_msgs_py.lockstep.part import Part
 from ev_msgs_py.lockstep.parts import hand_over, is_compiled, part_of
 from ev_msgs_py.lockstep.stepper import Answer, Stepper, arrival_place
 from ev_msgs_py.nodes import ros_parameters
+from ev_msgs_py.nodes.health import Health
 from ev_msgs_py.nodes.live_parameters import LiveParameters
 from ev_msgs_py.nodes.polled import Polled
 from ev_msgs_py.nodes.reception import Reception
 from ev_msgs_py.nodes.reports import Reports
+from ev_msgs_py.nodes.scheduling import ask_for
 from ev_msgs_py.nodes.signal_io import SignalReader, SignalWriter
 
 _POLLING_ORDER = polling_order(ROLES, MASTER)
@@ -47,9 +49,12 @@ class SteppedNode(Node, Polled):
         self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in writes}
         reads = self.also_reads(self.stepper.reads)
         self.readers = {
-            signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal]), self.reports.refuse)
+            signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal]), self.reports.note)
             for signal in reads
         }
+        self.health = Health(self)
+        for lacking in ask_for(configuration.common):
+            self.reports.note(lacking, lacking)
         if configuration.unused:
             names = ", ".join(configuration.unused)
             self.get_logger().info(f"method {configuration.method.name} does not use: {names}")
@@ -91,8 +96,8 @@ class SteppedNode(Node, Polled):
         """Called when new parameter values are taken over."""
 
     def wanted(self) -> tuple[type, ...]:
-        """The signals that the next step waits for."""
-        return self.stepper.inbox.missing()
+        """The signals that the next step waits for; in real time all: a step that lacks one will not be taken."""
+        return self.stepper.reads if self.realtime else self.stepper.inbox.missing()
 
 
 def _new_part(configuration: Configuration) -> Part:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from rclpy.node import Node
 from std_srvs.srv import Trigger
@@ -12,16 +13,25 @@ from ev_msgs_py.contract import stamps
 TIME_SERVICES = ("pause", "resume", "step", "reset")
 
 
+TIME = "time"  # what the status of a call is called in /diagnostics
+
+
 class TimeServices:
     """pause, resume, step and reset of a node, by std_srvs/Trigger.
 
-    `now()` is the present stamp; `begin()` begins a new run; `moves()` is called when time may go on.
+    `now()` is the present stamp; `begin()` begins a new run; `moves()` is called when time may go on;
+    `tell` is told of each call that was answered.
     """
 
     def __init__(
-        self, node: Node, now: Callable[[], int], begin: Callable[[], None], moves: Callable[[], None]
+        self,
+        node: Node,
+        now: Callable[[], int],
+        begin: Callable[[], None],
+        moves: Callable[[], None],
+        tell: Callable[[str, str, Mapping[str, Any]], None],
     ) -> None:
-        self._now, self._begin, self._moves = now, begin, moves
+        self._now, self._begin, self._moves, self._tell = now, begin, moves, tell
         self._paused = False
         self._granted = 0
         for name, handler in zip(TIME_SERVICES, (self._pause, self._resume, self._step, self._reset), strict=True):
@@ -57,4 +67,5 @@ class TimeServices:
 
     def _done(self, response: Trigger.Response, text: str) -> Trigger.Response:
         response.success, response.message = True, f"{text} at {stamps.to_seconds(self._now())} s"
+        self._tell(TIME, response.message, {})
         return response

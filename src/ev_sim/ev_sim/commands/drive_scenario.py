@@ -9,6 +9,7 @@ from pathlib import Path
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.commands.command_line import overrides, own_nodes
 from ev_sim.report.metric_table import print_metrics
+from ev_sim.report.real_time import in_words
 from ev_sim.report.result import Result
 from ev_sim.run.node_parameters import node_parameters, recorded_topics, write_parameter_file
 from ev_sim.run.outcome import Outcome, Progress, RunFailed
@@ -39,6 +40,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
         print(f"note: {note}")
     for reason in summary.not_reproducible:
         print(f"not reproducible: {reason}")
+    for timing in summary.timing.values():
+        print(in_words(timing))
     print(f"signal hash {content['signal_hash']}")
     print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
     page = "" if given.no_report else "report.html, "

@@ -52,6 +52,8 @@ def main(argv: list[str] | None = None) -> None:
         sys.exit(_NOT_READ)
     except (ParameterError, SignalError, RunFailed, FileNotFoundError) as error:
         sys.exit(f"error: {error}")
+    except OSError as error:
+        sys.exit(f"error: {': '.join(str(said) for said in (error.filename, error.strerror or error) if said)}")
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
         sys.exit(_INTERRUPTED)

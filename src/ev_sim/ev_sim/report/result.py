@@ -84,7 +84,16 @@ class Result:
 
     def figures(self) -> dict[str, Figure]:
         """Figures by name, drawn anew."""
-        return self._of_report("figures")
+        figures: dict[str, Figure] = dict(self._of_report("figures"))
+        if self._timing:
+            from ev_sim.report.figures.timing import timing_sheet
+
+            figures["timing"] = timing_sheet(self._timing)
+        return figures
+
+    @property
+    def _timing(self) -> dict[str, Mapping[str, Any]]:
+        return {name: outcome.timing for name, outcome in self.outcomes.items() if outcome.timing}
 
     def _of_report(self, what: str) -> dict[str, Any]:
         first = self.scenario.runs[0].configurations
@@ -123,6 +132,7 @@ class Result:
             wall_time=sum(outcome.wall_time for outcome in outcomes),
             not_reproducible=tuple(reason for outcome in outcomes for reason in outcome.not_reproducible),
             notes=(*self.scenario.notes, *(note for outcome in outcomes for note in outcome.notes)),
+            timing=self._timing,
             about=self.scenario.parameters.about,
             command=self.command,
             differs=self.differs,

@@ -29,7 +29,7 @@ class Summary:
     `mode`: offline, in-process, processes or realtime, with what it was asked for.
     `wall_time` [s] is that of driving, without start, report and figures. `not_reproducible`: why another run may
     give other numbers, empty if it may not. `about` is the scenario in one line, `command` what repeats it, `differs`
-    what is not as the scenario's file, or as the defaults have it.
+    what is not as the scenario's file, or as the defaults have it. `timing`: run -> how well real time was kept.
     """
 
     scenario: str
@@ -47,6 +47,7 @@ class Summary:
     about: str = ""
     command: str = ""
     differs: Sequence[Difference] = ()
+    timing: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def simulated_time(self) -> float:
@@ -84,6 +85,7 @@ class Summary:
             "real_time_factor": self.simulated_time / self.wall_time if self.wall_time > 0 else None,
             "vehicle": flatten(self.vehicle),
             "parameters": {node: dict(sorted(values.items())) for node, values in sorted(self.parameters.items())},
+            **({"timing": dict(self.timing)} if self.timing else {}),
             "versions": versions(),
         }
 

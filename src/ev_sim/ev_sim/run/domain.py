@@ -13,6 +13,7 @@ from pathlib import Path
 from ev_sim.run.outcome import RunFailed
 
 _DOMAINS = range(1, 102)  # those that are safe on every operating system
+_LAST = 232  # whose ports still are ports
 _FIRST_PORT, _PORTS_PER_DOMAIN = 7400, 250  # of DDS: multicast discovery of a domain
 _PARTICIPANTS = 32  # among which nodes look for each other (config/fastdds.xml)
 _UNICAST = 10  # offset of the first participant's port
@@ -26,10 +27,15 @@ class NoFreeDomain(RunFailed):
 def free_domain() -> Iterator[int]:
     """A domain id without participants, reserved against other runs of this kind until the end of the block.
 
+    NoFreeDomain if there is none, RunFailed if ROS_DOMAIN_ID is no domain.
+
     ROS_DOMAIN_ID goes before: whoever sets it wants to look at the run from outside.
     """
-    if os.environ.get("ROS_DOMAIN_ID", "").isdecimal():
-        yield int(os.environ["ROS_DOMAIN_ID"])
+    given = os.environ.get("ROS_DOMAIN_ID", "")
+    if given:
+        if not (given.isdecimal() and int(given) <= _LAST):
+            raise RunFailed(f"ROS_DOMAIN_ID={given} is refused, allowed is a whole number from 0 to {_LAST}")
+        yield int(given)
         return
     for domain in _DOMAINS:
         with _reservation(domain) as reserved:

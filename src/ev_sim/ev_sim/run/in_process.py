@@ -70,7 +70,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
                 node.destroy_node()
             context.try_shutdown()
     warnings, notes = not_reproducible(run, observer.warnings), observer.notes
-    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes)
+    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes, observer.timing)
 
 
 def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,8 +15,11 @@ from std_msgs.msg import Header
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import RECORDER, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS
-from ev_msgs_py.nodes.reports import REFUSED
+from ev_msgs_py.nodes.health import HEALTH
+from ev_msgs_py.nodes.reports import NOTED
 from ev_msgs_py.nodes.speaker import Speaker
+from ev_msgs_py.nodes.time_services import TIME
+from ev_msgs_py.nodes.timing import TIMING
 
 OBSERVER = "run_scenario"  # its name in the graph
 # The last word of the recorder says that the run is complete: it shall not be lost among those of strangers.
@@ -29,8 +33,11 @@ class Observer(Node):
         super().__init__(OBSERVER, context=context, namespace=namespace, start_parameter_services=False)
         self.time = 0.0
         self.warnings: list[str] = []
+        self.timing: dict[str, Any] = {}  # how well real time was kept, as the master says at its end
+        self.rests = False  # whether a service has stopped time
+        self._words: list[str] = []
         self._noted: list[str] = []
-        self._refused: dict[str, str] = {}
+        self._once: dict[str, str] = {}
         self._progress = self.create_subscription(Header, TOPICS[RECORDER_WRITES].name, lambda message: None, _QUALITY)
         self._recorder = Speaker(self, TOPICS[RECORDER_WRITES].name, RECORDER, lambda *_: None)
         self._nodes: dict[bytes, tuple[str, str]] = {}  # namespace and name by publisher of /diagnostics
@@ -39,7 +46,12 @@ class Observer(Node):
     @property
     def notes(self) -> tuple[str, ...]:
         """What nodes note, and once for each node or topic that its messages were refused."""
-        return (*self._noted, *self._refused.values())
+        return (*self._noted, *self._once.values())
+
+    def new_words(self) -> tuple[str, ...]:
+        """What is to be said at once: that time was stopped, or goes on."""
+        words, self._words = tuple(self._words), []
+        return words
 
     def look(self) -> None:
         """Take what has come since the last look."""
@@ -61,9 +73,18 @@ class Observer(Node):
         return (space == self.get_namespace() and name in (*ROLES, RECORDER)) or "_UNKNOWN_" in name
 
     def _note(self, status: DiagnosticStatus) -> None:
+        if status.name.endswith(HEALTH):
+            return
+        if status.name.endswith(TIMING):
+            self.timing = json.loads(next(value.value for value in status.values if value.key == TIMING))
+            return
         text = f"{status.name}: {status.message}"
-        refused = [value.value for value in status.values if value.key == REFUSED]
-        if refused:
-            self._refused.setdefault(refused[0], text)
+        if status.name.endswith(TIME):
+            self.rests = "paused" in status.message
+            self._words.append(text)
+            return
+        once = [value.value for value in status.values if value.key == NOTED]
+        if once:
+            self._once.setdefault(once[0], text)
         else:
             (self._noted if status.level == DiagnosticStatus.OK else self.warnings).append(text)

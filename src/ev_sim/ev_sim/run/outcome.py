@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 from ev_sim.run.recording.recording import Recording
 from ev_sim.run.scenarios.scenario import Run
@@ -17,12 +18,16 @@ class RunFailed(RuntimeError):
 
 @dataclass(frozen=True)
 class Outcome:
-    """The signals of a run, the wall time of driving [s], why it may not be reproducible, and what nodes noted."""
+    """The signals of a run, the wall time of driving [s], why it may not be reproducible, and what nodes noted.
+
+    `timing` is how well real time was kept (`nodes/timing.py`), empty of a run in lockstep.
+    """
 
     recording: Recording
     wall_time: float
     not_reproducible: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    timing: Mapping[str, Any] = field(default_factory=dict)
 
 
 def not_reproducible(run: Run, warnings: Sequence[str]) -> tuple[str, ...]:

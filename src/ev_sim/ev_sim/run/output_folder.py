@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
 import shutil
+import weakref
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -20,7 +23,8 @@ class OutputFolder:
 
     A single run writes into DIR itself, several runs into DIR/RUN, a study keeps no runs. What an earlier run of a
     scenario left there is replaced, anything else is not touched. ParameterError if DIR cannot be made, or holds
-    something of the same name that no run has left there.
+    something of the same name that no run has left there, or if another run is writing there: the folder is locked for
+    as long as this object lives.
     """
 
     def __init__(self, directory: Path, runs: Sequence[Run]) -> None:
@@ -30,9 +34,19 @@ class OutputFolder:
         try:
             for folder in sorted(folders):
                 folder.mkdir(parents=True, exist_ok=True)
+                self._lock(folder)
+            for folder in sorted(folders):
                 self._clear(folder)
         except OSError as error:
             raise ParameterError(f"--out {directory}: {error.strerror}") from None
+
+    def _lock(self, folder: Path) -> None:
+        held = os.open(folder, os.O_RDONLY)
+        weakref.finalize(self, os.close, held)
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise ParameterError(f"--out {folder}: another run is writing there, allowed is another folder") from None
 
     def _clear(self, folder: Path) -> None:
         found = [path for pattern in _OF_A_RUN + _OF_A_SCENARIO for path in sorted(folder.glob(pattern))]

@@ -17,7 +17,9 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER
 from ev_msgs_py.lockstep.methods import node_package
 from ev_msgs_py.nodes.stop_request import StopRequest
+from ev_sim.run.children import ends_with_us
 from ev_sim.run.domain import free_domain
+from ev_sim.run.hanging import Hanging
 from ev_sim.run.node_parameters import node_parameters, write_parameter_file
 from ev_sim.run.observer import Observer
 from ev_sim.run.observing import enclave, observing
@@ -28,6 +30,7 @@ from ev_sim.run.same_addresses import same_addresses
 from ev_sim.run.scenarios.scenario import Run
 
 _LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
+_ROOM = 65536  # bytes; who has less cannot even say what went wrong
 _PATIENCE = 2.0  # s for a process to stop when it is asked to, and for a last word to arrive
 
 
@@ -45,6 +48,8 @@ class NodeProcess:
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with status {code}"
         lines = self.log.read_text(errors="replace").strip().splitlines()
         said = f": {lines[-1]}" if lines and code > 0 else ""
+        if shutil.disk_usage(self.log.parent).free < _ROOM:
+            said = f": no space left on device, {self.log.parent}"
         return f"node {self.name} {how}{said}"
 
 
@@ -115,6 +120,7 @@ def _start(name: str, words: Sequence[str], run: Run, parameters: Path, logs: Pa
                     stdout=output,
                     stderr=subprocess.STDOUT,
                     env=environment,
+                    preexec_fn=ends_with_us(),
                     start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
                 )
         except OSError as error:
@@ -129,6 +135,8 @@ def _watch(
     started = ended = None  # wall time at which the car was first seen under way, and at its last instant
     ending = {MASTER, RECORDER}
     last = stamps.to_seconds(stamps.from_seconds(run.duration) // run.period * run.period)
+    answer_timeout = run.configurations[MASTER].extra.answer_timeout
+    hanging = Hanging(observer, {node.name: node.process.pid for node in nodes}, answer_timeout)
     patience = math.inf  # wall time up to which the recorder may tell that it has everything
     while ending:
         if stop.received:
@@ -136,6 +144,9 @@ def _watch(
         time.sleep(_LOOK_PERIOD)
         observer.look()
         progress(observer.time)
+        for word in (*observer.new_words(), hanging.look()):
+            if word is not None:
+                announce(word)
         if started is None and observer.time > 0:
             started = time.monotonic()
         if ended is None and observer.time >= last:
@@ -153,7 +164,7 @@ def _watch(
     wall_time = (ended or now) - (started or now)
     progress(run.duration)
     warnings, notes = not_reproducible(run, observer.warnings), observer.notes
-    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes)
+    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes, observer.timing)
 
 
 def _stop(nodes: list[NodeProcess]) -> None:

@@ -18,7 +18,8 @@ _ENOUGH = 0.05  # s of wall time from which on a real-time factor says something
 
 def announce(text: str) -> None:
     """A line on standard error, to be said before the progress begins."""
-    print(text, file=sys.stderr, flush=True)
+    tqdm.write(text, file=sys.stderr)
+    sys.stderr.flush()
 
 
 @contextmanager

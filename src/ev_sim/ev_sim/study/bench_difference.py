@@ -37,7 +37,9 @@ _ZOOM = 15.0  # s of the figure
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Which drivers."""
-    parser.add_argument("--drivers", nargs="+", choices=DRIVERS, default=["pulse"], help="default: pulse")
+    parser.add_argument(
+        "--drivers", nargs="+", choices=DRIVERS, default=["imposed_speed", "pulse"], help="default: imposed_speed pulse"
+    )
 
 
 def _name(method: str, driver: str, run: str) -> str:

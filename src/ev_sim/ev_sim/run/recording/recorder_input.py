@@ -41,9 +41,9 @@ class RecorderInput:
         self._ears: list[tuple[Reader, Callable[[list[bytes]], None]]] = []
         for index, topic in masters_first:
             add = partial(self._add, index, topic, MessageTable(topic))
-            self._ears.append((SignalReader(node, topic, _one(add), reports.refuse), add))
+            self._ears.append((SignalReader(node, topic, _one(add), reports.note), add))
         if beside:
-            speaker = Speaker(node, "/clock", MASTER, reports.refuse)
+            speaker = Speaker(node, "/clock", MASTER, reports.note)
             self._ears.append((Reader(node, Clock, "/clock", _one(self._add_clock), speaker), self._add_clock))
             everybody = Reader(node, DiagnosticArray, "/diagnostics", _one(self._add_diagnostics), None)
             self._ears.append((everybody, self._add_diagnostics))
@@ -54,7 +54,7 @@ class RecorderInput:
 
     def _refuse(self, topic: Topic, error: MessageError) -> None:
         self.refused += 1
-        self._reports.refuse(topic.name, f"{topic.name} ignored: {error}")
+        self._reports.note(topic.name, f"{topic.name} ignored: {error}")
 
     def _add_clock(self, messages: list[bytes]) -> None:
         for message in messages:

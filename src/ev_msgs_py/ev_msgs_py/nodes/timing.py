@@ -1,0 +1,49 @@
+"""How well real time was kept."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.nodes.histogram import Histogram
+
+TIMING = "timing"  # what its status in /diagnostics is called
+
+
+class Timing:
+    """Wall times of a run in real time, all by the monotonic clock.
+
+    `period` is that between steps, `lateness` how long after it was due a step was taken, `arrival` by topic how long
+    after its instant was due an input came. An overrun is a step that came more than a period late; `without_command`
+    counts the steps whose torque had faded since there was no command that was new enough, `refused` inputs by topic
+    whose stamps were older than others before, or of instants that have yet to come.
+    """
+
+    def __init__(self, reads: tuple[type, ...]) -> None:
+        self.steps = self.overruns = self.without_command = 0
+        self.period, self.lateness = Histogram(), Histogram()
+        self.arrival = {kind: Histogram() for kind in reads}
+        self.refused = dict.fromkeys(reads, 0)
+        self._stepped: float | None = None
+
+    def stepped(self, lateness: float) -> None:
+        """A step was taken now."""
+        now = time.monotonic()
+        if self._stepped is not None:
+            self.period.add(now - self._stepped)
+        self._stepped = now
+        self.steps += 1
+        self.lateness.add(lateness)
+
+    def as_json(self) -> dict[str, Any]:
+        """All of it; times in seconds."""
+        return {
+            "steps": self.steps,
+            "overruns": self.overruns,
+            "without_command": self.without_command,
+            "refused": {TOPICS[kind].name: count for kind, count in self.refused.items()},
+            "period": self.period.as_json(),
+            "lateness": self.lateness.as_json(),
+            "arrival": {TOPICS[kind].name: histogram.as_json() for kind, histogram in self.arrival.items()},
+        }

@@ -1,0 +1,43 @@
+"""Histograms of how well real time was kept. Imports matplotlib."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ev_sim.report.figures.drawing import DPI, PANEL_HEIGHT, PANEL_WIDTH, STROKES, TEXT_SIZE, TITLE_SIZE
+
+
+def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Figure:
+    """Period, lateness of the steps, and arrival of every input, a column for each run (`nodes/timing.py`)."""
+    figure = Figure(figsize=(PANEL_WIDTH * len(timings), 3 * PANEL_HEIGHT), dpi=DPI, layout="constrained")
+    for column, (name, timing) in enumerate(timings.items()):
+        parts = (
+            ("period", {"": timing["period"]}),
+            ("lateness of steps", {"": timing["lateness"]}),
+            ("arrival after the instant was due", timing["arrival"]),
+        )
+        for row, (title, histograms) in enumerate(parts):
+            axes = figure.add_subplot(3, len(timings), row * len(timings) + column + 1)
+            _draw(axes, f"{name}: {title}", histograms)
+    return figure
+
+
+def _draw(axes: Axes, title: str, histograms: Mapping[str, Mapping[str, Any]]) -> None:
+    for number, (label, histogram) in enumerate(histograms.items()):
+        edges, counts = histogram["edges"], histogram["counts"]
+        colour, dashes = STROKES[number % len(STROKES)]
+        ends = [edges[0] / 2, *edges, 2 * edges[-1]]
+        axes.stairs(counts, [1e3 * end for end in ends], color=colour, linestyle=dashes, label=label or None)
+    axes.set_xscale("log")
+    axes.set_yscale("symlog", linthresh=1.0)
+    axes.set_ylim(0.0, None)
+    axes.set_title(title, loc="left", fontsize=TITLE_SIZE)
+    axes.set_xlabel("time [ms]", fontsize=TEXT_SIZE)
+    axes.set_ylabel("count", fontsize=TEXT_SIZE)
+    axes.tick_params(labelsize=TEXT_SIZE)
+    if len(histograms) > 1:
+        axes.legend(fontsize=TEXT_SIZE, frameon=False)

@@ -1,0 +1,29 @@
+"""Processes that never outlive the one that has started them."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+from collections.abc import Callable
+
+_SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux
+
+
+def ends_with_us() -> Callable[[], None] | None:
+    """What a child calls before it becomes the node: it is killed when we end, whatever ends us.
+
+    None where the system does not offer that. The signal follows the thread that starts the child: that must be one
+    that lasts, such as the main thread.
+    """
+    prctl = getattr(ctypes.CDLL(None), "prctl", None)
+    if prctl is None:
+        return None
+    parent = os.getpid()
+
+    def before() -> None:
+        prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
+        if os.getppid() != parent:  # it was too late
+            os._exit(1)
+
+    return before
