@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from plant.planar.car import STRAIGHT, plant
 
-from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.configuration import configure
@@ -53,7 +53,7 @@ def test_speed_profile_and_map_follow_the_same_rule(tmp_path, monkeypatch):
     (tmp_path / "map.csv").write_text("speed_radps,torque_nm,efficiency\n1,2,.8\n3,2,.9\n3,4,.7\n1,4,.6\n")
     driver = configure("driver", {"speed_profile.file": "cycle.csv"}).parameters
     assert (driver.speed_profile.time, driver.speed_profile.speed) == ((0.0, 2.0), (1.0, 3.0))
-    for role in ROLES:  # the vehicle is one for all: a law may know the map too
+    for role in REQUIRED:  # the vehicle is one for all: a law may know the map too
         motor = configure(role, {"vehicle.motor.map_file": "map.csv"}).common.vehicle.motor
         assert (motor.map_speed, motor.map_torque) == ((1.0, 3.0), (2.0, 4.0))
         assert motor.map_efficiency == (0.8, 0.6, 0.9, 0.7)
