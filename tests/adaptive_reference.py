@@ -143,7 +143,7 @@ class _Equations:
 
     def slopes(self, time: float, state: np.ndarray) -> np.ndarray:
         """Time derivative of the whole state."""
-        slope = np.empty(SIZE)
+        slope = np.zeros(SIZE)  # the electrical side, which is not modelled here, stays as it is
         angle, rate = self._steering
         self._slopes(state, slope, self._margins, angle + rate * time, self._step)
         return slope

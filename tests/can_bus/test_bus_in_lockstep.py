@@ -6,49 +6,19 @@ import argparse
 
 import numpy as np
 import pytest
-from can_bus.databases import by_cantools, ours
+from can_bus.lockstep_runs import driven
 
-from ev_msgs_py.can.frames import joined
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.run.offline import run_offline
-from ev_sim.run.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study import bench_faults
 from ev_sim.study.bench_fault_trial import FAULTS, trial
 from ev_sim.study.case import drive_case
 
 pytestmark = pytest.mark.slow
 
-TORQUE_STEP = ours()["Drive11_SetPoint"].signals["Torque"].scale
-HEALTHY = (("test_bench", "inject.kind", "none"), ("inverter_gateway", "enable_at", -1.0),
-           ("inverter_gateway", "reset_at", -1.0))  # fmt: skip
-
-
-def driven(duration: float, *values):
-    (run,) = load_scenario("bench_fault", Overrides(values=[*HEALTHY, *values], duration=duration)).runs
-    return run_offline(run.configurations, duration).channels
-
 
 @pytest.fixture(scope="module")
 def healthy():
     return driven(0.6)
-
-
-def test_a_torque_arrives_to_half_a_step_of_the_bus_and_at_the_next_cycle(healthy):
-    """The inverter's cycle is half a cycle after the controller's; the mean of the machine follows by its lag."""
-    asked = healthy["torque_command.drive.front_left"] / 7.4
-    arrived = healthy["bench.shafts.set_point.front_left"]
-    settled = np.r_[False, (asked[1:] == asked[:-1]) & (arrived[1:] != 0.0)]
-    assert settled.sum() > 100
-    assert np.abs(arrived - asked)[settled].max() <= TORQUE_STEP / 2 * (1 + 1e-9)
-
-
-def test_the_frames_in_the_signals_are_what_another_tool_reads(healthy):
-    """The last motion frame of the left drive, by cantools: operation enabled, and the torque of the machine."""
-    low, high = (healthy[f"can.feedback.drive_12_motion_0_{half}"][-1] for half in ("low", "high"))
-    data = joined(low, high).to_bytes(8, "little")
-    told = by_cantools().decode_message("Drive12_Motion", data, decode_choices=False)
-    assert int(told["Statusword"]) & 0x6F == 0x27
-    assert told["Torque"] == pytest.approx(healthy["bench.shafts.machine_torque.front_left"][-1], abs=0.1)
 
 
 def test_the_bus_is_loaded_and_late_as_the_analysis_says(healthy):

@@ -65,7 +65,7 @@ def test_a_law_that_integrates_needs_outputs():
 def test_objects_of_laws_have_the_same_hooks(role, name):
     """What docs and hooks say of classes holds for laws as well: nodes treat both alike."""
     law = all_methods()[role][name].law
-    made = LawObject(law, build(law.parameters, {}), Vehicle(), 0.01)
+    made = LawObject(law, build(law.parameters, {}), Vehicle(), 0.005)
     assert isinstance(made, Integrating if law.outputs else Answering)
     assert isinstance(made, Reporting) == (law.notes is not None)
     assert isinstance(law, ReadingFiles) == (law.load_files is not None)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.commands import ev_stack
 from ev_sim.commands.command_line import arguments, overrides, own_nodes
 from ev_sim.commands.run_scenario import main
 
@@ -149,3 +151,18 @@ def test_list_shows_every_scenario_and_method_in_a_line(capsys):
     assert any(line.split()[0] == "power_steering" for line in lines)
     assert "methods of asr" in lines
     assert all(len(line.split()) > 1 or line == "scenarios" for line in lines)
+
+
+@pytest.mark.parametrize("when", ["loading", "driving"])
+def test_ctrl_c_is_one_line_from_the_first_moment(when, monkeypatch, capsys):
+    """What takes half a second to load is interrupted more often than what it does."""
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    module = SimpleNamespace(main=interrupted)
+    monkeypatch.setattr(ev_stack, "import_module", interrupted if when == "loading" else lambda name: module)
+    with pytest.raises(SystemExit) as ended:
+        ev_stack.main(["run", "shchur2019"])
+    assert ended.value.code == 130
+    assert capsys.readouterr() == ("", "stopped\n")

@@ -8,6 +8,7 @@ import pytest
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.bench_signals import BenchEnergy, BenchShafts, LoadCommand
+from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.signals import BatteryCondition
@@ -18,12 +19,14 @@ from ev_msgs_py.sensors.quantities import QUANTITIES, sensors_for
 
 
 def test_every_published_number_of_plant_and_column_has_one_sensor():
-    """But what is no measurement: the capacity of the battery, what is commanded on a bench, and its energies."""
+    """But what is no measurement: the battery's capacity, what is commanded on a bench, its energies, and its bus."""
     unmeasured = {
         BatteryCondition: ["capacity"],
         LoadCommand: ["mode", "speed", "torque"],
         BenchShafts: ["set_point", "machine_torque", "load_torque"],
         BenchEnergy: list(shape_of(BenchEnergy).fields),
+        FeedbackFrames: list(shape_of(FeedbackFrames).fields),
+        BusStates: list(shape_of(BusStates).fields),
     }
     for role in ROLES.values():
         for signal in role.writes if role.kind is RoleKind.INTEGRATES else ():

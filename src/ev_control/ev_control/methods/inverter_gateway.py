@@ -1,3 +1,3 @@
 """Registers the gateways to the inverters."""
 
-import ev_control.inverter_gateway.in_lockstep  # noqa: F401
+import ev_control.inverter_gateway.can  # noqa: F401

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from importlib import import_module
 
+_INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
+
 COMMANDS = {  # name -> module with main(words), words put in front, what it does
     "run": (
         "run_scenario",
@@ -30,4 +32,8 @@ def main(argv: list[str] | None = None) -> None:
         print(f"ev-stack: unknown command {words[0]!r}; known: {', '.join(COMMANDS)}", file=sys.stderr)
         sys.exit(2)
     module, first, _ = COMMANDS[words[0]]
-    import_module(f"ev_sim.commands.{module}").main([*first, *words[1:]])
+    try:
+        import_module(f"ev_sim.commands.{module}").main([*first, *words[1:]])
+    except KeyboardInterrupt:  # while it is loaded as well, which takes half a second
+        print("stopped", file=sys.stderr)
+        sys.exit(_INTERRUPTED)

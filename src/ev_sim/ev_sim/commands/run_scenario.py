@@ -21,8 +21,7 @@ REVIEWS = {  # commands of their own, in modules of their names
     "report": "one page about the folders of several runs of scenarios, side by side with their differences",
     "figures": "every panel of the sources' figures, drawn from our runs, on one page",
 }
-_INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended,
-_NOT_READ = 141  # and of one whose output nobody reads any more
+_NOT_READ = 141  # what a shell says of a command whose output nobody reads any more
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -54,9 +53,6 @@ def main(argv: list[str] | None = None) -> None:
         sys.exit(f"error: {error}")
     except OSError as error:
         sys.exit(f"error: {': '.join(str(said) for said in (error.filename, error.strerror or error) if said)}")
-    except KeyboardInterrupt:
-        print("stopped", file=sys.stderr)
-        sys.exit(_INTERRUPTED)
 
 
 def print_list() -> None:

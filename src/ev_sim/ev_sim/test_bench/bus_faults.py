@@ -60,7 +60,7 @@ class BusFaultParameters:
     begin: float = parameter(0.0, unit="s", low=0.0, high=1e5, about="from then on")
     end: float = parameter(1e5, unit="s", low=0.0, high=1e5, about="until then")
     value: float = parameter(
-        0.0, unit="", low=-1e3, high=1e3,
+        0.0, unit="SI", low=-1e3, high=1e3,
         about="how much: K of hot_*, V, A, N m of transducer_offset and load_limit, share of transducer_gain, the bit "
         "of wrong_crc",
     )  # fmt: skip
