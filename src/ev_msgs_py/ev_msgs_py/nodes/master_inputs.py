@@ -45,6 +45,7 @@ class MasterInputs:
             readable = read(message)
             if readable is not None:
                 self._schedule.hold(topic.signal, *readable)
+            self._go_on()  # a step that is due waits for no pause between messages
 
         return hold
 
