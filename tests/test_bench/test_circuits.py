@@ -13,11 +13,14 @@ from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.law import namespace
 from ev_msgs_py.parameters.declaration import ParameterError, number_tree
+from ev_msgs_py.vehicle.motor import Motor
+from ev_sim.drives.field_weakening import weakening_loss
+from ev_sim.drives.losses import loss_power
 from ev_sim.test_bench.parameters import ShaftParameters
 from ev_sim.test_bench.shaft import turn
 from ev_sim.test_bench.state import CircuitState
 
-BATTERY = BatteryCondition(400.0, 0.0, 30.0, 60.0, 0.5)
+BATTERY, LOW = (BatteryCondition(voltage, 0.0, 30.0, 60.0, 0.5) for voltage in (400.0, 40.0))
 GEAR = 2.65  # of the default vehicle
 
 
@@ -25,11 +28,11 @@ def bench(**values):
     return configure("test_bench", {"vehicle.motor.rotor_inertia": 0.02, **values}).create()
 
 
-def run(circuits, torque, load, periods):
+def run(circuits, torque, load, periods, battery=BATTERY):
     """Channels after some periods with drive torques at the front wheels [N m] and a load command."""
     command = WheelTorqueCommand(Wheels.front(torque, torque), NO_WHEELS)
     for _ in range(periods):
-        circuits.advance(command, load, BATTERY)
+        circuits.advance(command, load, battery)
     return circuits.outputs()
 
 
@@ -74,6 +77,19 @@ def test_energy_comes_and_goes_without_a_rest():
         gone = energy.resistor + energy.machines + energy.loads + energy.shafts + energy.stored
         assert energy.battery + energy.mains == pytest.approx(gone, rel=1e-10)
     assert min(energy) > 0.0
+
+
+def test_field_weakening_takes_power_and_heats():
+    """At a tenth of the voltage, 200 rad/s need it: the loss of i_d is booked beside that of torque and speed."""
+    circuits, load = bench(), LoadCommand(Wheels.front(SPEED_MODE, SPEED_MODE), Wheels.front(200.0, 200.0), NO_WHEELS)
+    before = run(circuits, 20.0 * GEAR, load, 120, LOW)[3]
+    shafts, _, _, energy = run(circuits, 20.0 * GEAR, load, 1, LOW)
+    motor = Motor()  # of the default vehicle
+    torque, speed = shafts.machine_torque.front_left, shafts.speed.front_left
+    weakening = weakening_loss(motor, torque, LOW.voltage, speed)
+    assert weakening > 100.0
+    heat = 2.0 * 0.01 * (loss_power(motor, torque, speed) + weakening)
+    assert energy.machines - before.machines == pytest.approx(heat, rel=1e-6)
 
 
 def test_a_free_shaft_swings_at_its_frequency():

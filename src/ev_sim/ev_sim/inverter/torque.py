@@ -20,32 +20,52 @@ _HALF_STEP = 1.0 / 64.0  # N m
 
 @compilable
 def advance_torque(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
-    """Let the torque follow its reference over `period` [s]; without an active power stage it is zero at once.
-
-    First order: T' = (T_ref - T)/tau.
-    """
-    state = int(s.state)
-    if state not in (OPERATION_ENABLED, QUICK_STOP_ACTIVE):
-        s.torque = s.speed_integral = s.limited = 0.0
-    else:
-        reference = 0.0
-        if state == OPERATION_ENABLED:
-            asked = _asked(p, s, speed, period)
-            reference = _limited(p, s, asked, speed)
-            s.limited = 1.0 if abs(asked - reference) > _HALF_STEP else 0.0
-        s.torque += (1.0 - exp(-period / p.machine.torque_lag)) * (reference - s.torque)
-    _electrical(p, s, speed, state)
+    """Let the torque follow its reference over `period` [s], and say what that takes electrically."""
+    follow_reference(p, s, speed, period, share_of_lag(p.machine.torque_lag, period), largest_torque(p, s, speed))
+    advance_electrical(p, s, speed)
 
 
 @compilable
-def _asked(p: InverterParameters, s: Inverter, speed: float, period: float) -> float:
+def share_of_lag(lag: float, period: float) -> float:
+    """Share of a difference of torque [1] that is closed in a period [s], first order with a time constant [s]."""
+    return 1.0 - exp(-period / lag)
+
+
+@compilable
+def largest_torque(p: InverterParameters, s: Inverter, speed: float) -> float:
+    """The torque [N m] that set-point, machine, temperatures and voltage allow; an inverter asks once in a cycle."""
+    most = min(s.command.torque_limit, p.machine.peak_torque) * derating(p.thermal, s)
+    return min(most, voltage_limited_torque(p.machine.winding, s.dc_link.voltage, speed))
+
+
+@compilable
+def follow_reference(
+    p: InverterParameters, s: Inverter, speed: float, period: float, share: float, most: float
+) -> None:
+    """Let the torque follow its reference over `period` [s]; without an active power stage it is zero at once.
+
+    First order, T' = (T_ref - T)/tau: `share` is `share_of_lag`, `most` is `largest_torque`.
+    """
+    state = int(s.state)
+    if state not in (OPERATION_ENABLED, QUICK_STOP_ACTIVE):
+        s.torque = s.speed_integral = s.limited = s.weakening_loss = 0.0
+    else:
+        reference = 0.0
+        if state == OPERATION_ENABLED:
+            asked = _asked(p, s, speed, period, most)
+            reference = limited_torque(p.machine, min(max(asked, -most), most), speed, _COLD)
+            s.limited = 1.0 if abs(asked - reference) > _HALF_STEP else 0.0
+        s.torque += share * (reference - s.torque)
+
+
+@compilable
+def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most: float) -> float:
     """The torque [N m] that the set-point asks for, forwards positive."""
     sense = -1.0 if s.direction != 0.0 else 1.0
     if int(s.command.mode) == TORQUE_MODE:
         return _below_speed_limit(p, sense * s.command.torque, speed, abs(s.command.speed))
     if int(s.command.mode) == SPEED_MODE and p.offers_speed_mode != 0.0:
         error = sense * s.command.speed - speed
-        most = _most(p, s)
         integral = s.speed_integral + p.speed_gain * error * period / p.speed_integral_time
         s.speed_integral = min(max(integral, -most), most)
         return p.speed_gain * error + s.speed_integral
@@ -61,22 +81,14 @@ def _below_speed_limit(p: InverterParameters, asked: float, speed: float, limit:
 
 
 @compilable
-def _most(p: InverterParameters, s: Inverter) -> float:
-    return min(s.command.torque_limit, p.machine.peak_torque) * derating(p.thermal, s)
+def advance_electrical(p: InverterParameters, s: Inverter, speed: float) -> None:
+    """Currents, voltage and loss of this torque; a power stage that is off takes nothing and sees the magnets alone.
 
-
-@compilable
-def _limited(p: InverterParameters, s: Inverter, asked: float, speed: float) -> float:
-    most = min(_most(p, s), voltage_limited_torque(p.machine.winding, s.dc_link.voltage, speed))
-    return limited_torque(p.machine, min(max(asked, -most), most), speed, _COLD)
-
-
-@compilable
-def _electrical(p: InverterParameters, s: Inverter, speed: float, state: int) -> None:
-    """Currents, voltage and loss of this torque; a power stage that is off takes nothing and sees the magnets alone."""
+    Once in a cycle is enough, at its end: sensors, faults and the heat of field weakening ask for them no oftener.
+    """
     s.phase_current = s.dc_current = s.weakening_loss = 0.0
     s.phase_voltage = induced_voltage(p.machine.winding, speed)
-    if state in (OPERATION_ENABLED, QUICK_STOP_ACTIVE) and s.dc_link.voltage > 1.0:
+    if int(s.state) in (OPERATION_ENABLED, QUICK_STOP_ACTIVE) and s.dc_link.voltage > 1.0:
         s.phase_current, s.phase_voltage = phase_values(p.machine, s.torque, s.dc_link.voltage, speed)
         s.weakening_loss = weakening_loss(p.machine, s.torque, s.dc_link.voltage, speed)
         power = s.torque * speed + loss_power(p.machine, s.torque, speed) + s.weakening_loss

@@ -25,9 +25,10 @@ from ev_sim.inverter.inverter import end_inverter_cycle, lead_inverter
 from ev_sim.inverter.set_points import receive_set_point
 from ev_sim.inverter.state import Inverter
 from ev_sim.inverter.temperatures import advance_temperatures
+from ev_sim.inverter.torque import advance_electrical
 from ev_sim.test_bench.bus_faults import FaultState, on_the_way, present, put_in
 from ev_sim.test_bench.can_parameters import CanCircuitsParameters
-from ev_sim.test_bench.circuit import CircuitsConstants, CircuitSetPoint, begin_period, turn_shaft
+from ev_sim.test_bench.circuit import CircuitsConstants, CircuitSetPoint, begin_period, largest_torques, turn_shaft
 from ev_sim.test_bench.set_points import follow, send
 from ev_sim.test_bench.state import CircuitState
 
@@ -81,6 +82,7 @@ def advance_can_circuit(
         heard[begin + place] = NO_FRAME
     for tick in range(int(c.ticks)):
         _tick(p, c, which, s, channel, fault, heard, periods, said, tick)
+    advance_electrical(p.load, s.load, s.load_speed)
     advance_temperatures(p.load.thermal, p.load.machine, s.load, c.ticks * TICK)
 
 
@@ -135,11 +137,13 @@ def _follow(p: CanCircuitsParameters, c: CanConstants, s: CircuitState, periods:
     asked, path, steps = s.machine.command.torque, s.torque_path, int(c.steps)
     now, change = periods * c.ticks + tick, c.circuits.h * p.set_point.torque_rate
     send(path, now, asked, c.circuits.machine.machine.peak_torque, p.set_point.torque_resolution)
+    largest = largest_torques(p, c.circuits, s)
     for n in range(steps):
         s.machine.command.torque = follow(path, now, steps, n, c.circuits.delay, change)
         if s.machine.state != OPERATION_ENABLED:
             path.now = 0.0
-        turn_shaft(p, c.circuits, s, periods, tick * steps + n)
+        turn_shaft(p, c.circuits, s, periods, tick * steps + n, largest)
+    advance_electrical(c.circuits.machine, s.machine, s.speed)
     s.machine.command.torque = asked
 
 

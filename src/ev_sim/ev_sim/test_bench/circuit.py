@@ -10,7 +10,7 @@ from ev_msgs_py.compiling.compilable import compilable
 from ev_sim.drives.losses import loss_power
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.temperatures import advance_temperatures
-from ev_sim.inverter.torque import advance_torque
+from ev_sim.inverter.torque import advance_electrical, follow_reference, largest_torque
 from ev_sim.test_bench.parameters import CircuitsParameters
 from ev_sim.test_bench.set_points import follow, send
 from ev_sim.test_bench.shaft import Motion, turn
@@ -26,7 +26,16 @@ class CircuitsConstants(NamedTuple):
     steps: float  # in a control period
     delay: float  # of the set-points of the machines under test [steps]
     load_delay: float  # of those of the load machines [steps]
+    share: float  # of a difference of torque that a machine under test closes in a step [1]
+    load_share: float  # that a load machine closes [1]
     machine: InverterParameters  # machine under test
+
+
+class LargestTorques(NamedTuple):
+    """What both machines of a circuit can give while temperatures and limits stay [N m]; see `largest_torque`."""
+
+    machine: float
+    load: float
 
 
 class CircuitSetPoint(NamedTuple):
@@ -55,10 +64,12 @@ def advance_circuit(
     s.machine.command.mode, s.machine.command.torque_limit = float(TORQUE_MODE), most
     s.machine.command.speed = _NO_LIMIT * machine.maximum_speed
     begin_period(p, s, periods, told)
-    rate = c.h * p.set_point.torque_rate
+    rate, largest = c.h * p.set_point.torque_rate, largest_torques(p, c, s)
     for n in range(int(c.steps)):
         s.machine.command.torque = follow(s.torque_path, periods, int(c.steps), n, c.delay, rate)
-        turn_shaft(p, c, s, periods, n)
+        turn_shaft(p, c, s, periods, n, largest)
+    advance_electrical(c.machine, s.machine, s.speed)
+    advance_electrical(p.load, s.load, s.load_speed)
     advance_temperatures(c.machine.thermal, machine, s.machine, period)
     advance_temperatures(p.load.thermal, p.load.machine, s.load, period)
 
@@ -74,7 +85,15 @@ def begin_period(p: CircuitsParameters, s: CircuitState, periods: float, told: C
 
 
 @compilable
-def turn_shaft(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, n: int) -> None:
+def largest_torques(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState) -> LargestTorques:
+    """Of both machines now."""
+    return LargestTorques(largest_torque(c.machine, s.machine, s.speed), largest_torque(p.load, s.load, s.load_speed))
+
+
+@compilable
+def turn_shaft(
+    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, n: int, largest: LargestTorques
+) -> None:
     """Step n of a period: set-points of the load, torques, shaft, energies."""
     h, steps = c.h, int(c.steps)
     drive, load = s.machine, s.load
@@ -85,8 +104,8 @@ def turn_shaft(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, per
     in_speed_mode = int(load.command.mode) == SPEED_MODE
     load.command.speed = asked_speed if in_speed_mode else p.load.machine.maximum_speed  # else it is a limit
     before, load_before = drive.torque, load.torque
-    advance_torque(c.machine, drive, s.speed, h)
-    advance_torque(p.load, load, s.load_speed, h)
+    follow_reference(c.machine, drive, s.speed, h, c.share, largest.machine)
+    follow_reference(p.load, load, s.load_speed, h, c.load_share, largest.load)
     torque, load_torque = 0.5 * (before + drive.torque), 0.5 * (load_before + load.torque)
     inertia, load_inertia = c.machine.machine.rotor_inertia, p.load.machine.rotor_inertia
     moved = turn(p.shaft, s, inertia, load_inertia, torque, load_torque, h)

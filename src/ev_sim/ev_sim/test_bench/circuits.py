@@ -23,6 +23,7 @@ from ev_msgs_py.vehicle.layout import any_driven
 from ev_sim.inverter.machine import Machine
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.temperatures import coolant_outlet, winding_temperature
+from ev_sim.inverter.torque import share_of_lag
 from ev_sim.test_bench.circuit import (
     CircuitsConstants,
     CircuitSetPoint,
@@ -52,7 +53,14 @@ def prepare(parameters: CircuitsParameters, vehicle: Vehicle, period: float) -> 
     motor = {field.name: getattr(vehicle.motor, field.name) for field in fields(Machine)}
     machine = Machine(**{**motor, "rotor_inertia": max(vehicle.motor.rotor_inertia, p.least_rotor_inertia)})
     inverter = InverterParameters(machine=machine, thermal=vehicle.motor.thermal)
-    return CircuitsConstants(h, float(steps), p.set_point.delay / h, p.load_set_point.delay / h, inverter)
+    return constants(p, inverter, h, steps)
+
+
+def constants(p: CircuitsParameters, machine: InverterParameters, h: float, steps: int) -> CircuitsConstants:
+    """What steps of a width [s], so many in a control period, need of a machine under test."""
+    delay, load_delay = p.set_point.delay / h, p.load_set_point.delay / h
+    lags = (share_of_lag(each.machine.torque_lag, h) for each in (machine, p.load))
+    return CircuitsConstants(h, float(steps), delay, load_delay, *lags, machine)
 
 
 @compilable

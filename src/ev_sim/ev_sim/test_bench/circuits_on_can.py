@@ -26,6 +26,7 @@ from ev_sim.test_bench.bus_faults import FaultState, measured, present
 from ev_sim.test_bench.can_circuit import HEARD_OF_DRIVE, CanConstants, Circuit, advance_can_circuit
 from ev_sim.test_bench.can_parameters import CanCircuitsParameters
 from ev_sim.test_bench.circuit import CircuitSetPoint
+from ev_sim.test_bench.circuits import constants
 from ev_sim.test_bench.circuits import outputs as outputs_of_circuits
 from ev_sim.test_bench.circuits import prepare as prepare_circuits
 from ev_sim.test_bench.state import LINE, CircuitsState
@@ -53,19 +54,12 @@ def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) 
         )
     ticks = ticks_of(period, MOST_TICKS)
     steps = max(math.ceil(TICK / p.step - 1e-9), 1)
-    circuits = prepare_circuits(p, vehicle, period)
-    h = TICK / steps
-    inverter = replace(circuits.machine, command_timeout=p.command_timeout, dc_link=p.dc_link)
+    without_bus = prepare_circuits(p, vehicle, period).machine
+    inverter = replace(without_bus, command_timeout=p.command_timeout, dc_link=p.dc_link)
     database = load_database(p.database)
     left, right = (WHEEL_NAMES.index(name) for name in sorted(vehicle.driven_wheels))
     return CanConstants(
-        circuits._replace(
-            h=h,
-            steps=ticks * steps,
-            delay=p.set_point.delay / h,
-            load_delay=p.load_set_point.delay / h,
-            machine=inverter,
-        ),
+        constants(p, inverter, TICK / steps, int(ticks) * steps),
         ticks,
         float(steps),
         bench_frames(database),

@@ -56,7 +56,7 @@ class CircuitsParameters:
         about="circuits whose inverters are enabled; services of the node lead it step by step",
     )
     cooling: bool = parameter(True, about="whether the cooling is on; without it no step of the test sequence is taken")
-    step: float = parameter(5e-4, unit="s", low=1e-6, high=1e-3, about="longest step of the shafts")
+    step: float = parameter(1e-3, unit="s", low=1e-6, high=1e-3, about="longest step of the shafts")
     set_point: SetPointParameters = group(SetPointParameters)
     load_set_point: SetPointParameters = group(SetPointParameters)
     least_rotor_inertia: float = parameter(
