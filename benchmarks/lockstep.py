@@ -89,11 +89,25 @@ def graph_of_processes(steps: int) -> float:
     """Steps per second of the graph with a process per node, without recorder."""
     run = loaded_run(steps)
     with free_domain() as domain, tempfile.TemporaryDirectory() as directory:
-        nodes = graph_parameters(run, Path(directory))
-        file = Path(directory) / "parameters.yaml"
-        write_parameter_file(file, run, nodes)
-        arguments = ["--ros-args", "--params-file", str(file), "-r", f"__ns:={run.namespace}"]
-        return measured_rate([[*command(name), *arguments] for name in nodes], domain, Path(directory))
+        commands = graph_commands(run, Path(directory))
+        return measured_rate(list(commands.values()), domain, Path(directory))
+
+
+def graph_commands(run, directory: Path) -> dict[str, list[str]]:
+    """How the nodes of the graph are started, the plant first, without recorder."""
+    nodes = graph_parameters(run, directory)
+    file = directory / "parameters.yaml"
+    write_parameter_file(file, run, nodes)
+    arguments = ["--ros-args", "--params-file", str(file), "-r", f"__ns:={run.namespace}"]
+    return {name: [*command(name), *arguments] for name in nodes}
+
+
+def graph_nodes(run, directory: Path, context) -> list:
+    """The nodes of the graph in this process, the plant first, without recorder."""
+    return [
+        make_node(name, context=context, namespace=run.namespace, parameter_overrides=parameter_overrides(values))
+        for name, values in graph_parameters(run, directory).items()
+    ]
 
 
 def graph_parameters(run, directory: Path) -> dict[str, dict]:
@@ -131,10 +145,7 @@ def graph_in_one_process(steps: int) -> float:
     with free_domain() as domain, tempfile.TemporaryDirectory() as directory:
         context = rclpy.Context()
         rclpy.init(context=context, domain_id=domain)
-        nodes = [
-            make_node(name, context=context, namespace=run.namespace, parameter_overrides=parameter_overrides(values))
-            for name, values in graph_parameters(run, Path(directory)).items()
-        ]
+        nodes = graph_nodes(run, Path(directory), context)
         spin(nodes, lambda: nodes[0].now > 0)
         start, begun = time.monotonic(), nodes[0].now
         spin(nodes, lambda: nodes[0].done)

@@ -20,18 +20,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import rclpy
-from lockstep import graph_parameters
+from lockstep import graph_commands, graph_nodes
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
 from ev_msgs_py.contract import stamps
-from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.spinning import spin
 from ev_sim.run.domain import free_domain
-from ev_sim.run.in_process import parameter_overrides
-from ev_sim.run.node_parameters import write_parameter_file
-from ev_sim.run.processes import command
 from ev_sim.run.same_addresses import same_addresses
 from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
 
@@ -96,13 +92,10 @@ def of_processes(steps: int) -> list[Look]:
     """The graph with a process per node."""
     run = endless_run(steps)
     with free_domain() as domain, tempfile.TemporaryDirectory() as directory:
-        nodes = graph_parameters(run, Path(directory))
-        file = Path(directory) / "parameters.yaml"
-        write_parameter_file(file, run, nodes)
-        arguments = ["--ros-args", "--params-file", str(file), "-r", f"__ns:={run.namespace}"]
+        commands = graph_commands(run, Path(directory))
         environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
         with same_addresses():
-            started = {name: subprocess.Popen([*command(name), *arguments], env=environment) for name in nodes}
+            started = {name: subprocess.Popen(words, env=environment) for name, words in commands.items()}
         try:
             return follow(domain, steps, {name: process.pid for name, process in started.items()})
         finally:
@@ -128,10 +121,7 @@ def _drive(steps: int, domain: int) -> None:
     with tempfile.TemporaryDirectory() as directory:
         context = rclpy.Context()
         rclpy.init(context=context, domain_id=domain)
-        nodes = [
-            make_node(name, context=context, namespace=run.namespace, parameter_overrides=parameter_overrides(values))
-            for name, values in graph_parameters(run, Path(directory)).items()
-        ]
+        nodes = graph_nodes(run, Path(directory), context)
         spin(nodes, lambda: nodes[0].done)
 
 

@@ -9,20 +9,19 @@ import sys
 from pathlib import Path
 
 import pytest
+from determinism.surroundings import C_LIBRARIES
+from determinism.surroundings import COMPILERS as FOREIGN
 
 from ev_sim.run.offline import run_offline
 from ev_sim.run.recording.recording import signal_hash
 from ev_sim.run.scenarios.scenario import load_scenario
 
-NO_FMA = "glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-AVX2,-FMA"
-MACHINES = {
-    "a C library without FMA and AVX2": {"GLIBC_TUNABLES": NO_FMA},
-}
+MACHINES = {"a C library without FMA and AVX2": C_LIBRARIES["without FMA and AVX2"]}
 # Between them tyres, drives, columns, drivers and laws; compiling the planar plant anew takes most of a minute.
 SCENARIOS = ("double_lane_change", "shchur2019", "urban_mixed")
 COMPILERS = {
-    "code for any x86-64 processor": ({"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}, SCENARIOS),
-    "code that is not optimised": ({"NUMBA_OPT": "0"}, ("shchur2019",)),
+    "code for any x86-64 processor": (FOREIGN["any x86-64 processor"], SCENARIOS),
+    "code that is not optimised": (FOREIGN["without optimisation"], ("shchur2019",)),
 }
 
 
