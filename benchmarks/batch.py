@@ -27,9 +27,9 @@ from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.lockstep.configuration import Configuration
-from ev_sim.batch.batch import batch
-from ev_sim.batch.reductions import largest_magnitude, root_mean_square
-from ev_sim.run.scenarios.scenario import Overrides, load_scenario
+from ev_sim.batches.batch import batch
+from ev_sim.batches.reductions import largest_magnitude, root_mean_square
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 DURATION = 10.0  # [s]
 FUSED_STEPS = 3000

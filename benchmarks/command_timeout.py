@@ -26,7 +26,7 @@ from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.wire.message_format import format_of
-from ev_sim.run.domain import free_domain
+from ev_sim.running.domain import free_domain
 
 TIMEOUT, PERIOD = 0.1, 0.01  # s, the defaults
 _LONG = 10.0  # s that nothing here may take

@@ -31,7 +31,7 @@ from ev_msgs_py.contract.signals import (
 from ev_msgs_py.lockstep.stepper import arrival_place
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.wire.message_format import format_of
-from ev_sim.run.scenarios.scenario import load_scenario
+from ev_sim.running.scenarios.scenario import load_scenario
 
 SCENARIO = "shchur2019"
 CHAIN = (BodyVelocity, DriverCommand, WheelTorqueRequest, WheelTorqueCommand, SteeringColumnState)

@@ -27,9 +27,9 @@ from rosgraph_msgs.msg import Clock
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.nodes.spinning import spin
-from ev_sim.run.domain import free_domain
-from ev_sim.run.same_addresses import same_addresses
-from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.running.domain import free_domain
+from ev_sim.running.same_addresses import same_addresses
+from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
 PERIOD = 0.01  # s
 LOOKS = 20

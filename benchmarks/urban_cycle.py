@@ -22,8 +22,8 @@ from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.lockstep.run import GraphRun
-from ev_sim.run.offline import run_offline
-from ev_sim.run.scenarios.scenario import Run
+from ev_sim.running.offline import run_offline
+from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import run_of
 from ev_sim.study.urban_cases import FIVE, METHODS, case
 

@@ -31,7 +31,7 @@ from ev_sim.plant.planar.prepare import prepare
 from ev_sim.plant.planar.road_under_wheels import find_road
 from ev_sim.plant.planar.state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, index
 from ev_sim.plant.planar.steering import steer
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 SIZE = index("drives.front_left.torque")  # what comes before is advanced by differential equations
 X, Y = index("x"), index("y")

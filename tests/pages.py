@@ -12,8 +12,8 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import Metric, Reference, within
 from ev_sim.report.page.writing import NAME, Image, Page, Signals, write_page
 from ev_sim.report.summary import Summary
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.differences import Difference
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.differences import Difference
 
 CAR = Vehicle()
 DURATION, PERIOD, RADIUS = 10.0, 0.01, 20.0

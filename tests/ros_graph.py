@@ -33,11 +33,11 @@ from ev_msgs_py.nodes.time_services import TIME
 from ev_msgs_py.wire.message_classes import message_class
 from ev_msgs_py.wire.message_format import format_of
 from ev_sim.nodes.recorder import RecorderNode
-from ev_sim.run.domain import free_domain
-from ev_sim.run.node_parameters import RECORDER, node_parameters
-from ev_sim.run.offline import run_offline
-from ev_sim.run.recording.recording import load, signal_hash
-from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.running.domain import free_domain
+from ev_sim.running.node_parameters import RECORDER, node_parameters
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.recording import load, signal_hash
+from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
 NAMESPACE = "/ev"
 NODES = (*REQUIRED, RECORDER)

@@ -8,9 +8,9 @@ import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.quantities import traction_windows as cycle
-from ev_sim.run.offline import run_offline
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Overrides, Scenario, load_scenario
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Overrides, Scenario, load_scenario
 
 DURATION = 95.0  # s: stands, drives, slows down, stands, drives
 

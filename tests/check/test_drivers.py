@@ -8,7 +8,7 @@ import pytest
 
 from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.lockstep.configuration import Configuration, configure
-from ev_sim.run.scenarios.scenario import load_scenario, scenario_names
+from ev_sim.running.scenarios.scenario import load_scenario, scenario_names
 
 pytestmark = pytest.mark.slow
 

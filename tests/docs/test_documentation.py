@@ -15,7 +15,7 @@ from documentation.pages import stale_pages
 from documentation.results import control_period_table, drive_all, result_table
 from documentation.scenario_results import SCENARIO_PAGES, results_of
 from ev_sim.commands.run_scenario import main as run_scenario
-from ev_sim.run.recording.recording import load, signal_hash
+from ev_sim.running.recording.recording import load, signal_hash
 
 pytestmark = pytest.mark.slow
 

@@ -16,8 +16,8 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.run.processes import command
-from ev_sim.run.scenarios.scenario import Overrides, load_scenario
+from ev_sim.running.processes import command
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 REAR = ("rear_left", "rear_right")
 CAR = Vehicle(wheelbase=2.7, front_track=1.5, rear_track=1.6, wheel_radius=0.32)

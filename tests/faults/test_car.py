@@ -10,9 +10,9 @@ import pytest
 
 from ev_msgs_py.elementary import cos
 from ev_sim.drives.hall_fault import torque_share
-from ev_sim.run.offline import run_offline
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Overrides, load_scenario
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 CAR = "step_steer"
 GONE = 1e-3  # [N m], of hundreds: 90 ms after it, 18 lags of the motor

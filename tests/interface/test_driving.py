@@ -10,9 +10,9 @@ import pytest
 
 import ev_sim
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.batch.reductions import last
+from ev_sim.batches.reductions import last
 from ev_sim.commands.run_scenario import main
-from ev_sim.run.recording.recording import load, signal_hash
+from ev_sim.running.recording.recording import load, signal_hash
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +22,7 @@ def result():
 
 
 def test_a_run_is_that_of_the_command(result, tmp_path):
-    """Which has the hash of all other ways to run (tests/run/test_hashes.py, test_machines.py)."""
+    """Which has the hash of all other ways to run (tests/running/test_hashes.py, test_machines.py)."""
     words = ["--set", "electronic_differential.gamma=4.0", "--set", "*.control_period=0.02", "--seed", "3"]
     main(["shchur2019", "--offline", "--no-record", "--duration", "1", *words, "--out", str(tmp_path / "command")])
     result.save(tmp_path / "saved")

@@ -29,9 +29,9 @@ from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.graph import sequence
 from ev_msgs_py.lockstep.inbox import Arrival, Inbox
 from ev_msgs_py.lockstep.stepper import arrival_place, upstream_signals
-from ev_sim.run.offline import run_offline
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import load_scenario
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import load_scenario
 
 PERIOD = 10_000_000
 OTHERS = tuple(role for role in REQUIRED if role != MASTER)

@@ -11,7 +11,7 @@ from ros_graph import node_of, ros_domain
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.parameters.declaration import entries
-from ev_sim.run.recording.recorder_parameters import RecorderParameters
+from ev_sim.running.recording.recorder_parameters import RecorderParameters
 
 pytestmark = pytest.mark.slow
 

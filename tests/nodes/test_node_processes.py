@@ -13,7 +13,7 @@ from ros_graph import NAMESPACE, NODES, PATIENCE, Probe, ros_domain
 
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.run.processes import command
+from ev_sim.running.processes import command
 
 pytestmark = pytest.mark.slow
 

@@ -12,9 +12,9 @@ from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.sensors.quantities import QUANTITIES
 from ev_msgs_py.wire.message_format import format_of
-from ev_sim.run.node_parameters import RECORDER
-from ev_sim.run.recording.recording import load
-from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.running.node_parameters import RECORDER
+from ev_sim.running.recording.recording import load
+from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
 pytestmark = pytest.mark.slow
 

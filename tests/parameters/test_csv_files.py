@@ -19,7 +19,7 @@ from ev_msgs_py.vehicle.efficiency_map import with_map_from_file
 from ev_msgs_py.vehicle.motor import Motor
 from ev_sim.drives.losses import loss_power
 from ev_sim.plant.planar.state import index
-from ev_sim.run.scenarios.parameter_file import ParameterFile
+from ev_sim.running.scenarios.parameter_file import ParameterFile
 
 ROOT = Path(__file__).parents[2]
 HEADER = "speed_rpm,torque_nm,efficiency\n"

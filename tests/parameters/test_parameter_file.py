@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.run.scenarios.parameter_file import ParameterFile, flattened, matches
-from ev_sim.run.scenarios.yaml_text import read_yaml
+from ev_sim.running.scenarios.parameter_file import ParameterFile, flattened, matches
+from ev_sim.running.scenarios.yaml_text import read_yaml
 
 # What rclpy 9.1 gives to a node `driver` in these namespaces that declares its parameters from this file.
 SECTIONS = """

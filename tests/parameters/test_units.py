@@ -14,8 +14,8 @@ from ev_msgs_py.parameters.units import ACCEPTED, number_of
 from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.commands.schema import schema
-from ev_sim.run.scenarios.scenario import Overrides, load_scenario
-from ev_sim.run.scenarios.yaml_text import read_yaml
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.running.scenarios.yaml_text import read_yaml
 
 SCHEMA = schema()
 

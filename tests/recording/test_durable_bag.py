@@ -18,7 +18,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection, QosDurability, QosHistory, QosReliability
 from rosbags.rosbag2 import Reader
 
-from ev_sim.run.recording.durable_bag import DurableBag
+from ev_sim.running.recording.durable_bag import DurableBag
 
 pytestmark = pytest.mark.slow
 

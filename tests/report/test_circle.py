@@ -5,7 +5,7 @@ import pytest
 
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities.circle import deviation_from_circle
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 TIME = np.linspace(0.0, 5.0, 501)
 

@@ -25,9 +25,9 @@ from ev_sim.report.page.measured import measured_signals
 from ev_sim.report.page.quantities import groups_of
 from ev_sim.report.page.writing import Signals
 from ev_sim.report.summary import write_summary
-from ev_sim.run.recording.recording import Recording, save
-from ev_sim.run.scenarios.differences import EVERY_NODE, differences
-from ev_sim.run.scenarios.scenario import Overrides, load_scenario
+from ev_sim.running.recording.recording import Recording, save
+from ev_sim.running.scenarios.differences import EVERY_NODE, differences
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 EMPTY = ("meta", "link", "img", "input", "br")
 

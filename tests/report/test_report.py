@@ -19,8 +19,8 @@ from ev_sim.report.quantities.step_response import step_response
 from ev_sim.report.reports import report_for
 from ev_sim.report.samples import mean_between
 from ev_sim.report.summary import Summary, write_summary
-from ev_sim.run.recording import recording as recordings
-from ev_sim.run.recording.recording import Recording, combined_hash, signal_hash
+from ev_sim.running.recording import recording as recordings
+from ev_sim.running.recording.recording import Recording, combined_hash, signal_hash
 
 PERIOD = 0.01
 VEHICLE = Vehicle()

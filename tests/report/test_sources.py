@@ -11,9 +11,9 @@ from source_runs import differing, driven, metrics_of, mirrored, value
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.report.quantities.torque_shares import turn_arounds
-from ev_sim.run.offline import run_offline
-from ev_sim.run.recording.recording import load, signal_hash
-from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.recording import load, signal_hash
+from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
 # One run of each scenario with its law, and the steering that mirrors it.
 SHORT = {

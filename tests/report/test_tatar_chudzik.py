@@ -12,8 +12,8 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.report.quantities import derived
 from ev_sim.report.quantities.car_axes import tyre_force
 from ev_sim.report.quantities.passing_speed import energy_since_turning_in, turning_in
-from ev_sim.run.offline import run_offline
-from ev_sim.run.scenarios.scenario import Overrides, load_scenario
+from ev_sim.running.offline import run_offline
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 # Changes of F_y by the correction at 8.5 m/s [N]: an independent calculation with 100 N m and 50 % at pi/10.
 EXPECTED = {

@@ -23,7 +23,7 @@ from ev_sim.report.quantities.motors_and_cells import electrical_metrics
 from ev_sim.report.quantities.slip_curve import first_passed_peak
 from ev_sim.report.quantities.surfaces_under import share_of, surfaces_under
 from ev_sim.report.reports import report_for
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.surfaces.road import RoadParameters, left_and_right
 
 ROOT = Path(__file__).parents[2]

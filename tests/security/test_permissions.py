@@ -8,10 +8,10 @@ from ros_graph import NAMESPACE, NODES, graph, shchur
 from sockets_of_process import sockets_of
 
 from ev_msgs_py.nodes.security import refuse_weak_security
-from ev_sim.run.domain import free_domain
-from ev_sim.run.observer import OBSERVER
-from ev_sim.run.observing import enclave, observing
-from ev_sim.run.outcome import RunFailed
+from ev_sim.running.domain import free_domain
+from ev_sim.running.observer import OBSERVER
+from ev_sim.running.observing import enclave, observing
+from ev_sim.running.outcome import RunFailed
 from ev_sim.security.permissions import Permissions, permissions
 from ev_sim.security.policy_file import policy_file
 from ev_sim.security.running_graph import permissions_in_use, violations

@@ -12,9 +12,9 @@ from ev_msgs_py.contract.signals import SteeringColumnState
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.sensors.quantities import QUANTITIES
-from ev_sim.run.offline import run_offline
-from ev_sim.run.recording.recording import Recording, signal_hash
-from ev_sim.run.scenarios.scenario import Overrides, load_scenario
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.recording import Recording, signal_hash
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 COLUMN = [quantity.name for quantity in QUANTITIES if quantity.signal is SteeringColumnState]
 

@@ -18,7 +18,7 @@ from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.commands.run_scenario import main as run_scenario
 from ev_sim.report.quantities import handling
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.study import compare
 from ev_sim.study.case import drive_case
 from ev_sim.tyres.curve import peak_slip

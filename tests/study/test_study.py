@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from ev_sim.run.outcome import RunFailed
+from ev_sim.running.outcome import RunFailed
 from ev_sim.study.case import Case, drive_case
 from ev_sim.study.workers import drive_cases
 

@@ -12,7 +12,7 @@ from judging import drive_here
 
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.run_scenario import main
-from ev_sim.run.outcome import RunFailed
+from ev_sim.running.outcome import RunFailed
 from ev_sim.study.case import CaseResult, drive_case
 from ev_sim.verdicts.driving import cases_of, drive
 from ev_sim.verdicts.kept import Kept

@@ -26,7 +26,7 @@ from ev_msgs_py.wire.cdr import Serialized
 from ev_msgs_py.wire.layout import MessageError, empty_message, paths
 from ev_msgs_py.wire.message_classes import message_class
 from ev_msgs_py.wire.message_format import format_of, stamp_alone, stamp_of
-from ev_sim.run.recording.message_table import MessageTable
+from ev_sim.running.recording.message_table import MessageTable
 
 WITH_NUMBERS = pytest.mark.parametrize(
     "topic", [topic for topic in TOPICS.values() if topic.channels], ids=lambda topic: topic.name

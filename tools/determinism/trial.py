@@ -8,12 +8,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from determinism.surroundings import WAYS
-from ev_sim.run.in_process import run_in_process
-from ev_sim.run.offline import run_offline
-from ev_sim.run.outcome import Outcome
-from ev_sim.run.processes import run_in_processes
-from ev_sim.run.recording.recording import Recording, signal_hash
-from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.running.in_process import run_in_process
+from ev_sim.running.offline import run_offline
+from ev_sim.running.outcome import Outcome
+from ev_sim.running.processes import run_in_processes
+from ev_sim.running.recording.recording import Recording, signal_hash
+from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
 
 def driven(run: Run, way: str) -> Recording:

@@ -15,8 +15,8 @@ from ev_sim.report.metric import Metric
 from ev_sim.report.papers import shchur2019 as paper
 from ev_sim.report.reports import report_for
 from ev_sim.report.samples import Parameters, Runs
-from ev_sim.run.offline import run_offline
-from ev_sim.run.scenarios.scenario import Overrides, Scenario, load_scenario
+from ev_sim.running.offline import run_offline
+from ev_sim.running.scenarios.scenario import Overrides, Scenario, load_scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -24,7 +24,7 @@ from ev_sim.report.quantities.understeer import (
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.run.scenarios.configured_file import vehicle_file
+from ev_sim.running.scenarios.configured_file import vehicle_file
 from ev_sim.surfaces.table import REFERENCE, SURFACES
 
 _PREFIX = "vehicle."

@@ -14,8 +14,8 @@ import yaml
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.run.scenarios.scenario import Overrides
-from ev_sim.run.scenarios.yaml_text import read_yaml
+from ev_sim.running.scenarios.scenario import Overrides
+from ev_sim.running.scenarios.yaml_text import read_yaml
 
 _EVERY_NODE = "*"
 

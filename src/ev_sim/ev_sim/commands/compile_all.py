@@ -50,7 +50,7 @@ def _compile_method(method: Method) -> None:
 def _compile_stepping() -> None:
     from ev_msgs_py.compiling.loop import compile_loops
     from ev_msgs_py.sensors import part as sensors
-    from ev_sim.batch import observer
+    from ev_sim.batches import observer
 
     compile_loops()
     sensors.function()

@@ -11,13 +11,13 @@ from ev_sim.commands.command_line import overrides, own_nodes
 from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.real_time import in_words
 from ev_sim.report.result import Result
-from ev_sim.run.node_parameters import node_parameters, recorded_topics, write_parameter_file
-from ev_sim.run.outcome import Outcome, Progress, RunFailed
-from ev_sim.run.output_folder import OutputFolder
-from ev_sim.run.progress_bar import progress_bar
-from ev_sim.run.recording.recording import save
-from ev_sim.run.scenarios.configured_file import is_path
-from ev_sim.run.scenarios.scenario import Run, load_scenario, scenario_names
+from ev_sim.running.node_parameters import node_parameters, recorded_topics, write_parameter_file
+from ev_sim.running.outcome import Outcome, Progress, RunFailed
+from ev_sim.running.output_folder import OutputFolder
+from ev_sim.running.progress_bar import progress_bar
+from ev_sim.running.recording.recording import save
+from ev_sim.running.scenarios.configured_file import is_path
+from ev_sim.running.scenarios.scenario import Run, load_scenario, scenario_names
 from ev_sim.study.study import STUDIES
 
 
@@ -61,22 +61,22 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
         if given.offline:
             return _drive_offline(run, directory, not given.no_record, progress)
         if given.in_process:
-            from ev_sim.run.in_process import run_in_process
+            from ev_sim.running.in_process import run_in_process
 
             return run_in_process(run, directory, not given.no_record, progress)
-        from ev_sim.run.processes import run_in_processes
+        from ev_sim.running.processes import run_in_processes
 
         return run_in_processes(run, directory, not given.no_record, progress, own_nodes(given))
 
 
 def _drive_offline(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
-    from ev_sim.run.offline import drive_offline
+    from ev_sim.running.offline import drive_offline
 
     write_parameter_file(directory / "parameters.yaml", run, node_parameters(run, directory, bag))
     outcome = drive_offline(run, progress)
     save(outcome.recording, directory / "signals.npz")
     if bag:
-        from ev_sim.run.recording.run_recorder import write_bag
+        from ev_sim.running.recording.run_recorder import write_bag
 
         topics = recorded_topics(run)
         names = [f"{run.namespace}/{topic.name}" for topic in topics]

@@ -14,7 +14,7 @@ from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from ev_msgs_py.wire.message_classes import message_class
-from ev_sim.run.domain import reserved_domains
+from ev_sim.running.domain import reserved_domains
 
 _OWN_NAME = "inspect_graph"
 _DISCOVERY_TIME = 1.0  # s that nodes have to answer before the graph is taken as complete

@@ -13,7 +13,7 @@ from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.page.content import Signals
 from ev_sim.report.page.writing import NAME, Page, write_page
-from ev_sim.run.recording.recording import load
+from ev_sim.running.recording.recording import load
 
 
 def run_report(argv: Sequence[str]) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.report.metric_table import WIDTH_OF_A_PIPE
-from ev_sim.run.progress_bar import bar_of_runs
+from ev_sim.running.progress_bar import bar_of_runs
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.workers import drive_cases
 from ev_sim.verdicts.all_verdicts import SOURCES, needs_of, verdicts, wanted

@@ -9,12 +9,12 @@ from typing import Any
 
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.batch.batch import BatchResult
-from ev_sim.batch.batch import batch as batch_of
-from ev_sim.batch.reductions import Reduction
+from ev_sim.batches.batch import BatchResult
+from ev_sim.batches.batch import batch as batch_of
+from ev_sim.batches.reductions import Reduction
 from ev_sim.report.result import Result
-from ev_sim.run.offline import drive_offline
-from ev_sim.run.scenarios.scenario import Overrides, Run, Scenario, load_scenario
+from ev_sim.running.offline import drive_offline
+from ev_sim.running.scenarios.scenario import Overrides, Run, Scenario, load_scenario
 
 
 def run(scenario: str | PathLike[str], runs: Sequence[str] = (), **changed: Any) -> Result:
@@ -49,7 +49,7 @@ def batch(
     """Many runs of a scenario in one call, compiled and on all cores; `changed` as for `run`.
 
     `vary` has by ROLE.PARAMETER one value for each run; `run` names which run of the scenario is meant if it has
-    several. The rest is that of `ev_sim.batch.batch.batch`.
+    several. The rest is that of `ev_sim.batches.batch.batch`.
     """
     of = one_run(load_scenario(fspath(scenario), overrides(**changed), only=(run,) if run else ()))
     return batch_of(of.configurations, of.duration, vary, initial_states, signals, every, metrics, threads)

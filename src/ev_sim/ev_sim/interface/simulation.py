@@ -20,8 +20,8 @@ from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.interface.driving import one_run, overrides
-from ev_sim.run.recording.recording import Recording, recording_of
-from ev_sim.run.scenarios.scenario import load_scenario
+from ev_sim.running.recording.recording import Recording, recording_of
+from ev_sim.running.scenarios.scenario import load_scenario
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,9 @@ from ev_msgs_py.nodes.run_role import run_node
 from ev_msgs_py.nodes.signal_io import SignalWriter
 from ev_msgs_py.parameters.declaration import entries
 from ev_msgs_py.parameters.values import build
-from ev_sim.run.recording.output_of_run import OutputOfRun
-from ev_sim.run.recording.recorder_input import POLL_PERIOD, RecorderInput
-from ev_sim.run.recording.recorder_parameters import RecorderParameters
+from ev_sim.running.recording.output_of_run import OutputOfRun
+from ev_sim.running.recording.recorder_input import POLL_PERIOD, RecorderInput
+from ev_sim.running.recording.recorder_parameters import RecorderParameters
 
 _NOTHING = Frame()  # the progress is nothing but its stamp
 

@@ -17,10 +17,10 @@ from ev_sim.report.own_metrics import own_metrics
 from ev_sim.report.reports import report_for
 from ev_sim.report.samples import Parameters, Runs
 from ev_sim.report.summary import Summary, write_summary
-from ev_sim.run.outcome import Outcome
-from ev_sim.run.recording.recording import Recording, combined_hash, save, signal_hash
-from ev_sim.run.scenarios.differences import COMMAND_LINE, Difference, differences
-from ev_sim.run.scenarios.scenario import Scenario, load_scenario
+from ev_sim.running.outcome import Outcome
+from ev_sim.running.recording.recording import Recording, combined_hash, save, signal_hash
+from ev_sim.running.scenarios.differences import COMMAND_LINE, Difference, differences
+from ev_sim.running.scenarios.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ev_sim.report.metric import NotMeasured
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 Runs = Mapping[str, Recording]  # name of the run -> its signals
 Parameters = Mapping[str, Mapping[str, Any]]  # node -> dotted parameter name -> value

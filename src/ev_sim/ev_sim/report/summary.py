@@ -14,9 +14,9 @@ from ev_msgs_py.parameters.declaration import flatten
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import Metric
 from ev_sim.report.samples import Parameters, Runs
-from ev_sim.run.recording.atomic import atomic_file
-from ev_sim.run.recording.recording import combined_hash, signal_hash
-from ev_sim.run.scenarios.differences import Difference
+from ev_sim.running.recording.atomic import atomic_file
+from ev_sim.running.recording.recording import combined_hash, signal_hash
+from ev_sim.running.scenarios.differences import Difference
 
 PACKAGES = ("numpy", "scipy", "numba", "rclpy")
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES, Role
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes.time_services import TIME_SERVICES
-from ev_sim.run.node_parameters import RECORDER
-from ev_sim.run.observer import OBSERVER
+from ev_sim.running.node_parameters import RECORDER
+from ev_sim.running.observer import OBSERVER
 from ev_sim.test_bench.sequence import SERVICES
 
 _CLOCK = frozenset({"/clock"})

@@ -10,8 +10,8 @@ import numpy as np
 
 from ev_sim.report.quantities.motion import distance_on_path, heading
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Run
 
 PERIOD = 0.005  # of control, with which the runs are driven [s]
 REACHED = 30 / 3.6  # [m/s]

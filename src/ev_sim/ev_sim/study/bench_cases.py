@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ev_sim.report.quantities.traction_windows import in_windows
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.urban_cases import Values
 
 WHEEL = "front_right"

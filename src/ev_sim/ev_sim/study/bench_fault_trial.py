@@ -11,8 +11,8 @@ import numpy as np
 
 from ev_msgs_py.can.database import load_database
 from ev_msgs_py.can.frames import joined
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case
 
 SCENARIO = "bench_fault"

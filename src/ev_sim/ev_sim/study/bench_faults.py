@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.text_table import text_table
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study import bench_fault_trial
 from ev_sim.study.bench_fault_trial import CYCLE, FAULTS, trial
 from ev_sim.study.case import Case, CaseResult

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.run.recording.recording import Recording, signal_hash
-from ev_sim.run.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.running.recording.recording import Recording, signal_hash
+from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
 Measure = Callable[[Recording, Run], Mapping[str, Any]]
 
@@ -52,7 +52,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
 
     A case that its parameters, a law on this vehicle, or a signal that is not finite forbid comes back as refused.
     """
-    from ev_sim.run.offline import run_offline  # numba is slow to import, and a list of studies drives nothing
+    from ev_sim.running.offline import run_offline  # numba is slow to import, and a list of studies drives nothing
 
     try:
         run = run_of(case)

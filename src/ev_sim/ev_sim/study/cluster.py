@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from distributed import Client, as_completed
 
 from ev_sim.report.summary import versions
-from ev_sim.run.outcome import RunFailed
+from ev_sim.running.outcome import RunFailed
 from ev_sim.study.case import Case, CaseResult, Measure, drive_case
 
 _PATIENCE = 60.0  # s for a scheduler to answer and for its first worker to join

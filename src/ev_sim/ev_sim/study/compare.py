@@ -17,8 +17,8 @@ from ev_sim.report.metric import Metric, NotMeasured
 from ev_sim.report.quantities import derived, handling, motion
 from ev_sim.report.samples import channel
 from ev_sim.report.text_table import text_table
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run, load_scenario
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 

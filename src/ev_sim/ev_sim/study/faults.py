@@ -15,8 +15,8 @@ from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import motion
 from ev_sim.report.samples import channel
 from ev_sim.report.text_table import text_table
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case
 from ev_sim.study.fault_cases import BEGIN, DURATION, FAULTS, OF_MOTORS, POWERED, ROADS, SCENARIO, SOUND, values_of
 from ev_sim.study.study import Results

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities.two_rear_motors import chatter
 from ev_sim.report.text_table import text_table
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 

@@ -15,9 +15,9 @@ from ev_sim.report.metric import Metric
 from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.summary import versions, write_summary
 from ev_sim.report.table_files import write_tables
-from ev_sim.run.outcome import RunFailed
-from ev_sim.run.output_folder import OutputFolder
-from ev_sim.run.progress_bar import bar_of_runs
+from ev_sim.running.outcome import RunFailed
+from ev_sim.running.output_folder import OutputFolder
+from ev_sim.running.progress_bar import bar_of_runs
 from ev_sim.study.case import Case, CaseResult, run_of
 from ev_sim.study.study import Results, Study, study_named
 from ev_sim.study.workers import drive_cases

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.report.metric import Metric
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult
 
 if TYPE_CHECKING:

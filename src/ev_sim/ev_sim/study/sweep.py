@@ -17,9 +17,9 @@ from ev_sim.report.own_metrics import own_metrics
 from ev_sim.report.reports import report_for
 from ev_sim.report.table_files import cell
 from ev_sim.report.text_table import text_table
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run, load_scenario
-from ev_sim.run.scenarios.yaml_text import read_yaml
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Run, load_scenario
+from ev_sim.running.scenarios.yaml_text import read_yaml
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 

@@ -12,8 +12,8 @@ from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import circuits, traction_windows
 from ev_sim.report.quantities.circuits import CircuitSums
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case
 
 SCENARIO, BENCH = "urban_mixed", "urban_mixed_bench"

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import wait
 
-from ev_sim.run.outcome import RunFailed
+from ev_sim.running.outcome import RunFailed
 from ev_sim.study.case import Case, CaseResult, Measure, run_of
 from ev_sim.study.worker import Job, Worker, WorkerLost
 
@@ -76,7 +76,7 @@ def _drive_here(jobs: Sequence[Job], progress: Progress, count: int) -> list[Cas
 
 def _load(case: Case) -> None:
     """What driving a case needs is loaded once, for all workers that are forked then."""
-    from ev_sim.run.offline import load_compiled
+    from ev_sim.running.offline import load_compiled
 
     with suppress(ValueError):  # a case that is refused says so when it is driven
         load_compiled(run_of(case).configurations)

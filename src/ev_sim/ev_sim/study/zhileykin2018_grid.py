@@ -12,8 +12,8 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_sim.report.papers.zhileykin2018 import CALM, LIMIT, SWING
 from ev_sim.report.quantities.handling import peak_sideslip
 from ev_sim.report.quantities.torque_shares import SHARES, turn_arounds
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Run, load_scenario
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.lockstep.configuration import Configuration
-from ev_sim.run.outcome import RunFailed
-from ev_sim.run.recording.recording import Recording
-from ev_sim.run.scenarios.scenario import Overrides, load_scenario
+from ev_sim.running.outcome import RunFailed
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.run_study import arguments, study_cases
 from ev_sim.study.study import study_named

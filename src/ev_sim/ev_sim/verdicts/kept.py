@@ -14,9 +14,9 @@ from typing import Any
 
 from ev_msgs_py.parameters.config_folders import config_folders
 from ev_sim.report.summary import versions
-from ev_sim.run.recording.atomic import atomic_file
-from ev_sim.run.recording.recording import Recording, load, save
-from ev_sim.run.scenarios.scenario import Run
+from ev_sim.running.recording.atomic import atomic_file
+from ev_sim.running.recording.recording import Recording, load, save
+from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult, Measure
 
 _PACKAGES = ("ev_msgs_py", "ev_control", "ev_sim")

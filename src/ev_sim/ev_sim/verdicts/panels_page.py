@@ -8,7 +8,7 @@ from importlib import import_module
 from itertools import groupby
 from pathlib import Path
 
-from ev_sim.run.recording.atomic import atomic_file
+from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.verdicts.need import Driven, Need
 from ev_sim.verdicts.panel import PublishedPanel
 

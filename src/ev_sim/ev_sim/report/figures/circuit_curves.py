@@ -13,7 +13,7 @@ from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import circuits
 from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 
 def running_wheel_efficiency(

@@ -11,7 +11,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.figures.urban_sheets import both_sides, each_side, left_and_right, sheet_over_cycle
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 _COOLED = (("winding", "winding"), ("inverter", "power stage"), ("coolant_outlet", "coolant out"))
 

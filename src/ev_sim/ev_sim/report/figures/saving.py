@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ev_sim.report.figures.column import as_column
-from ev_sim.run.recording.atomic import atomic_file
+from ev_sim.running.recording.atomic import atomic_file
 
 FORMATS = ("pdf", "svg")  # for print, beside PNG for the screen
 # Letters stay letters, and two equal figures are equal files.

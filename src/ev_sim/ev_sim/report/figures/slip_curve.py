@@ -12,7 +12,7 @@ from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities.slip_curve import SlipCurve, first_passed_peak, slip_and_road_torque
 from ev_sim.report.quantities.surfaces_under import surfaces_under
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.surfaces.table import tyre_on_road
 from ev_sim.tyres.curve import CURVES, friction
 

@@ -21,7 +21,7 @@ from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import derived
 from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.report.quantities.surfaces_under import surfaces_under
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 
 def cycle_figure(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:

@@ -28,7 +28,7 @@ from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 DETAIL = 15.0  # [s], length of the figure in which single pulses can be seen
 

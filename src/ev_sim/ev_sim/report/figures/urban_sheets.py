@@ -14,7 +14,7 @@ from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import traction_windows as cycle
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 WIDTH, NARROW = 9.2, 6.2  # of a panel alone, and of one beside another [inch]
 TIME = "time [s]"

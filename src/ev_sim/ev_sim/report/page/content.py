@@ -14,7 +14,7 @@ from ev_sim.report.page.envelope import envelope
 from ev_sim.report.page.quantities import groups_of
 from ev_sim.report.page.top_view import PREFIX, car_of, view_channels
 from ev_sim.report.samples import Runs
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 MOST_TEXT = 10_000_000  # characters of all signals of a page: room for figures below the 15 MB that a page may have
 _PLANES = (3, 2)  # bytes of a sample that are tried, one after the other

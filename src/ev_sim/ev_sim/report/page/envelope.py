@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 
 def envelope(run: Recording, every: int) -> Recording:

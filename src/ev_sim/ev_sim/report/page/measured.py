@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ev_sim.report.page.content import Signals
-from ev_sim.run.recording.recording import TIME, Recording
+from ev_sim.running.recording.recording import TIME, Recording
 
 
 def measured_signals(measured: Mapping[str, Mapping[str, Any]]) -> tuple[Signals, ...]:

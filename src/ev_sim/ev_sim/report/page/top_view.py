@@ -13,7 +13,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities.car_axes import wheel_directions
 from ev_sim.report.quantities.motion import heading
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 PREFIX = "view."
 

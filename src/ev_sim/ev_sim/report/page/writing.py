@@ -14,7 +14,7 @@ from jinja2 import Environment, FunctionLoader
 from ev_msgs_py.parameters.declaration import entries
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.page.content import Signals, by_result, signal_data
-from ev_sim.run.recording.atomic import atomic_file
+from ev_sim.running.recording.atomic import atomic_file
 
 NAME = "report.html"
 

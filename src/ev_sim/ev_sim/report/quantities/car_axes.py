@@ -11,7 +11,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.quantities import derived
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 
 class Direction(NamedTuple):

@@ -6,7 +6,7 @@ import numpy as np
 
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 
 def deviation_from_circle(run: Recording, begin: float) -> float:

@@ -15,7 +15,7 @@ from ev_sim.drives.losses import loss_power
 from ev_sim.drives.losses_over_time import map_loss_powers
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 _FREE = {"front": "rear", "rear": "front"}  # axle whose wheels roll where the other one is driven
 

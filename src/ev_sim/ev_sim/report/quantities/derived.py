@@ -10,7 +10,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.samples import channel, mean_between
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 ROAD_WHEEL_ANGLE = "steering_column.state.road_wheel_angle"
 HAND_TORQUE = "steering_column.state.hand_torque"

@@ -14,7 +14,7 @@ from ev_sim.report.quantities import derived, motion
 from ev_sim.report.quantities.car_axes import wheel_directions
 from ev_sim.report.quantities.understeer import understeer_gradient
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.surfaces.table import tyre_on_road
 from ev_sim.tyres.curve import peak_slip
 

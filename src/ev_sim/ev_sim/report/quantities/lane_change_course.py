@@ -9,7 +9,7 @@ import numpy as np
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.quantities import motion
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 LANE_OFFSET = 3.5  # [m], taken between the middles of the lanes
 LENGTHS = (15.0, 30.0, 25.0, 25.0, 30.0)  # [m], lane, lane change, lane, lane change, lane

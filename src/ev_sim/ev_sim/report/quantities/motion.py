@@ -9,7 +9,7 @@ import numpy as np
 from ev_sim.report.figures.panels import Curve
 from ev_sim.report.metric import Metric, NotMeasured
 from ev_sim.report.samples import Runs, channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 STEERING_WHEEL_ANGLE = "steering_column.state.angle"
 YAW_RATE = "imu.yaw_rate"

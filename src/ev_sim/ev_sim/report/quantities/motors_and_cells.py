@@ -9,7 +9,7 @@ import numpy as np
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 _CELL = "battery.cell"
 

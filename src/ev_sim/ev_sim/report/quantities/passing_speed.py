@@ -8,7 +8,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import derived, handling, motion
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 
 def turning_in(run: Recording) -> int:

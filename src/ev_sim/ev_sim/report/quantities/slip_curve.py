@@ -14,7 +14,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities.circuits import free_wheel_beside
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 WINDOW = 0.125  # [s]; the source gives no length
 LEAST_SLIP = 0.03  # [1], below it no wheel has passed its peak

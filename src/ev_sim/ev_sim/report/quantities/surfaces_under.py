@@ -8,7 +8,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities.motion import distance_on_path
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.surfaces.table import SURFACES, tyre_on_road
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ev_msgs_py.contract.bench_signals import BenchEnergy
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 _GONE = ("resistor", "machines", "loads", "shafts", "stored")
 

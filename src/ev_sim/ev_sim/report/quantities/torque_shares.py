@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 
 def front_share(run: Recording) -> np.ndarray:

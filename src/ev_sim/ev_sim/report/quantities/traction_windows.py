@@ -13,7 +13,7 @@ from ev_sim.profiles.over_time import modes_at, values_at
 from ev_sim.profiles.profile import Profile, profile_of
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 
 def windows(driver: Mapping[str, Any]) -> tuple[Profile, CycleModes]:

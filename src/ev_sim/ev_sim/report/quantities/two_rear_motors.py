@@ -11,7 +11,7 @@ from ev_sim.report.metric import NotMeasured
 from ev_sim.report.papers import ge_ni2005 as paper
 from ev_sim.report.quantities import motion
 from ev_sim.report.samples import channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 Measure = Callable[[Recording], float]
 

@@ -15,7 +15,7 @@ from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.samples import Runs
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,7 +12,7 @@ from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.quantities import lane_change_course as course
 from ev_sim.report.samples import Runs, channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -20,7 +20,7 @@ from ev_sim.report.papers import ge_ni2005 as paper
 from ev_sim.report.quantities import motion
 from ev_sim.report.quantities.two_rear_motors import QUANTITIES, SIDES, ground_speed, rim_speed, slip
 from ev_sim.report.samples import Parameters, Runs, channel, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.sources.ge_ni2005 import claims, law

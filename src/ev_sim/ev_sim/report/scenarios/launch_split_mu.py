@@ -11,7 +11,7 @@ from ev_sim.report.figures.split_friction import split_friction_figures
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.samples import Runs, channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

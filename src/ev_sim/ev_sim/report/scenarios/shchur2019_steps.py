@@ -17,7 +17,7 @@ from ev_sim.report.metric import Metric
 from ev_sim.report.papers import shchur2019 as paper
 from ev_sim.report.quantities import derived
 from ev_sim.report.samples import Parameters, Runs, channel, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
 

@@ -15,7 +15,7 @@ from ev_sim.report.figures.panels import panel
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import motion
 from ev_sim.report.samples import Runs, channel, last, mean_between
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -26,7 +26,7 @@ from ev_sim.report.quantities.passing_speed import (
     when_passing,
 )
 from ev_sim.report.samples import Parameters, Runs, channel, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.sources.tatar_chudzik.runs import CONTROLS, CORRECTED, EQUAL, LAYOUTS

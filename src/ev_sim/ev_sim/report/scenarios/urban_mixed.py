@@ -19,7 +19,7 @@ from ev_sim.report.quantities.circuits import CircuitSums
 from ev_sim.report.quantities.motors_and_cells import electrical_metrics, is_modelled
 from ev_sim.report.quantities.surfaces_under import share_of
 from ev_sim.report.samples import Parameters, Runs, channel
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

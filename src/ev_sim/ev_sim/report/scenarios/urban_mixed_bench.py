@@ -9,7 +9,7 @@ from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import motion, test_bench
 from ev_sim.report.samples import Parameters, Runs
 from ev_sim.report.scenarios import urban_mixed
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

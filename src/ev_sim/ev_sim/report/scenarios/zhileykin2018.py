@@ -20,7 +20,7 @@ from ev_sim.report.quantities import derived, motion
 from ev_sim.report.quantities.handling import peak_sideslip
 from ev_sim.report.quantities.torque_shares import SHARES, turn_arounds
 from ev_sim.report.samples import Parameters, Runs, channel, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
 

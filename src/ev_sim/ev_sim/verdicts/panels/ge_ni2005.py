@@ -11,7 +11,7 @@ from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.quantities import motion
 from ev_sim.report.quantities.two_rear_motors import SIDES, ground_speed, slip
 from ev_sim.report.samples import channel, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.panel import PublishedPanel, cannot_be_drawn, over_time
 from ev_sim.verdicts.sources.ge_ni2005.runs import BASELINE, COMPARED, READINGS

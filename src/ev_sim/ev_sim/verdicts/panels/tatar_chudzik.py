@@ -10,7 +10,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.quantities.car_axes import tyre_force
 from ev_sim.report.samples import channel, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.panel import PublishedPanel, cannot_be_drawn, over_time
 from ev_sim.verdicts.sources.tatar_chudzik.runs import CORRECTED, EQUAL, LAYOUTS, RUNS, WHEELS

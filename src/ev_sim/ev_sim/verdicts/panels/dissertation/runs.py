@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ev_sim.report.samples import run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.study.urban_cases import FIVE, METHODS, SCENARIO, case
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_sim.verdicts.panel import PublishedPanel

@@ -8,7 +8,7 @@ from ev_sim.report.metric import Metric
 from ev_sim.report.papers import ge_ni2005 as paper
 from ev_sim.report.quantities.two_rear_motors import CHATTER_WINDOW, chatter_at_its_target, slip
 from ev_sim.report.samples import channel, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.check import Basis, Comparison, Number, smaller
 from ev_sim.verdicts.declaration import judged
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns

@@ -10,7 +10,7 @@ from ev_sim.report.papers import ge_ni2005 as paper
 from ev_sim.report.quantities import motion
 from ev_sim.report.quantities.two_rear_motors import QUANTITIES, at_the_end, ground_speed, rim_speed, slip
 from ev_sim.report.samples import channel, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.check import Number
 from ev_sim.verdicts.declaration import Declaration, judged
 from ev_sim.verdicts.need import ScenarioRuns

@@ -9,7 +9,7 @@ import numpy as np
 from ev_sim.report.papers import shchur2019 as paper
 from ev_sim.report.quantities import derived
 from ev_sim.report.samples import channel, mean_between, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.check import Measure, Number
 from ev_sim.verdicts.declaration import Declaration, judged, not_judgeable
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns

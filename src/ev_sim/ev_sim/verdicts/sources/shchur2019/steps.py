@@ -12,7 +12,7 @@ from ev_sim.report.papers import shchur2019 as paper
 from ev_sim.report.quantities import derived
 from ev_sim.report.quantities.step_response import StepResponse, first_peaks, step_response
 from ev_sim.report.samples import channel, last, mean_between, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.check import Measure, Number, smaller
 from ev_sim.verdicts.declaration import Declaration, judged
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns

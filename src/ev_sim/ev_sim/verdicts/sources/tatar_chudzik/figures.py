@@ -10,7 +10,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.quantities.car_axes import tyre_force
 from ev_sim.report.quantities.passing_speed import turning_in
 from ev_sim.report.samples import channel, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.check import Number, holds
 from ev_sim.verdicts.declaration import Declaration, no_verdict, not_judgeable
 from ev_sim.verdicts.need import ScenarioRuns

@@ -10,7 +10,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.quantities.car_axes import tyre_force
 from ev_sim.report.quantities.passing_speed import when_passing
 from ev_sim.report.samples import run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.check import Measure
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
 

@@ -11,7 +11,7 @@ from ev_sim.report.quantities import motion
 from ev_sim.report.quantities.car_axes import tyre_force
 from ev_sim.report.quantities.passing_speed import energy_since_turning_in, total_force
 from ev_sim.report.samples import channel, run_named
-from ev_sim.run.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.check import Comparison, Number
 from ev_sim.verdicts.declaration import judged, no_verdict
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns

@@ -1,0 +1,1 @@
+"""Many runs of one graph in one call (docs/batch.md)."""

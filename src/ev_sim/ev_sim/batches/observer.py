@@ -1,0 +1,103 @@
+"""A part that keeps of a run what a batch is asked for: some channels now and then, and reductions.
+
+It stands behind all that answer and writes nothing into the frame. Two rows of numbers are its memory:
+
+    constants  every  channels  reductions  samples  their places ...  kind and place of each reduction ...
+    state      instant  reductions ...  the samples of the first channel ...  of the second ...
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.machine_code import function_address
+from ev_msgs_py.contract import frame
+from ev_sim.batches.reductions import LARGEST_MAGNITUDE, LAST, MAXIMUM, MEAN, MINIMUM, Reduction
+
+HEAD = 4
+
+
+@compilable
+def observe(now: np.ndarray, state: np.ndarray, c: np.ndarray) -> None:
+    """Take from the frame of an instant what is asked for."""
+    instant, every, channels, reductions, samples = int(state[0]), int(c[0]), int(c[1]), int(c[2]), int(c[3])
+    for i in range(reductions):
+        place = HEAD + channels + 2 * i
+        value = now[int(c[place + 1])]
+        state[1 + i] = value if instant == 0 and c[place] < MEAN else reduced(c[place], state[1 + i], value)
+    if instant % every == 0:
+        begin = 1 + reductions + instant // every
+        for i in range(channels):
+            state[begin + i * samples] = now[int(c[HEAD + i])]
+    state[0] += 1.0
+
+
+@compilable
+def reduced(kind: float, before: float, value: float) -> float:
+    """A reduction with one more value; for the mean and that of squares their sums."""
+    if kind == MINIMUM:
+        return min(before, value)
+    if kind == MAXIMUM:
+        return max(before, value)
+    if kind == LARGEST_MAGNITUDE:
+        return max(abs(before), abs(value))
+    if kind == LAST:
+        return value
+    return before + (value if kind == MEAN else value * value)
+
+
+_TEXT = f'''"""The observer of a batch: generated, do not edit."""
+
+from numba import carray, cfunc, types
+
+P = types.voidptr
+
+
+@cfunc(types.int32(P, P, P, P), cache=True, error_model="numpy")
+def step(now, next, state, constants):
+    head = carray(constants, {HEAD}, FLOAT)
+    told = carray(constants, {HEAD} + int(head[1] + 2.0 * head[2]), FLOAT)
+    kept = carray(state, 1 + int(head[2] + head[1] * head[3]), FLOAT)
+    observe(carray(now, {frame.SIZE}, FLOAT), kept, told)
+    return 0
+'''
+
+
+@cache
+def function() -> int:
+    """The address of the compiled observer."""
+    return function_address("observer", _TEXT, {"FLOAT": np.float64, "observe": observe})
+
+
+class Observation:
+    """The memory of the observers of all runs."""
+
+    def __init__(
+        self, channels: Sequence[str], every: int, reductions: Sequence[Reduction], runs: int, instants: int
+    ) -> None:
+        places = frame.channels()
+        self._samples = (instants - 1) // every + 1
+        told = [every, len(channels), len(reductions), self._samples, *(places[name] for name in channels)]
+        for reduction in reductions:
+            told += [reduction.kind, places[reduction.channel]]
+        self._constants = np.array(told, float)
+        self._channels, self._head = channels, 1 + len(reductions)
+        self._kept = np.full((runs, self._head + len(channels) * self._samples), np.nan)
+        self._kept[:, : self._head] = 0.0
+
+    def addresses(self, run: int) -> tuple[int, int, int]:
+        """Of the function, the row of a run and the constants."""
+        return function(), self._kept[run].ctypes.data, self._constants.ctypes.data
+
+    def reduced(self) -> np.ndarray:
+        """What has come of each reduction, (runs, reductions)."""
+        return self._kept[:, 1 : self._head].copy()
+
+    def signals(self) -> dict[str, np.ndarray]:
+        """By channel the samples of each run, (runs, samples); NaN where none has come."""
+        samples = self._kept[:, self._head :].reshape(len(self._kept), len(self._channels), self._samples)
+        return {name: samples[:, i].copy() for i, name in enumerate(self._channels)}

@@ -1,0 +1,117 @@
+"""The runs of a batch as memory that compiled code works on: parts, states, constants and what is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ev_msgs_py.compiling.loop import FINISHED, run_through
+from ev_msgs_py.compiling.part import CompiledPart
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.shape import SignalError
+from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.lockstep.parts import method_part, row_parts
+from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order, written_by
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.sensors import part as sensors
+from ev_sim.batches import observer
+from ev_sim.batches.variation import Variation
+
+
+class _Placed(NamedTuple):
+    """A part of a role, which runs may share, and a state of a run's own."""
+
+    role: str
+    writes: tuple[int, int]
+    part: CompiledPart | sensors.RowPart
+    state: np.ndarray
+
+    @property
+    def row(self) -> tuple[int, ...]:
+        """What the compiled loop has to know (`compiling.loop`)."""
+        function, _, constants = self.part.addresses()
+        return function, self.state.ctypes.data, constants, *self.writes
+
+
+class Runs:
+    """Drives single runs of a batch, on any thread; a method whose parameters are the same in all is prepared once.
+
+    `initial_states` have by role a row for each run. ParameterError for a method that does not run compiled, for a
+    refused value of a parameter, and for states of another size.
+    """
+
+    def __init__(
+        self,
+        configurations: Mapping[str, Configuration],
+        variation: Variation,
+        initial_states: Mapping[str, np.ndarray],
+        observation: observer.Observation,
+        times: np.ndarray,
+    ) -> None:
+        for role, configuration in configurations.items():
+            _refuse_interpreted(role, configuration)
+        self._answering, self._integrating = roles_in_order(configurations)
+        self._base, self._initial_states = configurations, initial_states
+        self._observation, self._times = observation, times
+        self._varied = {role: variation.configurations(role) for role in configurations}
+        first = {role: self._varied[role][0] if self._varied[role] else configurations[role] for role in configurations}
+        made = {role: method_part(configuration, compiled=True) for role, configuration in first.items()}
+        self._shared = {role: part for role, part in made.items() if not variation.concerns_method(role)}
+        # What is compiled is compiled here, and not by several threads at once.
+        observer.function()
+        if any(variation.concerns_sensors(role) or not each.is_ideal for role, each in configurations.items()):
+            sensors.function()
+        if any("faults" in name for name in variation.names) or any(each.faults for each in configurations.values()):
+            sensors.fault_function()
+        for role, states in initial_states.items():
+            _refuse_states(role, states, made[role].state.size)
+
+    def drive(self, run: int) -> str:
+        """Drive one run; where a number is not finite it stops, and the result says when and which one."""
+        before = [placed for role in self._answering for placed in self._placed(role, run)]
+        behind = [placed for role in self._integrating for placed in self._placed(role, run)]
+        observing = (*self._observation.addresses(run), 0, 0)
+        rows = np.array([*(p.row for p in before), observing, *(p.row for p in behind)], np.int64)
+        frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
+        if run_through(frames, self._times, rows, len(before) + 1, stopped) == FINISHED:
+            return ""
+        instant, place, which = stopped.tolist()
+        role = [*before, None, *behind][place].role
+        try:
+            refuse_not_finite(frames[which], self._base[role].method.writes)
+        except SignalError as error:
+            return f"at {self._times[instant]:g} s {error}"
+        raise AssertionError(f"{role} stopped, but all its numbers are finite")
+
+    def _placed(self, role: str, run: int) -> list[_Placed]:
+        """The parts that play a role in a run, at their start."""
+        varied = self._varied[role]
+        configuration = varied[run] if varied else self._base[role]
+        try:
+            part = self._shared.get(role) or method_part(configuration, compiled=True)
+        except ParameterError as error:  # values that are allowed one by one and do not fit together
+            raise ParameterError(f"run {run}: {role}: {error}") from None
+        state = self._initial_states[role][run] if role in self._initial_states else part.state
+        if any(text.split()[0] == "restarted" for text in configuration.faults):
+            raise ParameterError(f"{role} faults: restarted is refused in a batch, allowed are all other kinds")
+        writes = written_by(configuration.method)
+        placed = [_Placed(role, writes, part, state.copy())]
+        return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in row_parts(configuration))]
+
+
+def _refuse_interpreted(role: str, configuration: Configuration) -> None:
+    law = configuration.method.law
+    if law is None or not law.is_compilable:
+        raise ParameterError(
+            f"{role} method {configuration.method.name} runs in plain Python, allowed in a batch are methods that "
+            "run compiled"
+        )
+
+
+def _refuse_states(role: str, states: np.ndarray, size: int) -> None:
+    if states.shape[1] != size:
+        raise ParameterError(f"initial_states of {role} have {states.shape[1]} numbers, allowed are {size}")
+    for run in np.flatnonzero(~np.isfinite(states).all(axis=1)):
+        raise ParameterError(f"initial_states of {role} are not finite in run {run}")

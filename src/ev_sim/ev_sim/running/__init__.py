@@ -1,0 +1,1 @@
+"""Driving scenarios: offline, in one process, as processes."""

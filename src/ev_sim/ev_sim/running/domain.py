@@ -1,0 +1,90 @@
+"""A ROS domain that nobody else on this machine uses."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import socket
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from ev_sim.running.outcome import RunFailed
+
+_DOMAINS = range(1, 102)  # those that are safe on every operating system
+_LAST = 232  # whose ports still are ports
+_FIRST_PORT, _PORTS_PER_DOMAIN = 7400, 250  # of DDS: multicast discovery of a domain
+_PARTICIPANTS = 32  # among which nodes look for each other (config/fastdds.xml)
+_UNICAST = 10  # offset of the first participant's port
+
+
+class NoFreeDomain(RunFailed):
+    """All domains are in use."""
+
+
+@contextmanager
+def free_domain() -> Iterator[int]:
+    """A domain id without participants, reserved against other runs of this kind until the end of the block.
+
+    NoFreeDomain if there is none, RunFailed if ROS_DOMAIN_ID is no domain.
+
+    ROS_DOMAIN_ID goes before: whoever sets it wants to look at the run from outside.
+    """
+    given = os.environ.get("ROS_DOMAIN_ID", "")
+    if given:
+        if not (given.isdecimal() and int(given) <= _LAST):
+            raise RunFailed(f"ROS_DOMAIN_ID={given} is refused, allowed is a whole number from 0 to {_LAST}")
+        yield int(given)
+        return
+    for domain in _DOMAINS:
+        with _reservation(domain) as reserved:
+            if reserved and _is_silent(domain):
+                yield domain
+                return
+    raise NoFreeDomain(f"all ROS domains from {_DOMAINS[0]} to {_DOMAINS[-1]} are in use")
+
+
+def reserved_domains() -> list[int]:
+    """The domains in which runs of this kind are under way."""
+    domains = []
+    for domain in _DOMAINS:
+        if _lock_file(domain).exists():
+            with _reservation(domain) as reserved:
+                if not reserved:
+                    domains.append(domain)
+    return domains
+
+
+@contextmanager
+def _reservation(domain: int) -> Iterator[bool]:
+    """Whether the domain could be reserved, for the time of the block; also false if the lock is another user's."""
+    with ExitStack() as stack:
+        try:
+            lock = stack.enter_context(open(_lock_file(domain), "wb", opener=_opened_in_place))
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            yield False
+        else:
+            yield True
+
+
+def _opened_in_place(path: str, flags: int) -> int:
+    """Everybody may write into the folder of the locks: a link that somebody has put there is not followed."""
+    return os.open(path, (flags | os.O_NOFOLLOW) & ~os.O_TRUNC, 0o644)
+
+
+def _lock_file(domain: int) -> Path:
+    return Path(tempfile.gettempdir()) / f"ev_stack_domain_{domain}.lock"
+
+
+def _is_silent(domain: int) -> bool:
+    """Whether the ports of all participants can be had; the first ones may be gone while later ones live on."""
+    base = _FIRST_PORT + _PORTS_PER_DOMAIN * domain
+    for port in (base, *(base + _UNICAST + 2 * participant for participant in range(_PARTICIPANTS))):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(("", port))
+            except OSError:
+                return False
+    return True

@@ -1,0 +1,101 @@
+"""Which node of a run that stands still does not answer: the others are heard, for they repeat what they have said."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+
+from rclpy.subscription import Subscription
+
+from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
+from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS
+from ev_msgs_py.lockstep.graph import step_order
+from ev_msgs_py.lockstep.stepper import WRITERS
+from ev_msgs_py.wire.layout import MessageError
+from ev_msgs_py.wire.message_classes import message_class
+from ev_msgs_py.wire.message_format import stamp_of
+from ev_sim.running.observer import Observer
+
+_HEARKEN = 0.6  # s to find the writers and to hear some repetitions, which come every 0.05 s
+_TO_COME_UP = 10.0  # s that nodes may take to start
+
+
+class Hanging:
+    """Names the node that a run waits for when nothing has gone on for some wall time; `look` is to be called often.
+
+    The master repeats its state where no answer comes, and every node that lives answers again. So it is the master
+    if nobody speaks; else the first node, in the order of a step, that says nothing, or nothing of the instant.
+    """
+
+    def __init__(self, observer: Observer, pids: Mapping[str, int], patience: float) -> None:
+        self._observer, self._pids = observer, pids
+        self._wait = max(patience - _HEARKEN - 0.2, 0.1)
+        self._since = self._hearkens = time.monotonic()
+        self._time = observer.time
+        self._ears: dict[type, Subscription] = {}
+        self._heard: dict[str, int] = {}  # newest stamp by role
+        self._named = False
+
+    def look(self) -> str | None:
+        """One line on who does not answer, once for each time that the run stands still."""
+        now = time.monotonic()
+        if self._observer.time != self._time or self._observer.rests:
+            self._time, self._since, self._named = self._observer.time, now, False
+            self._stop()
+        elif self._ears:
+            self._take()
+            if now - self._hearkens > _HEARKEN:
+                who = self._who()
+                self._stop()
+                self._named = True
+                return f"node {who} does not answer, at {self._time:g} s of simulated time"
+        elif not self._named and now - self._since > (self._wait if self._time else _TO_COME_UP):
+            stopped = [name for name, pid in self._pids.items() if _is_stopped(pid)]
+            if stopped:
+                self._named = True
+                return f"stopped by a signal: {', '.join(stopped)}, at {self._time:g} s of simulated time"
+            self._hearkens = now
+            self._begin()
+        return None
+
+    def _begin(self) -> None:
+        for signal, topic in TOPICS.items():
+            if WRITERS.get(signal) in self._pids:
+                kind = message_class(topic.message_type)
+                self._ears[signal] = self._observer.create_subscription(
+                    kind, topic.name, lambda _: None, QUEUE_DEPTH, raw=True
+                )
+
+    def _stop(self) -> None:
+        for ear in self._ears.values():
+            self._observer.destroy_subscription(ear)
+        self._ears, self._heard = {}, {}
+
+    def _take(self) -> None:
+        for signal, ear in self._ears.items():
+            for message, _ in iter(partial(ear.handle.take_message, ear.msg_type, True), None):
+                try:
+                    stamp = stamp_of(message)
+                except MessageError:
+                    continue
+                writer = WRITERS[signal]
+                self._heard[writer] = max(self._heard.get(writer, 0), stamp)
+
+    def _who(self) -> str:
+        order = [role for role in step_order(ROLES) if role in self._pids]
+        others = [role for role in (*order, *ROLES) if role in self._pids and role != MASTER]
+        if MASTER not in self._heard:
+            return MASTER
+        silent = [role for role in dict.fromkeys(others) if role not in self._heard]
+        behind = [role for role in order if self._heard.get(role, 0) < self._heard[MASTER]]
+        return (silent or behind or [RECORDER])[0]
+
+
+def _is_stopped(pid: int) -> bool:
+    """Whether a process stands still by SIGSTOP or the like."""
+    try:
+        return (Path("/proc") / str(pid) / "stat").read_text().rpartition(")")[2].split()[0] in "Tt"
+    except (OSError, IndexError):
+        return False

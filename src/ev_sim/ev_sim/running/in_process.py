@@ -1,0 +1,87 @@
+"""All nodes of a run in this process, talking over DDS as they always do."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from rclpy.parameter import Parameter
+
+from ev_msgs_py.contract.roles import RECORDER
+from ev_msgs_py.nodes.run_role import make_node
+from ev_msgs_py.nodes.security import security_is_asked_for
+from ev_msgs_py.nodes.spinning import spin
+from ev_msgs_py.nodes.stepped_node import SteppedNode
+from ev_msgs_py.nodes.stop_request import StopRequest
+from ev_sim.nodes.recorder import RecorderNode
+from ev_sim.running.domain import free_domain
+from ev_sim.running.node_parameters import node_parameters, write_parameter_file
+from ev_sim.running.observer import Observer
+from ev_sim.running.outcome import Outcome, Progress, RunFailed, not_reproducible
+from ev_sim.running.progress_bar import announce
+from ev_sim.running.recording.recording import load
+from ev_sim.running.scenarios.scenario import Run
+
+_LOOK_PERIOD = 0.1  # s of wall time between looks at simulated time
+
+
+def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
+    """Drive a run to its end; everything that the recorder writes is in `directory` then.
+
+    KeyboardInterrupt, when all nodes have finished what they did, if Ctrl-C or SIGTERM came before the end.
+    """
+    if security_is_asked_for(os.environ):
+        raise RunFailed("--in-process: DDS security gives keys to processes, not to nodes; drive one process per node")
+    parameters = node_parameters(run, directory, bag)
+    write_parameter_file(directory / "parameters.yaml", run, parameters)
+    nodes: list[SteppedNode] = []
+    with free_domain() as domain, StopRequest(patient=True) as stop:
+        announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
+        context = rclpy.Context()
+        rclpy.init(context=context, domain_id=domain)
+        try:
+            observer = Observer(context, run.namespace)
+            nodes += [_node(name, run.namespace, values, context) for name, values in parameters.items()]
+            recorder = nodes[-1]
+            next_look = 0.0
+
+            def finished() -> bool:
+                nonlocal next_look
+                if time.monotonic() >= next_look:
+                    observer.look()
+                    progress(observer.time)
+                    next_look = time.monotonic() + _LOOK_PERIOD
+                return recorder.done or stop.received
+
+            start = time.monotonic()
+            spin(nodes, finished)
+            wall_time = time.monotonic() - start
+            if not recorder.done:
+                raise KeyboardInterrupt
+            observer.look()
+            progress(run.duration)
+        finally:
+            for node in nodes:
+                node.close()
+                node.destroy_node()
+            context.try_shutdown()
+    warnings, notes = not_reproducible(run, observer.warnings), observer.notes
+    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes, observer.timing)
+
+
+def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:
+    """Dotted names and values as a node takes them."""
+    return [Parameter(name, value=value) for name, value in values.items()]
+
+
+def _node(name: str, namespace: str, values: dict, context: rclpy.Context) -> object:
+    arguments = {
+        "context": context,
+        "namespace": namespace,
+        "parameter_overrides": parameter_overrides(values),
+    }
+    return RecorderNode(**arguments) if name == RECORDER else make_node(name, **arguments)

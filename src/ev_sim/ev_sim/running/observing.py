@@ -1,0 +1,36 @@
+"""The runner's own place in the graph, with keys of its own where DDS security is asked for."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import rclpy
+
+from ev_msgs_py.nodes.run_role import one_line
+from ev_msgs_py.nodes.security import refuse_weak_security, security_is_asked_for
+from ev_sim.running.observer import OBSERVER, Observer
+from ev_sim.running.outcome import RunFailed
+
+
+@contextmanager
+def observing(namespace: str, domain: int) -> Iterator[Observer]:
+    """An observer of the graph in a domain; RunFailed where ROS 2 refuses it, as for keys that are missing."""
+    context = rclpy.Context()
+    try:
+        try:
+            refuse_weak_security(os.environ)
+            rclpy.init(args=enclave(OBSERVER, namespace), context=context, domain_id=domain)
+            observer = Observer(context, namespace)
+        except RuntimeError as error:
+            raise RunFailed(one_line(error)) from None
+        yield observer
+        observer.destroy_node()
+    finally:
+        context.try_shutdown()
+
+
+def enclave(node: str, namespace: str) -> list[str]:
+    """The ROS arguments that name the keys of a process, where security is asked for."""
+    return ["--ros-args", "--enclave", f"{namespace}/{node}"] if security_is_asked_for(os.environ) else []

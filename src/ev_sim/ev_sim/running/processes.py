@@ -1,0 +1,186 @@
+"""Every node of a run as its own process: started, watched, stopped, and nothing left behind."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import MASTER, RECORDER
+from ev_msgs_py.lockstep.methods import node_package
+from ev_msgs_py.nodes.stop_request import StopRequest
+from ev_sim.running.children import ends_with_us
+from ev_sim.running.domain import free_domain
+from ev_sim.running.hanging import Hanging
+from ev_sim.running.node_parameters import node_parameters, write_parameter_file
+from ev_sim.running.observer import Observer
+from ev_sim.running.observing import enclave, observing
+from ev_sim.running.outcome import Outcome, Progress, RunFailed, not_reproducible
+from ev_sim.running.progress_bar import announce
+from ev_sim.running.recording.recording import load
+from ev_sim.running.same_addresses import same_addresses
+from ev_sim.running.scenarios.scenario import Run
+
+_LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
+_ROOM = 65536  # bytes; who has less cannot even say what went wrong
+_PATIENCE = 2.0  # s for a process to stop when it is asked to, and for a last word to arrive
+
+
+@dataclass
+class NodeProcess:
+    """One node, its process and the file with what it printed."""
+
+    name: str
+    process: subprocess.Popen
+    log: Path
+
+    def failure(self) -> str:
+        """One line on how the process ended."""
+        code = self.process.returncode
+        how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with status {code}"
+        lines = self.log.read_text(errors="replace").strip().splitlines()
+        said = f": {lines[-1]}" if lines and code > 0 else ""
+        if shutil.disk_usage(self.log.parent).free < _ROOM:
+            said = f": no space left on device, {self.log.parent}"
+        return f"node {self.name} {how}{said}"
+
+
+def run_in_processes(
+    run: Run, directory: Path, bag: bool, progress: Progress, own_nodes: Mapping[str, Sequence[str]] | None = None
+) -> Outcome:
+    """Drive a run to its end, every node as its own process over DDS; the recorder writes into `directory`.
+
+    `own_nodes` are commands by role that are started in the place of our nodes, with the same ROS arguments.
+
+    RunFailed, with a line that names the node, if one ends before the run does; KeyboardInterrupt if Ctrl-C or SIGTERM
+    came. All nodes are stopped then.
+    """
+    parameters = node_parameters(run, directory, bag)
+    file = directory / "parameters.yaml"
+    write_parameter_file(file, run, parameters)
+    with (
+        free_domain() as domain,
+        StopRequest(patient=True) as stop,
+        observing(run.namespace, domain) as observer,
+    ):
+        announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
+        nodes: list[NodeProcess] = []
+        try:
+            for name in parameters:
+                words = (own_nodes or {}).get(name) or command(name)
+                nodes.append(_start(name, words, run, file, directory / "log", domain))
+            return _watch(run, nodes, observer, directory, progress, stop)
+        finally:
+            _stop(nodes)
+
+
+def package_of(node: str) -> str:
+    """The package with the node of a role, or with the recorder; LookupError as `node_package`."""
+    return __package__.partition(".")[0] if node == RECORDER else node_package(node)
+
+
+def command(name: str) -> list[str]:
+    """How the node of a role is started: by `ros2 run` where there is one, else what that would start.
+
+    RunFailed if the workspace is not built or not sourced, or if the node comes from several packages.
+    """
+    try:
+        package = package_of(name)
+    except LookupError as error:
+        raise RunFailed(str(error)) from None
+    if shutil.which("ros2") is not None and "ROS_DISTRO" in os.environ:
+        return ["ros2", "run", package, name]
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        path = Path(prefix) / "lib" / package / name
+        if path.exists():
+            return [str(path)]
+    raise RunFailed(f"executable {package} {name} is not found: source install/local_setup.bash of the workspace")
+
+
+def _start(name: str, words: Sequence[str], run: Run, parameters: Path, logs: Path, domain: int) -> NodeProcess:
+    logs.mkdir(exist_ok=True)
+    log = logs / f"{name}.log"
+    arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
+    arguments += enclave(name, run.namespace)
+    environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    with log.open("wb") as output:
+        try:
+            with same_addresses():
+                process = subprocess.Popen(
+                    [*words, *arguments],
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=subprocess.STDOUT,
+                    env=environment,
+                    preexec_fn=ends_with_us(),
+                    start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
+                )
+        except OSError as error:
+            raise RunFailed(f"node {name} cannot be started: {words[0]}: {error.strerror}") from None
+    return NodeProcess(name, process, log)
+
+
+def _watch(
+    run: Run, nodes: list[NodeProcess], observer: Observer, directory: Path, progress: Progress, stop: StopRequest
+) -> Outcome:
+    """Look at processes and time until plant and recorder have come to their end by themselves."""
+    started = ended = None  # wall time at which the car was first seen under way, and at its last instant
+    ending = {MASTER, RECORDER}
+    last = stamps.to_seconds(stamps.from_seconds(run.duration) // run.period * run.period)
+    answer_timeout = run.configurations[MASTER].extra.answer_timeout
+    hanging = Hanging(observer, {node.name: node.process.pid for node in nodes}, answer_timeout)
+    patience = math.inf  # wall time up to which the recorder may tell that it has everything
+    while ending:
+        if stop.received:
+            raise KeyboardInterrupt
+        time.sleep(_LOOK_PERIOD)
+        observer.look()
+        progress(observer.time)
+        for word in (*observer.new_words(), hanging.look()):
+            if word is not None:
+                announce(word)
+        if started is None and observer.time > 0:
+            started = time.monotonic()
+        if ended is None and observer.time >= last:
+            ended = time.monotonic()
+        for node in nodes:
+            code = node.process.poll()
+            if code == 0 and node.name in (MASTER, RECORDER):
+                ending.discard(node.name)
+                patience = min(patience, time.monotonic() + _PATIENCE)
+                if observer.time < last and time.monotonic() > patience:
+                    raise RunFailed(f"node {node.name} was stopped at {observer.time:g} s of simulated time")
+            elif code is not None:
+                raise RunFailed(f"{node.failure()}, at {observer.time:g} s of simulated time")
+    now = time.monotonic()
+    wall_time = (ended or now) - (started or now)
+    progress(run.duration)
+    warnings, notes = not_reproducible(run, observer.warnings), observer.notes
+    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes, observer.timing)
+
+
+def _stop(nodes: list[NodeProcess]) -> None:
+    """Ask all processes to stop, then make them, with whatever they have started."""
+    for node in nodes:
+        if node.process.poll() is None:
+            _signal(node, signal.SIGINT)
+    deadline = time.monotonic() + _PATIENCE
+    for node in nodes:
+        with suppress(subprocess.TimeoutExpired):
+            node.process.wait(max(deadline - time.monotonic(), 0.0))
+    for node in nodes:
+        _signal(node, signal.SIGKILL)
+        node.process.wait()
+
+
+def _signal(node: NodeProcess, kind: signal.Signals) -> None:
+    with suppress(ProcessLookupError):
+        os.killpg(node.process.pid, kind)

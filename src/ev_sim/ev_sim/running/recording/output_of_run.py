@@ -1,0 +1,40 @@
+"""Where a recorded run goes: its folder, its recorder, and the files at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.topics import Topic
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.recording.recorder_parameters import RecorderParameters
+from ev_sim.running.recording.recording import save
+from ev_sim.running.recording.run_recorder import RunRecorder
+
+
+class OutputOfRun:
+    """Makes the folder; ParameterError if it has a bag already. `names` are the full names of the topics."""
+
+    def __init__(self, p: RecorderParameters, topics: Sequence[Topic], names: Sequence[str]) -> None:
+        self._directory = Path(p.directory)
+        bag = self._directory / "bag" if p.bag else None
+        if bag is not None and bag.exists():
+            raise ParameterError(f"parameter directory: {p.directory!r} is refused, allowed is one without a bag")
+        self._directory.mkdir(parents=True, exist_ok=True)
+        period = stamps.from_seconds(p.control_period)
+        self._last = stamps.from_seconds(p.duration) // period * period
+        self.recorder = RunRecorder(topics, names, period, bag, p.mode == "realtime", self._last or None)
+        self._wrote = False
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether everything up to the end of the run is held."""
+        return 0 < self._last <= self.recorder.held
+
+    def write(self) -> None:
+        """Write signals.npz with all complete steps and close the bag, once."""
+        if not self._wrote:
+            self._wrote = True
+            self.recorder.close()
+            save(self.recorder.recording(), self._directory / "signals.npz")

@@ -1,0 +1,203 @@
+"""A scenario: ordinary ROS parameter files, resolved to one configured graph per run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.lockstep.configuration import Configuration, chosen_method, configure
+from ev_msgs_py.lockstep.graph_check import check_graph
+from ev_msgs_py.nodes.master_parameters import MasterParameters
+from ev_msgs_py.parameters.config_folders import files_in_config
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.values import build, unknown_name
+from ev_sim.report.reports import refuse_unknown_report
+from ev_sim.running.scenarios.configured_file import VEHICLE, configured_file, vehicle_file
+from ev_sim.running.scenarios.parameter_file import ParameterFile, matches
+
+NAMESPACE = "/ev"
+_SCENARIO_NODE = "scenario"
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioParameters:
+    """What a scenario says about itself, in its section /**/scenario.
+
+    The nodes of a run live in the namespace /ev/RUN, or in /ev if there is one run only; so `/**/RUN/driver` means the
+    driver of one run, and `/**/driver` that of all.
+    """
+
+    about: str = parameter("", about="one line for --list")
+    vehicle: str = parameter("audi_a2", about="name of a file in config/vehicles, or path of your own")
+    duration: float = parameter(10.0, unit="s", low=0.01, high=1e5, about="simulated time of every run")
+    runs: tuple[str, ...] = parameter((), about="names of the runs, if there are several")
+    report: str = parameter("", about="scenario whose metrics and figures it gets; empty for that of its own name")
+    metrics: tuple[str, ...] = parameter(
+        (), about="metrics of its own, each as NAME = REDUCTION(CHANNEL), such as peak = maximum(imu.yaw_rate)"
+    )
+
+
+@dataclass(frozen=True)
+class Run:
+    """One configured graph, the namespace of its nodes, and by which report and metrics of its file it is measured."""
+
+    name: str
+    namespace: str
+    configurations: Mapping[str, Configuration]
+    duration: float
+    report: str = ""
+    metrics: tuple[str, ...] = ()
+
+    @property
+    def period(self) -> int:
+        """The control period in nanoseconds."""
+        return self.configurations[MASTER].period
+
+    @property
+    def realtime(self) -> bool:
+        """Whether the wall clock drives the graph."""
+        return self.configurations[MASTER].common.mode == "realtime"
+
+
+@dataclass(frozen=True)
+class Overrides:
+    """What the command line says beyond the scenario's own files; later entries go before earlier ones.
+
+    `values`: (node, dotted parameter name, value). Node `*` means every role. `vehicle` is another car than that of the
+    scenario, as a name or a path; what the scenario itself changes about its car is left out then.
+    """
+
+    files: Sequence[Path] = ()
+    values: Sequence[tuple[str, str, Any]] = ()
+    duration: float | None = None
+    vehicle: str | None = None
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A name, what it says about itself, its runs, its file, and what of that does not hold."""
+
+    name: str
+    parameters: ScenarioParameters
+    runs: tuple[Run, ...]
+    file: Path
+    notes: tuple[str, ...] = ()
+
+
+def scenario_names() -> list[str]:
+    """Names of all scenarios in the config folders."""
+    return sorted(files_in_config("scenarios"))
+
+
+def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[str] = ()) -> Scenario:
+    """The scenario of a name or a path, with everything resolved; of its runs only those that are named, if any is.
+
+    Raises ParameterError, in one line, for unknown scenarios, runs, vehicles, nodes, methods and parameters, and for
+    values that are refused.
+    """
+    overrides = overrides or Overrides()
+    own = ParameterFile(configured_file("scenario", name))
+    name = own.path.stem
+    about = _about(own)
+    car = own.without(f"{VEHICLE}.") if overrides.vehicle else own
+    files = [vehicle_file(overrides.vehicle or about.vehicle), car, *map(ParameterFile, overrides.files)]
+    namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
+    for file in files:
+        _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, _SCENARIO_NODE) if file is car else tuple(ROLES))
+    _refuse_unknown_overrides(overrides)
+    duration = about.duration if overrides.duration is None else overrides.duration
+    if not 0 < duration < 1e5:
+        raise ParameterError(f"duration: {duration!r} is refused, allowed is more than 0 and less than 100000 s")
+    for run in only:
+        if run not in namespaces:
+            raise unknown_name(f"run of {name}", run, namespaces)
+    runs = tuple(
+        replace(_run(run, namespace, files, overrides, duration), report=about.report or name, metrics=about.metrics)
+        for run, namespace in namespaces.items()
+        if not only or run in only
+    )
+    left_out = sorted({key for key in own.names() if key.startswith(f"{VEHICLE}.")}) if overrides.vehicle else ()
+    notes = (f"left out for another vehicle: {', '.join(left_out)} of {own.path}",) if left_out else ()
+    return Scenario(name, about, runs, own.path, notes)
+
+
+def describe_scenario(name: str) -> str:
+    """The one line that a scenario says about itself."""
+    return _about(ParameterFile(configured_file("scenario", name))).about
+
+
+def _about(file: ParameterFile) -> ScenarioParameters:
+    try:
+        about = build(ScenarioParameters, file.values_for(f"{NAMESPACE}/{_SCENARIO_NODE}", by_name=True))
+        refuse_unknown_report(about.report, about.metrics)
+        return about
+    except ParameterError as error:
+        raise ParameterError(f"{file.path}: {error}") from None
+
+
+def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:
+    """What a scenario says about itself stands in its own file only, and the runner tells the recorder what to do."""
+    for pattern in file.sections:
+        if not any(matches(pattern, f"{space}/{node}") for space in (*namespaces, NAMESPACE) for node in nodes):
+            raise ParameterError(f"{file.path}: section {pattern!r} means no node; known: {', '.join(nodes)}")
+
+
+def _refuse_unknown_overrides(overrides: Overrides) -> None:
+    for node, key, _ in overrides.values:
+        if node != "*" and node not in ROLES:
+            hint = f"; the car is that of all nodes: '*.{node}.{key}'" if node == VEHICLE else ""
+            raise ParameterError(f"{unknown_name('node', node, ROLES)}{hint}")
+
+
+def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides, duration: float) -> Run:
+    values = {role: _values(role, namespace, files, overrides) for role in ROLES}
+    if "duration" in values[MASTER]:
+        raise ParameterError("plant.duration is refused: the duration of a run is that of the scenario, or --duration")
+    values[MASTER]["duration"] = duration
+    configurations = {}
+    for role in values:
+        if not _is_played(role, values):
+            continue
+        try:
+            for other, needed in chosen_method(role, values[role]).requires.items():
+                if other in values:
+                    values[other].setdefault("method", needed)
+        except ParameterError as error:
+            raise ParameterError(f"{role}: {error}") from None
+    for role in values:
+        if not _is_played(role, values):
+            continue
+        try:
+            configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
+        except ParameterError as error:
+            origin = _origin(error.parameter, role, namespace, files, overrides)
+            raise ParameterError(f"{role}: {error}{origin}") from None
+    check_graph(configurations)
+    period = configurations[MASTER].common.control_period
+    if duration < period:
+        raise ParameterError(f"duration: {duration!r} is refused, allowed is at least one control period, {period:g} s")
+    return Run(name, namespace, configurations, duration)
+
+
+def _is_played(role: str, values: Mapping[str, Mapping[str, Any]]) -> bool:
+    """Optional roles are played where a parameter chooses their method, or another method requires it."""
+    return "method" in values[role] or not ROLES[role].optional
+
+
+def _origin(name: str, role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> str:
+    """Where a value was given that is refused, in words; nothing for one of the command line, which the user sees."""
+    if not name or any(key == name and node in ("*", role) for node, key, _ in overrides.values):
+        return ""
+    given = [file.path for file in files if name in file.values_for(f"{namespace}/{role}")]
+    return f" ({given[-1]})" if given else ""
+
+
+def _values(role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for file in files:
+        values.update(file.values_for(f"{namespace}/{role}"))
+    values.update({key: value for node, key, value in overrides.values if node in ("*", role)})
+    return values

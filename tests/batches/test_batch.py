@@ -1,0 +1,105 @@
+"""A batch is its runs one by one, to the bit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from batches.batches import DURATION, RUNS, alone, lane_change, vary
+
+from ev_msgs_py.lockstep.parts import method_part
+from ev_sim.batches import runs
+from ev_sim.batches.batch import batch
+from ev_sim.batches.reductions import largest_magnitude, last, maximum, mean, minimum, root_mean_square
+from ev_sim.running.offline import run_offline
+
+SIGNALS = ("imu.yaw_rate", "wheel_states.velocity.rear_left", "pose.orientation_z", "driver.command.hand_torque")
+METRICS = {
+    "lowest": minimum("pose.y"),
+    "highest": maximum("pose.y"),
+    "largest": largest_magnitude("twist.lateral"),
+    "end": last("pose.x"),
+    "mean": mean("imu.yaw_rate"),
+    "rms": root_mean_square("imu.yaw_rate"),
+}
+
+
+@pytest.mark.parametrize("threads", [None, 1, 3])
+def test_each_run_is_as_alone(threads):
+    found = batch(lane_change(), DURATION, vary(), signals=SIGNALS, every=10, metrics=METRICS, threads=threads)
+    assert not found.failed
+    for run in range(RUNS):
+        recording = alone(run)
+        assert found.time.tobytes() == recording.time[::10].tobytes()
+        for name in SIGNALS:
+            assert found.signals[name][run].tobytes() == recording.channels[name][::10].tobytes()
+        y, v, rate = (recording.channels[name] for name in ("pose.y", "twist.lateral", "imu.yaw_rate"))
+        got = {name: values[run] for name, values in found.metrics.items()}
+        assert (got["lowest"], got["highest"], got["largest"]) == (y.min(), y.max(), np.abs(v).max())
+        assert got["end"] == recording.channels["pose.x"][-1]
+        # Sums of 301 numbers in another order: each addition is off by half of the last place of the sum at most.
+        assert got["mean"] == pytest.approx(rate.mean(), abs=301 * 2**-53 * np.abs(rate).mean())
+        assert got["rms"] == pytest.approx(np.sqrt((rate**2).mean()), rel=301 * 2**-53)
+
+
+def test_neighbours_and_order_do_not_matter():
+    """Backwards, and one of them alone in its batch."""
+    forwards, backwards, single = (
+        batch(lane_change(), 1.0, {name: v[part] for name, v in vary().items()}, signals=SIGNALS, metrics=METRICS)
+        for part in (slice(None), slice(None, None, -1), slice(2, 3))
+    )
+    for kind in ("signals", "metrics"):
+        for name, values in getattr(forwards, kind).items():
+            assert values.tobytes() == getattr(backwards, kind)[name][::-1].tobytes()
+            assert values[2:3].tobytes() == getattr(single, kind)[name].tobytes()
+    assert len(np.unique(forwards.signals["imu.yaw_rate"], axis=0)) == RUNS
+
+
+def test_states_to_begin_with():
+    """That of a car at 20 and 24 m/s, as the parameter `initial_speed` makes it."""
+    speeds = (20.0, 24.0)
+    plants = [lane_change()["plant"].changed({"initial_speed": speed}) for speed in speeds]
+    rows = [method_part(plant, compiled=True).state for plant in plants]
+    by_state = batch(lane_change(), 1.0, initial_states={"plant": rows}, signals=SIGNALS)
+    by_parameter = batch(lane_change(), 1.0, {"plant.initial_speed": np.array(speeds)}, signals=SIGNALS)
+    for name in SIGNALS:
+        assert by_state.signals[name].tobytes() == by_parameter.signals[name].tobytes()
+
+
+def test_a_batch_of_nothing_else_is_the_run_itself():
+    found = batch(lane_change(), 1.0, signals=["pose.x"], every=7)
+    assert found.signals["pose.x"].shape == (1, 15)
+    recording = run_offline(lane_change(), 1.0)
+    assert found.signals["pose.x"][0].tobytes() == recording.channels["pose.x"][::7].tobytes()
+    assert found.metrics == {}
+
+
+def test_a_run_that_is_not_finite_stops_alone():
+    """A lateral velocity of 1e300 m/s is infinite when it is squared; the neighbours do not notice."""
+    rows = np.repeat(method_part(lane_change()["plant"], compiled=True).state[None], 3, axis=0)
+    good = batch(lane_change(), 1.0, initial_states={"plant": rows}, signals=SIGNALS, metrics=METRICS)
+    rows[1, 1] = 1e300
+    found = batch(lane_change(), 1.0, initial_states={"plant": rows}, signals=SIGNALS, metrics=METRICS)
+    assert not good.failed
+    assert list(found.failed) == [1]
+    assert "only finite numbers are allowed" in found.failed[1]
+    for kind in ("signals", "metrics"):
+        for name, values in getattr(found, kind).items():
+            assert values[[0, 2]].tobytes() == getattr(good, kind)[name][[0, 2]].tobytes()
+            assert np.isnan(values[1]).any()
+
+
+def test_only_what_differs_is_prepared_anew(monkeypatch):
+    """Seeds concern sensors only; a parameter of the plant only the plant."""
+    made = []
+
+    def counted(configuration, compiled):
+        made.append(configuration.role)
+        return method_part(configuration, compiled)
+
+    monkeypatch.setattr(runs, "method_part", counted)
+    batch(lane_change(), 0.1, {"*.seed": range(20)})
+    assert sorted(made) == sorted(lane_change())
+    made.clear()
+    batch(lane_change(), 0.1, {"plant.initial_speed": [20.0] * 20})
+    assert made.count("plant") == 21
+    assert len(made) == 25

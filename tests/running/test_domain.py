@@ -1,0 +1,62 @@
+"""A run gets a ROS domain of its own."""
+
+import socket
+
+import pytest
+
+from ev_sim.running import domain
+from ev_sim.running.domain import NoFreeDomain, free_domain, reserved_domains
+
+FIRST_PORT = 2000
+
+
+@pytest.fixture(autouse=True)
+def few_domains(monkeypatch, tmp_path):
+    """Three domains at ports that no run uses, far below those of DDS and those that sockets get by chance."""
+    monkeypatch.setattr(domain, "_FIRST_PORT", FIRST_PORT)
+    monkeypatch.setattr(domain, "_DOMAINS", range(1, 4))
+    monkeypatch.setattr(domain.tempfile, "gettempdir", lambda: str(tmp_path))
+
+
+def test_runs_at_the_same_time_get_different_domains():
+    with free_domain() as first, free_domain() as second:
+        assert {first, second} == {1, 2}
+        assert reserved_domains() == [1, 2]
+    assert reserved_domains() == []
+
+
+def test_a_domain_is_free_again_after_the_run():
+    for _ in range(2):
+        with free_domain() as again:
+            assert again == 1
+
+
+def test_when_all_are_taken_the_run_does_not_begin():
+    with free_domain(), free_domain(), free_domain(), pytest.raises(NoFreeDomain, match="1 to 3"), free_domain():
+        pass
+
+
+@pytest.mark.parametrize("participant", [0, 1, 7])
+def test_a_domain_in_which_anybody_lives_is_left_alone(participant):
+    """Participant n of a domain listens 250 domain + 10 + 2 n above the first port (DDSI-RTPS 9.6.1.1)."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        stranger.bind(("127.0.0.1", FIRST_PORT + 250 + 10 + 2 * participant))
+        with free_domain() as free:
+            assert free == 2
+
+
+def test_the_lock_of_another_user_is_respected(tmp_path):
+    """Whoever may not open the lock file cannot know whether the domain is free; a folder stands for such a file."""
+    (tmp_path / "ev_stack_domain_1.lock").mkdir()
+    with free_domain() as free:
+        assert free == 2
+
+
+def test_a_link_in_the_place_of_a_lock_is_not_followed(tmp_path):
+    """The folder is everybody's: a link there could make us empty a file of the user's own."""
+    precious = tmp_path / "precious"
+    precious.write_text("kept")
+    (tmp_path / "ev_stack_domain_1.lock").symlink_to(precious)
+    with free_domain() as free:
+        assert free == 2
+    assert precious.read_text() == "kept"

@@ -1,0 +1,41 @@
+"""The published hashes are those of the runs (docs/signal_hashes.md)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from documentation.hashes import HASHES, changes, hash_table, published_hashes
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.recording import signal_hash
+from ev_sim.running.scenarios.scenario import load_scenario, scenario_names
+
+PUBLISHED = published_hashes((Path(__file__).parents[2] / HASHES).read_text())
+QUICK = ("double_lane_change", "ge_ni2005", "shchur2019_steps", "step_steer", "tatar_chudzik", "zhileykin2018")
+
+
+@pytest.mark.parametrize(
+    ("scenario", "run"),
+    [pytest.param(*key, marks=() if key[0] in QUICK else pytest.mark.slow) for key in PUBLISHED],
+    ids=lambda word: word,
+)
+def test_a_published_hash_is_that_of_the_run(scenario, run):
+    """A change of arithmetic that moves it belongs into the page (document.sh) and, with its cause, into CHANGELOG."""
+    (found,) = [each for each in load_scenario(scenario).runs if each.name == run]
+    assert signal_hash(run_offline(found.configurations, found.duration)).startswith(PUBLISHED[scenario, run])
+
+
+def test_every_run_of_every_scenario_is_published():
+    assert set(PUBLISHED) == {(name, run.name) for name in scenario_names() for run in load_scenario(name).runs}
+
+
+def test_a_table_is_read_as_it_was_written():
+    hashes = {("step_steer", "left"): "0123456789ab", ("step_steer", "right"): "ba9876543210"}
+    assert published_hashes(hash_table(hashes)) == hashes
+
+
+def test_a_change_names_run_and_hashes():
+    before = {("a", "same"): "00", ("a", "moved"): "01", ("a", "lost"): "02"}
+    now = {("a", "same"): "00", ("a", "moved"): "11", ("b", "more"): "03"}
+    assert changes(before, now) == ["a / moved: 01 -> 11", "a / lost: 02 -> gone", "b / more: new -> 03"]

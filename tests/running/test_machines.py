@@ -1,0 +1,57 @@
+"""The same bits on other machines, as far as one machine can act another one."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from determinism.surroundings import C_LIBRARIES
+from determinism.surroundings import COMPILERS as FOREIGN
+
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.recording import signal_hash
+from ev_sim.running.scenarios.scenario import load_scenario
+
+MACHINES = {"a C library without FMA and AVX2": C_LIBRARIES["without FMA and AVX2"]}
+# Between them tyres, drives, columns, drivers and laws; compiling the planar plant anew takes most of a minute.
+SCENARIOS = ("double_lane_change", "shchur2019", "urban_mixed")
+COMPILERS = {
+    "code for any x86-64 processor": (FOREIGN["any x86-64 processor"], SCENARIOS),
+    "code that is not optimised": (FOREIGN["without optimisation"], ("shchur2019",)),
+}
+
+
+def hashes(*scenarios: str) -> list[str]:
+    """Those of the first seconds of scenarios."""
+    return [signal_hash(run_offline(load_scenario(name).runs[0].configurations, 6.0)) for name in scenarios]
+
+
+def hashes_on(machine: dict[str, str], scenarios: tuple[str, ...], cache: Path | None = None) -> list[str]:
+    """The same by a process that believes to be elsewhere."""
+    imports = (
+        "from ev_sim.running.recording.recording import signal_hash",
+        "from ev_sim.running.offline import run_offline",
+        "from ev_sim.running.scenarios.scenario import load_scenario",
+    )
+    text = "\n".join((*imports, inspect.getsource(hashes), f"print(*hashes{scenarios})"))
+    environment = {**os.environ, **machine, **({"NUMBA_CACHE_DIR": str(cache)} if cache else {})}
+    done = subprocess.run([sys.executable, "-c", text], env=environment, capture_output=True, text=True, check=True)
+    return done.stdout.split()
+
+
+@pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES)
+def test_another_c_library_gives_the_same_bits(machine):
+    """Its sin, exp and atan2 round differently; those of `ev_msgs_py.elementary` do not."""
+    assert hashes_on(machine, SCENARIOS) == hashes(*SCENARIOS)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize(("compiler", "scenarios"), COMPILERS.values(), ids=COMPILERS)
+def test_another_compiler_gives_the_same_bits(compiler, scenarios, tmp_path):
+    """No target contracts a product and a sum, and no level of optimisation changes the order of sums."""
+    assert hashes_on(compiler, scenarios, tmp_path) == hashes(*scenarios)

@@ -1,0 +1,221 @@
+"""scripts/run.sh as a user calls it: the same numbers in every way of running, clean ends, one line for bad input."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+from run_script import ENVIRONMENT, RUN, Running
+
+from ev_sim.running.recording.recording import load
+
+pytestmark = pytest.mark.slow
+
+
+def run(*arguments: object, check: bool = True) -> subprocess.CompletedProcess:
+    """Run the script to its end."""
+    words = [RUN, *map(str, arguments)]
+    return subprocess.run(words, env=ENVIRONMENT, check=check, capture_output=True, text=True, timeout=100)
+
+
+def summary(folder: Path) -> dict:
+    return json.loads((folder / "summary.json").read_text())
+
+
+def messages_in(bag: Path) -> dict[str, int]:
+    """Number of messages by topic, all of them read."""
+    counts: dict[str, int] = {}
+    with AnyReader([bag]) as reader:
+        for connection, _, _ in reader.messages():
+            counts[connection.topic] = counts.get(connection.topic, 0) + 1
+    return counts
+
+
+@contextmanager
+def both_cores_busy() -> Iterator[None]:
+    hogs = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(os.cpu_count() or 2)]
+    try:
+        yield
+    finally:
+        for hog in hogs:
+            hog.kill()
+            hog.wait()
+
+
+@pytest.fixture(scope="module")
+def offline(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of 3 s without DDS."""
+    folder = tmp_path_factory.mktemp("offline")
+    run("shchur2019", "--duration", 3, "--offline", "--out", folder)
+    return folder
+
+
+@pytest.mark.parametrize("way", [(), (), ("--in-process",), ("--in-process",)], ids=["dds", "dds2", "one", "one2"])
+def test_every_way_of_running_gives_the_same_signals(way: tuple[str, ...], offline: Path, tmp_path: Path):
+    """Twice in a row, also bit by bit, so that a hash that forgets a channel would be noticed."""
+    run("shchur2019", "--duration", 3, *way, "--out", tmp_path)
+    assert summary(tmp_path)["signal_hash"] == summary(offline)["signal_hash"]
+    ours, theirs = load(tmp_path / "signals.npz"), load(offline / "signals.npz")
+    assert ours.channels.keys() == theirs.channels.keys()
+    assert all(np.array_equal(ours.channels[name], theirs.channels[name]) for name in ours.channels)
+    assert messages_in(tmp_path / "bag").items() >= messages_in(offline / "bag").items()
+
+
+def test_the_same_signals_while_both_cores_are_busy(offline: Path, tmp_path: Path):
+    with both_cores_busy():
+        run("shchur2019", "--duration", 3, "--out", tmp_path)
+    assert summary(tmp_path)["signal_hash"] == summary(offline)["signal_hash"]
+
+
+def test_what_a_run_leaves_behind(offline: Path):
+    content = summary(offline)
+    assert content["scenario"] == "shchur2019"
+    assert content["mode"] == "offline"
+    assert content["methods"]["electronic_differential"] == "power_steering"
+    assert content["reproducible"] is True
+    assert content["simulated_time"] == 3.0
+    assert {"value", "unit", "reference", "band", "verdict"} <= content["metrics"]["shchur.fig4.dV.left"].keys()
+    recording = load(offline / "signals.npz")
+    assert len(recording.time) == 301
+    assert messages_in(offline / "bag")["/ev/wheel_states"] == 301
+    assert list(offline.glob("*.png"))
+
+
+def test_options_reach_the_nodes(tmp_path: Path):
+    more = tmp_path / "more.yaml"
+    more.write_text("/**/driver:\n  ros__parameters:\n    speed_control: {proportional_gain: 1500.0}\n")
+    out = tmp_path / "out"
+    words = ("--method", "electronic_differential=equal_torque", "--set", "plant.drive=averaged", "--seed", "7")
+    run("shchur2019", "--offline", "--duration", 1, "--no-record", "--params", more, *words, "--out", out)
+    content = summary(out)
+    assert content["methods"]["electronic_differential"] == "equal_torque"
+    assert content["parameters"]["plant"]["drive"] == "averaged"
+    assert content["parameters"]["driver"]["speed_control.proportional_gain"] == 1500.0
+    assert content["seed"] == 7
+    assert not (out / "bag").exists()
+
+
+def test_what_nobody_reads_is_no_error():
+    """As in `scripts/run.sh --list | head`: the reader is gone before the first word."""
+    read, write = os.pipe()
+    os.close(read)
+    ended = subprocess.run([RUN, "--list"], stdout=write, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(write)
+    assert ended.stderr == "" and ended.returncode == 141
+
+
+def test_list_names_scenarios_and_methods():
+    said = run("--list").stdout
+    for name in ("shchur2019", "shchur2019_steps", "power_steering", "steer_by_wire", "drive_by_wire", "kinematic"):
+        assert re.search(rf"^  {name} +\S", said, re.MULTILINE), name
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("shchur2020",), "unknown scenario or study 'shchur2020'; known: shchur2019"),
+        (("shchur2019", "--method", "driver=robot"), "unknown driver method 'robot'; known: .*speed_profile"),
+        (("shchur2019", "--method", "engine=off"), "unknown node 'engine'; known: .*plant"),
+        (("shchur2019", "--set", "plant.drvie=ideal"), "unknown parameter of plant 'drvie'; known: drive"),
+        (("shchur2019", "--set", "plant.drive=steam"), "drive: 'steam' is refused, allowed is one of .*ideal"),
+        (("shchur2019", "--set", "electronic_differential.gamma=-1"), "gamma: -1.0 is refused, allowed is 0 to 50"),
+        (("shchur2019", "--set", "driver.speed_control.proportional_gain=nan"), "proportional_gain: 'nan' is refused"),
+        (("shchur2019", "--set", "plantdrive"), "--set 'plantdrive' is refused, allowed is NODE.PARAM=VALUE"),
+        (("shchur2019", "--params", "/nowhere.yaml"), "/nowhere.yaml: No such file"),
+        (("shchur2019", "--duration", "-1"), "duration: -1.0 is refused"),
+    ],
+)
+def test_bad_input_is_one_line_and_a_status(arguments: tuple[str, ...], said: str, tmp_path: Path):
+    """What, where, the value and what is allowed; and nothing is left behind of a run that never began."""
+    out = tmp_path / "out"
+    result = run(*arguments, "--offline", "--out", out, check=False)
+    assert result.returncode != 0
+    assert re.search(said, result.stderr)
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert not out.exists()
+
+
+def test_broken_yaml_is_named_with_its_line(tmp_path: Path):
+    broken = tmp_path / "broken.yaml"
+    broken.write_text("/**/driver:\n  ros__parameters: {a: [1,\n")
+    result = run("shchur2019", "--offline", "--params", broken, "--out", tmp_path / "out", check=False)
+    assert result.returncode != 0
+    assert re.search(r"broken\.yaml: not readable as YAML in line \d", result.stderr)
+
+
+@pytest.mark.parametrize("name", ["plant", "steering_column", "asr", "recorder"])
+def test_killing_a_node_ends_the_run_and_leaves_nothing(name: str, tmp_path: Path):
+    """One of each kind; 5 s are the limit that the project has set itself for a run of which a node has died."""
+    running = Running(tmp_path / "out")
+    os.kill(running.node(name), signal.SIGKILL)
+    assert running.end(within=5.0) != 0
+    (line,) = [line for line in running.text().splitlines() if "error:" in line]
+    assert f"node {name} was killed by SIGKILL" in line
+    assert running.left_behind() == ({}, set())
+    counts = messages_in(running.folder / "bag")
+    assert counts["/ev/wheel_states"] > 50
+
+
+def test_ctrl_c_stops_everything(tmp_path: Path):
+    running = Running(tmp_path / "out")
+    os.killpg(running.script.pid, signal.SIGINT)
+    assert running.end(within=10.0) == 130
+    assert "Traceback" not in running.text()
+    assert running.left_behind() == ({}, set())
+    assert messages_in(running.folder / "bag")["/ev/wheel_states"] > 50
+
+
+def test_realtime_takes_its_time_and_says_that_it_is_not_reproducible(tmp_path: Path):
+    run("shchur2019", "--realtime", "--duration", 2, "--out", tmp_path)
+    content = summary(tmp_path)
+    assert content["reproducible"] is False
+    # By the wall clock, and never faster; not counted is what goes by until the recorder knows the others by name.
+    assert content["wall_time"] > 1.4
+    assert content["timing"]["shchur2019"]["steps"] == 200
+
+
+@pytest.mark.parametrize("way", [(), ("--in-process",)], ids=["dds", "one"])
+def test_sigterm_stops_everything_too(way: tuple[str, ...], tmp_path: Path):
+    """What `timeout` and a cancelled job send; only the script gets it, not its nodes."""
+    running = Running(tmp_path / "out", *way)
+    running.script.send_signal(signal.SIGTERM)
+    assert running.end(within=10.0) == 130
+    assert running.text().endswith("stopped\n") and "Traceback" not in running.text()
+    assert running.left_behind() == ({}, set())
+    assert len(load(running.folder / "signals.npz").time) > 50
+
+
+@pytest.mark.parametrize("name", ["plant", "recorder"])
+def test_a_node_that_is_told_to_stop_ends_the_run(name: str, tmp_path: Path):
+    """It ends with status 0, as these two do at the end of a run."""
+    running = Running(tmp_path / "out")
+    os.kill(running.node(name), signal.SIGTERM)
+    assert running.end(within=10.0) == 1
+    assert re.search(rf"error: node {name} was stopped at [\d.]+ s of simulated time$", running.text())
+    assert running.left_behind() == ({}, set())
+
+
+def test_a_folder_that_holds_something_else_is_not_touched(tmp_path: Path):
+    (tmp_path / "log").mkdir()
+    (tmp_path / "map.png").touch()
+    result = run("shchur2019", "--offline", "--duration", 1, "--out", tmp_path, check=False)
+    assert result.returncode == 1
+    assert "log there is not of an earlier run" in result.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["log", "map.png"]
+
+
+def test_a_second_run_replaces_the_first(tmp_path: Path):
+    run("shchur2019", "--offline", "--duration", 1, "--out", tmp_path)
+    run("shchur2019", "--offline", "--duration", 1, "--no-record", "--out", tmp_path)
+    assert not (tmp_path / "bag").exists()
+    assert summary(tmp_path)["simulated_time"] == 1.0

@@ -1,0 +1,225 @@
+"""Scenarios: files and command line resolved to configured graphs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ev_msgs_py.contract.roles import REQUIRED
+from ev_msgs_py.parameters.config_folders import config_folders
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.scenarios.scenario import Overrides, describe_scenario, load_scenario, scenario_names
+
+CONFIG = config_folders()[-1]
+HEAD = "/**/scenario:\n  ros__parameters: {about: a test, duration: 2.0}\n"
+
+
+@pytest.fixture
+def config(tmp_path, monkeypatch) -> Path:
+    """A config folder of its own, in front of the real one."""
+    for kind in ("scenarios", "vehicles"):
+        (tmp_path / kind).mkdir()
+    monkeypatch.setenv("EV_STACK_CONFIG", str(tmp_path))
+    return tmp_path
+
+
+@pytest.fixture
+def scenario(config):
+    def write(text: str, name: str = "test") -> str:
+        (config / "scenarios" / f"{name}.yaml").write_text(text)
+        return name
+
+    return write
+
+
+@pytest.fixture
+def more(tmp_path):
+    def write(text: str, name: str = "more") -> Path:
+        path = tmp_path / f"{name}.yaml"
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def refused(name: str, overrides: Overrides | None = None) -> str:
+    with pytest.raises(ParameterError) as error:
+        load_scenario(name, overrides)
+    text = str(error.value)
+    assert "\n" not in text
+    return text
+
+
+def section(node: str, text: str) -> str:
+    return f"{node}:\n  ros__parameters: {text}\n"
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_every_scenario_loads_and_says_what_it_is(name):
+    loaded = load_scenario(name)
+    assert loaded.name == name
+    assert describe_scenario(name) == loaded.parameters.about != ""
+    assert loaded.runs
+    for run in loaded.runs:
+        assert set(run.configurations) >= set(REQUIRED)
+        assert not run.realtime
+        for configuration in run.configurations.values():
+            configuration.create()
+
+
+def test_one_run_lives_in_ev_and_several_below(scenario):
+    """Such as /ev/first/driver, so that a section can mean the driver of one run."""
+    (alone,) = load_scenario(scenario(HEAD)).runs
+    assert (alone.name, alone.namespace, alone.duration, alone.period) == ("test", "/ev", 2.0, 10_000_000)
+    several = HEAD.replace("about", "runs: [first, second], about")
+    text = several + section("/**/driver", "{seed: 1}") + section("/**/second/driver", "{seed: 2}")
+    first, second = load_scenario(scenario(text)).runs
+    assert (first.namespace, second.namespace) == ("/ev/first", "/ev/second")
+    assert first.configurations["driver"].common.seed == 1
+    assert second.configurations["driver"].common.seed == 2
+    assert second.configurations["plant"].common.seed == 0
+
+
+def test_later_words_go_before_earlier_ones(scenario, more, config):
+    """Vehicle file, then the scenario, then further files in their order, then the command line in its order."""
+    name = scenario(HEAD + section("/**", "{vehicle.mass: 1.0e3, seed: 1}") + section("/**/plant", "{seed: 2}"))
+    one = more(section("/**", "{seed: 3}"), "one")
+    two = more(section("/**", "{seed: 4}"), "two")
+
+    def seed(*files, values=()):
+        return load_scenario(name, Overrides(files, values)).runs[0].configurations["plant"].common.seed
+
+    assert load_scenario(name).runs[0].configurations["asr"].common.vehicle.mass == 1000.0
+    assert seed() == 2
+    assert seed(one) == 3
+    assert seed(one, two) == 4
+    assert seed(two, one) == 3
+    assert seed(two, values=[("*", "seed", 5)]) == 5
+    assert seed(values=[("*", "seed", 5), ("plant", "seed", 6), ("asr", "seed", 7)]) == 6
+    assert seed(values=[("plant", "seed", 6), ("*", "seed", 5)]) == 5
+
+
+def test_the_vehicle_reaches_every_node(scenario, config):
+    text = (CONFIG / "vehicles" / "audi_a2.yaml").read_text().replace("audi_a2", "lorry")
+    (config / "vehicles" / "lorry.yaml").write_text(text)
+    loaded = load_scenario(scenario(HEAD.replace("about", "vehicle: lorry, about")))
+    assert {c.common.vehicle.name for c in loaded.runs[0].configurations.values()} == {"lorry"}
+
+
+def test_duration_comes_from_the_scenario_or_the_command_line(scenario):
+    name = scenario(HEAD)
+    (run,) = load_scenario(name, Overrides(duration=0.5)).runs
+    assert run.duration == run.configurations["plant"].extra.duration == 0.5
+    assert load_scenario(name).runs[0].configurations["plant"].extra.duration == 2.0
+
+
+@pytest.mark.parametrize("duration", [0.0, -1.0, float("nan"), float("inf"), 1e5])
+def test_an_impossible_duration_is_refused(scenario, duration):
+    assert refused(scenario(HEAD), Overrides(duration=duration)).startswith(f"duration: {duration!r} is refused")
+
+
+def test_a_run_is_at_least_one_step_long(scenario):
+    """A recorder that waits for the first step after the end would wait for ever."""
+    said = "duration: 0.009 is refused, allowed is at least one control period, 0.01 s"
+    assert refused(scenario(HEAD), Overrides(duration=0.009)) == said
+    assert load_scenario("test", Overrides(duration=0.01)).runs[0].duration == 0.01
+
+
+def test_a_law_brings_the_column_that_it_requires(scenario):
+    name = scenario(HEAD)
+    chosen = Overrides(values=[("electronic_differential", "method", "steer_by_wire")])
+    assert load_scenario(name, chosen).runs[0].configurations["steering_column"].method.name == "by_wire"
+    assert load_scenario(name).runs[0].configurations["steering_column"].method.name == "powered"
+
+
+def test_unknown_scenarios_and_vehicles_list_the_known_ones(scenario):
+    scenario(HEAD)
+    assert refused("tset").startswith("unknown scenario 'tset'; known: test, ")
+    assert refused("../scenarios/gone.yaml") == "../scenarios/gone.yaml: No such file or directory"
+    text = refused(scenario(HEAD.replace("about", "vehicle: audi_a3, about")))
+    assert text.startswith("unknown vehicle 'audi_a3'; known: audi_a2")
+
+
+def test_bad_words_of_a_scenario_about_itself_name_its_file(scenario, config):
+    path = config / "scenarios" / "test.yaml"
+    assert refused(scenario(HEAD.replace("2.0", "long"))).startswith(f"{path}: parameter duration: 'long'")
+    said = f"{path}: unknown parameter 'abuot'; known: about"
+    assert refused(scenario(HEAD.replace("about", "abuot"))).startswith(said)
+    assert refused(scenario("a: [")).startswith(f"{path}: not readable as YAML")
+
+
+@pytest.mark.parametrize("pattern", ["/**/drivr", "/ev/other/driver", "driver", "/plant", "/*/*/driver"])
+def test_a_section_that_means_no_node_is_refused(scenario, more, pattern):
+    """A mistyped name would else be a silent nothing; `driver` alone means the root namespace, as in ROS."""
+    text = section(pattern, "{seed: 1}")
+    known = "known: plant, steering_column, test_bench, driver, electronic_differential, asr, inverter_gateway"
+    own = refused(scenario(HEAD + text))
+    assert f"section {pattern!r} means no node; {known}" in own
+    path = more(text)
+    assert refused(scenario(HEAD), Overrides([path])) == f"{path}: section {pattern!r} means no node; {known}"
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (("drivr", "seed", 1), "unknown node 'drivr'; known: driver, "),
+        (("driver", "sed", 1), "driver: unknown parameter of driver 'sed'; known: seed, "),
+        (("driver", "method", "sleep"), "driver: unknown driver method 'sleep'; known: "),
+        (("driver", "seed", -1), "driver: parameter seed: -1 is refused, allowed is 0 to "),
+        (("driver", "seed", "x"), "driver: parameter seed: 'x' is refused, allowed is a whole number"),
+        (("asr", "control_period", 0.02), "control_period differs between nodes: "),
+    ],
+)
+def test_bad_words_on_the_command_line_name_node_and_parameter(scenario, value, said):
+    assert refused(scenario(HEAD), Overrides(values=[value])).startswith(said)
+
+
+def test_a_missing_further_file_is_named(scenario, tmp_path):
+    path = tmp_path / "nowhere.yaml"
+    assert refused(scenario(HEAD), Overrides([path])) == f"{path}: No such file or directory"
+
+
+def test_runs_that_are_not_named_are_not_resolved():
+    assert [run.name for run in load_scenario("shchur2019_steps", only=("hold_manual", "object")).runs] == [
+        "object",
+        "hold_manual",
+    ]
+    with pytest.raises(ParameterError, match=r"^unknown run of shchur2019_steps 'nobody'; known: "):
+        load_scenario("shchur2019_steps", only=("nobody",))
+
+
+def own_car(folder, change=lambda text: text) -> str:
+    path = folder / "my_car.yaml"
+    path.write_text(change((CONFIG / "vehicles" / "audi_a2.yaml").read_text().replace("audi_a2", "my_car")))
+    return str(path)
+
+
+def test_a_scenario_and_a_vehicle_may_be_any_file(scenario, tmp_path):
+    """The vehicle of one's own is the whole car: what a scenario changes about its car is left out, and said."""
+    text = HEAD + section("/**", "{vehicle.mass: 1000.0, vehicle.rear_steering_ratio: 0.1}")
+    path = tmp_path / "elsewhere.yaml"
+    path.write_text(text)
+    loaded = load_scenario(str(path), Overrides(vehicle=own_car(tmp_path)))
+    car = loaded.runs[0].configurations["asr"].common.vehicle
+    assert (loaded.name, car.name, car.mass, car.rear_steering_ratio) == ("elsewhere", "my_car", 1400.0, 0.0)
+    said = f"left out for another vehicle: vehicle.mass, vehicle.rear_steering_ratio of {path}"
+    assert loaded.notes == (said,)
+    on_top = Overrides(vehicle=own_car(tmp_path), values=[("*", "vehicle.mass", 900.0)])
+    assert load_scenario(str(path), on_top).runs[0].configurations["asr"].common.vehicle.mass == 900.0
+
+
+def test_a_vehicle_that_does_not_say_everything_about_itself_is_refused(scenario, tmp_path):
+    """Else it would silently be filled up from another car."""
+    path = own_car(tmp_path, lambda text: text.replace("mass: 1400.0", "").replace("resistance: 0.1 ", "#"))
+    said = f"{path}: a vehicle says everything about itself, missing: vehicle.mass, vehicle.battery.resistance"
+    assert refused(scenario(HEAD), Overrides(vehicle=path)) == said
+
+
+def test_a_scenario_may_borrow_a_report_and_bring_metrics(scenario):
+    text = HEAD.replace("about", "report: double_lane_change, metrics: ['end = last(pose.x)'], about")
+    assert load_scenario(scenario(text)).parameters.report == "double_lane_change"
+    assert "unknown report 'lane_change'; known: " in refused(scenario(text.replace("double_lane", "lane")))
+    assert "unknown reduction 'lost'; known: last, " in refused(scenario(text.replace("= last", "= lost")))
+    assert "unknown channel 'pose.q'; known: pose." in refused(scenario(text.replace("pose.x", "pose.q")))
+    assert "allowed is NAME = REDUCTION(CHANNEL)" in refused(scenario(text.replace("end =", "")))

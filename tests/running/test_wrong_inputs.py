@@ -1,0 +1,192 @@
+"""Wrong inputs get one clear line and the right status, and nothing of an earlier run is lost."""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import shutil
+import subprocess
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import pytest
+
+import ev_sim
+from ev_msgs_py.contract.shape import SignalError
+from ev_msgs_py.lockstep import installed_methods
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.commands.run_scenario import main
+from ev_sim.running.progress_bar import progress_bar
+
+ROOT = Path(__file__).parents[2]
+
+
+def refused(*words: str, out: Path) -> str:
+    """The line with which a command ends, in whose folder an earlier result stays as it is."""
+    out.mkdir()
+    (out / "summary.json").write_text("earlier")
+    with pytest.raises(SystemExit) as ended:
+        main([*words, "--out", str(out)])
+    assert (out / "summary.json").read_text() == "earlier"
+    assert "\n" not in ended.value.code
+    return ended.value.code
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ["ge_ni2005", "--offline", "--method", "electronic_differential=power_steering"],
+            "electronic_differential: electronic_differential method power_steering needs front_left and front_right",
+        ),
+        (
+            ["compare", "--duration", "0"],
+            "none of 13 runs can be driven; adaptive: duration: 0.0 is refused, allowed is",
+        ),
+        (
+            ["compare", "--duration", "-1"],
+            "none of 13 runs can be driven; adaptive: duration: -1.0 is refused, allowed",
+        ),
+        (
+            ["compare", "--methods", "slip_target"],
+            "none of 1 runs can be driven; slip_target: electronic_differential: ",
+        ),
+        (
+            ["double_lane_change", "--offline", "--set", "*.vehicle.tyre.curve=magic_formula"],
+            "plant: vehicle.tyre.coefficients [0.0, 0.0, 0.0, 0.0] give no friction: curve magic_formula needs",
+        ),
+        (
+            ["shchur2019", "--offline", "--set", "vehicle.mass=1000"],
+            "unknown node 'vehicle'; known: asr, driver, electronic_differential, inverter_gateway, plant, "
+            "steering_column, test_bench; the car is that of all nodes: '*.vehicle.mass'",
+        ),
+        (
+            ["shchur2019", "--offline", "--set", "*.vehicle.driven_wheels=[front_left, front_left]"],
+            "plant: vehicle.driven_wheels names a wheel twice: front_left, front_left",
+        ),
+        (
+            ["shchur2019", "--offline", "--set", "driver.seed=2147483648"],
+            "driver: parameter seed: 2147483648 is refused, allowed is 0 to 2147483647",
+        ),
+    ],
+)
+def test_one_line_and_nothing_is_lost(words, said, tmp_path):
+    assert refused(*words, out=tmp_path / "out").startswith(f"error: {said}")
+
+
+def test_what_a_file_says_wrong_is_found_in_the_file(tmp_path):
+    path = tmp_path / "mine.yaml"
+    for text, said in (
+        ("{sed: 1}", f"error: driver: unknown parameter of driver 'sed'; known: seed, .* and \\d+ more \\({path}\\)"),
+        ("{seed: -1}", f"error: driver: parameter seed: -1 is refused, allowed is 0 to 2147483647 \\({path}\\)"),
+        (
+            "{seed: 1, method: pulse, seed: 2}",
+            f"error: {path}: not readable as YAML in line 2: seed stands there twice",
+        ),
+    ):
+        path.write_text(f"/**/driver:\n  ros__parameters: {text}\n")
+        shutil.rmtree(tmp_path / "out", ignore_errors=True)
+        line = refused("shchur2019", "--offline", "--params", str(path), out=tmp_path / "out")
+        assert re.fullmatch(said, line), line
+
+
+@pytest.fixture
+def offered(monkeypatch):
+    """Entry points as if a package had brought them."""
+
+    def offer(name: str, module: str) -> None:
+        real = installed_methods.entry_points
+
+        def found(**wanted: str):
+            own = EntryPoint(name, module, "ev_stack.methods")
+            return [*real(**wanted), *([own] if wanted.get("name", name) == name else [])]
+
+        monkeypatch.setattr(installed_methods, "entry_points", found)
+        installed_methods.load_installed_methods.cache_clear()
+
+    yield offer
+    monkeypatch.undo()
+    installed_methods.load_installed_methods.cache_clear()
+
+
+def test_a_broken_plug_in_harms_only_who_wants_it(offered, tmp_path, capsys):
+    offered("asr", "no_such_module_of_mine")
+    assert ev_sim.run("shchur2019", duration=0.05).hash
+    said = "not loaded: no_such_module_of_mine: ModuleNotFoundError: No module named 'no_such_module_of_mine'"
+    assert refused("shchur2019", "--offline", "--method", "asr=mine", out=tmp_path / "out").endswith(f"; {said}")
+    main(["--list"])
+    assert said in capsys.readouterr().out.splitlines()
+
+
+def test_a_misspelt_role_is_named(offered, capsys):
+    offered("asrr", "ev_control.methods.asr")
+    main(["--list"])
+    assert (
+        "not loaded: ev_control.methods.asr: offered for 'asrr', which is no role: plant, " in capsys.readouterr().out
+    )
+    with pytest.raises(TypeError, match=r"^method mine: 'asrr' is no role, allowed is one of plant, "):
+        method("asrr", "mine")
+
+
+def test_no_number_says_when(monkeypatch):
+    """A law of one's own that divides zero by zero after a while."""
+    from ev_control.electronic_differential import equal_torque as law
+    from ev_msgs_py.lockstep.methods import find_method
+
+    factory = find_method("electronic_differential", "equal_torque").factory
+    calls = []
+
+    def broken(p, car, driver):
+        calls.append(driver)
+        return law.split(p.brake, car, driver, float("nan") if len(calls) == 5 else 0.0)
+
+    monkeypatch.setattr("ev_msgs_py.lockstep.law.Law.is_compilable", False)
+    monkeypatch.setitem(vars(factory), "function", broken)
+    with pytest.raises(
+        SignalError, match=r"^at 0\.04 s: electronic_differential: WheelTorqueRequest\.drive\.front_left is"
+    ):
+        ev_sim.run("shchur2019", method={"electronic_differential": "equal_torque"}, duration=0.1)
+
+
+def test_another_law_than_that_of_the_source_is_not_judged():
+    """No number is called (not) reproduced by a law, a car or a node that the source does not know."""
+    method_of_mine = {"electronic_differential": "equal_torque"}
+    found = ev_sim.run("shchur2019", method=method_of_mine, duration=0.1).metrics
+    judged = {metric.judgement for metric in found.values()}
+    assert judged <= {"not judged", "not measured", "measured"}
+    assert "not judged" in judged
+    why = "not judged: not what the reference is about: electronic_differential.method differs"
+    assert why in {metric.verdict for metric in found.values()}
+
+
+def test_the_bar_shows_no_factor_before_it_knows_one(monkeypatch):
+    """The first looks of a run lie a microsecond apart: they once gave 39440 x."""
+    shown = io.StringIO()
+    monkeypatch.setattr("sys.stderr", shown)
+    with progress_bar("run", 100.0) as progress:
+        for time in (0.0, 1.0, 50.0, 100.0):
+            progress(time)
+    assert "simulated, - x real time" in shown.getvalue() or not shown.getvalue()
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a file to somebody else")
+def test_the_environment_of_another_user_is_left_alone(tmp_path):
+    (tmp_path / "scripts").mkdir()
+    (tmp_path / ".venv").mkdir()
+    (tmp_path / "requirements.txt").touch()
+    (tmp_path / "requirements.lock").touch()
+    shutil.copy(ROOT / "scripts" / "prepare.sh", tmp_path / "scripts")
+    os.chown(tmp_path / ".venv", 65534, 65534)
+    ended = subprocess.run([tmp_path / "scripts" / "prepare.sh"], capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout) == (1, "")
+    assert ended.stderr.startswith(f"{tmp_path}/.venv belongs to nobody and is not ready for root: let nobody run")
+    assert (tmp_path / ".venv").exists()
+
+
+def test_files_of_vehicles_refuse_what_no_car_is(tmp_path):
+    path = tmp_path / "car.yaml"
+    path.write_text("/**:\n  ros__parameters: {vehicle: {mass: 1.0e3, mass: 2.0e3}}\n")
+    with pytest.raises(ParameterError, match=rf"^{path}: not readable as YAML in line 2: mass stands there twice$"):
+        ev_sim.run("shchur2019", vehicle=path)
