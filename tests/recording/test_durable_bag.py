@@ -50,6 +50,14 @@ def read_counters(directory: Path) -> list[int]:
     return counters
 
 
+def on_disk(directory: Path) -> bool:
+    """Whether a checkpoint has brought messages to the disk."""
+    if not (directory / "metadata.yaml").exists():
+        return False
+    with Reader(directory) as reader:
+        return reader.message_count > 0
+
+
 def assert_every_file_opens(directory: Path) -> None:
     """Someone who opens a file by hand, past metadata.yaml, must find a complete one as well."""
     for path in directory.glob("*.mcap"):
@@ -202,7 +210,7 @@ def test_kill_loses_less_than_a_second(tmp_path: Path):
 
     directories = [tmp_path / f"run{run}" for run in range(4)]
     children = [in_child(lambda directory=directory: record(directory)) for directory in directories]
-    time.sleep(1.5)
+    wait_until(lambda: all(on_disk(directory) for directory in directories))
     for directory, child, delay in zip(directories, children, (0.1, 0.2, 0.1, 0.2), strict=True):
         time.sleep(delay)
         killed = time.time_ns()
