@@ -55,7 +55,7 @@ def on_disk(directory: Path) -> bool:
     try:
         with Reader(directory) as reader:
             return reader.message_count > 0
-    except ReaderError:  # not there yet, or just being exchanged
+    except (OSError, ReaderError):  # not there yet, or just being exchanged
         return False
 
 
