@@ -14,7 +14,7 @@ from ev_sim.batches.batch import batch as batch_of
 from ev_sim.batches.reductions import Reduction
 from ev_sim.report.result import Result
 from ev_sim.running.offline import drive_offline
-from ev_sim.running.scenarios.scenario import Overrides, Run, Scenario, load_scenario
+from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
 
 def run(scenario: str | PathLike[str], runs: Sequence[str] = (), **changed: Any) -> Result:
@@ -51,7 +51,7 @@ def batch(
     `vary` has by ROLE.PARAMETER one value for each run; `run` names which run of the scenario is meant if it has
     several. The rest is that of `ev_sim.batches.batch.batch`.
     """
-    of = one_run(load_scenario(fspath(scenario), overrides(**changed), only=(run,) if run else ()))
+    of = only_run(scenario, run, overrides(**changed))
     return batch_of(of.configurations, of.duration, vary, initial_states, signals, every, metrics, threads)
 
 
@@ -75,8 +75,9 @@ def overrides(
     return Overrides([Path(path) for path in params], values, duration, fspath(vehicle) if vehicle else None)
 
 
-def one_run(scenario: Scenario) -> Run:
-    """The only run of a scenario; ParameterError that lists them if there are several."""
-    if len(scenario.runs) > 1:
-        raise unknown_name(f"run of {scenario.name}", "", [each.name for each in scenario.runs])
-    return scenario.runs[0]
+def only_run(scenario: str | PathLike[str], run: str, told: Overrides) -> Run:
+    """One run of a scenario, whose name may be empty if there is one only; ParameterError that lists them if not."""
+    loaded = load_scenario(fspath(scenario), told, only=(run,) if run else ())
+    if len(loaded.runs) > 1:
+        raise unknown_name(f"run of {loaded.name}", run, [each.name for each in loaded.runs])
+    return loaded.runs[0]

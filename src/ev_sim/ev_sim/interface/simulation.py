@@ -6,7 +6,7 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from os import PathLike, fspath
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -19,9 +19,9 @@ from ev_msgs_py.lockstep.parts import compiled_parts
 from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.interface.driving import one_run, overrides
+from ev_sim.interface.driving import only_run, overrides
 from ev_sim.running.recording.recording import Recording, recording_of
-from ev_sim.running.scenarios.scenario import load_scenario
+from ev_sim.running.scenarios.scenario import Run
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,16 @@ class Simulation:
         record: bool = True,
         **changed: Any,
     ) -> None:
-        of = one_run(load_scenario(fspath(scenario), overrides(**changed), only=(run,) if run else ()))
+        self._set_up(only_run(scenario, run, overrides(**changed)), without, record)
+
+    @classmethod
+    def of_run(cls, of: Run, without: Sequence[str] = (), record: bool = True) -> Simulation:
+        """That of a run that is configured already."""
+        made = cls.__new__(cls)
+        made._set_up(of, without, record)
+        return made
+
+    def _set_up(self, of: Run, without: Sequence[str], record: bool) -> None:
         for role in without:
             if role not in of.configurations:
                 raise unknown_name("role", role, of.configurations)
@@ -66,6 +75,7 @@ class Simulation:
         self._integrating = self._kept(integrating)
         given = [signal for role in without for signal in ROLES[role].writes]
         places = frame.channels()
+        self.kept = (*self._before, *self._behind, *self._integrating)
         self.inputs = tuple(name for signal in given for name in TOPICS[signal].channels)
         self._inputs = {name: places[name] for name in self.inputs}
         self._channels = {

@@ -1,0 +1,104 @@
+"""What runs inside an FMU: a car or a law behind the calls of FMI 2.0 co-simulation, by PythonFMU."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import SubElement
+
+from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+from pythonfmu.enums import Fmi2Status
+
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.frame import units
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.fmu.content import read_content, versions
+from ev_sim.interface.law import SteppedLaw
+from ev_sim.interface.simulation import Simulation
+
+
+class Slave(Fmi2Slave):
+    """Steps a `Simulation` or a `SteppedLaw`; the content is in the folder of the resources.
+
+    What is shown after a step is the instant to which it leads. A law shows what it answers to the inputs at the
+    beginning of the step: who couples it with a car steps the law first and hands its answer to the car for the step
+    of the same interval.
+    """
+
+    author = "EV Control Stack maintainers"
+    license = "Apache-2.0"
+
+    def __init__(self, **told: Any) -> None:
+        super().__init__(**told)
+        content = read_content(Path(self.resources))
+        needs = ", ".join(f"{name} {number}" for name, number in versions().items())
+        self.description = f"{content.law or 'car'} of {content.run.name}; needs Python with {needs} where it is run"
+        self._law: SteppedLaw | None = None
+        if content.law:
+            configuration = content.run.configurations[content.law]
+            self._law = SteppedLaw(configuration)
+            self._period, inputs = configuration.period, self._law.inputs
+            self._shown: Mapping[str, float] = dict.fromkeys(self._law.outputs, 0.0)
+        else:
+            self._car = Simulation.of_run(content.run, content.without, record=False)
+            read = {signal for role in self._car.kept for signal in content.run.configurations[role].method.reads}
+            heard = {name for signal in read if signal in TOPICS for name in TOPICS[signal].channels}
+            self._period, inputs = self._car.period, tuple(name for name in self._car.inputs if name in heard)
+            self._shown = self._car.frame
+        self._given = dict.fromkeys(inputs, 0.0)
+        self.default_experiment = DefaultExperiment(0.0, content.run.duration, stamps.to_seconds(self._period))
+        left_out = () if self._law else self._car.inputs
+        self._declare(inputs, [name for name in self._shown if name not in left_out])
+
+    def _declare(self, inputs: Iterable[str], outputs: Iterable[str]) -> None:
+        unit = units()
+        for name in inputs:
+            how = {"start": 0.0, "causality": Fmi2Causality.input, "setter": self._setter(name)}
+            self._variable(name, unit[name], getter=lambda name=name: self._given[name], **how)
+        for name in outputs:
+            self._variable(name, unit[name], getter=lambda name=name: self._shown[name], causality=Fmi2Causality.output)
+
+    def _variable(self, name: str, unit: str, **how: Any) -> None:
+        how |= {"variability": Fmi2Variability.discrete, "description": f"[{unit}]"}
+        self.register_variable(Real(name, **how), nested=False)
+
+    def _setter(self, name: str) -> Any:
+        def set_value(value: float) -> None:
+            self._given[name] = value
+
+        return set_value
+
+    def to_xml(self, model_options: Mapping[str, Any] | None = None) -> Any:
+        """The description; all outputs have a value before the first step, which PythonFMU does not say by itself."""
+        root = super().to_xml(dict(model_options or {}))
+        structure = root.find("ModelStructure")
+        unknowns = SubElement(structure, "InitialUnknowns")
+        for output in structure.find("Outputs"):
+            SubElement(unknowns, "Unknown", output.attrib)
+        return root
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """One control period or several, for which the inputs are held.
+
+        False, with a line in the log, for a step size in between and where a number is not finite: what is raised here
+        would be fatal to the whole unit.
+        """
+        try:
+            self._go_on(stamps.from_seconds(current_time), step_size)
+        except ValueError as error:
+            self.log(str(error), Fmi2Status.error)
+            return False
+        return True
+
+    def _go_on(self, start: int, step_size: float) -> None:
+        steps = stamps.from_seconds(step_size) / self._period
+        if steps != int(steps) or steps < 1:
+            period = stamps.to_seconds(self._period)
+            raise ParameterError(f"step size {step_size:g} s is refused, allowed is {period:g} s or a multiple of it")
+        for step in range(int(steps)):
+            if self._law is not None:
+                self._shown = self._law.answer(stamps.to_seconds(start + step * self._period), self._given)
+            else:
+                self._shown = self._car.step(self._given)
