@@ -8,7 +8,7 @@ import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +16,7 @@ from pathlib import Path
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER
 from ev_msgs_py.lockstep.methods import node_package
-from ev_msgs_py.nodes.stop_request import StopRequest
+from ev_msgs_py.nodes.stop_request import StopRequest, hold_back
 from ev_sim.running.children import ends_with_us
 from ev_sim.running.domain import free_domain
 from ev_sim.running.hanging import Hanging
@@ -45,6 +45,8 @@ class NodeProcess:
     def failure(self) -> str:
         """One line on how the process ended."""
         code = self.process.returncode
+        if code == 0:  # as a node ends that is told to
+            return f"node {self.name} was stopped"
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with status {code}"
         lines = self.log.read_text(errors="replace").strip().splitlines()
         said = f": {lines[-1]}" if lines and code > 0 else ""
@@ -75,8 +77,9 @@ def run_in_processes(
         nodes: list[NodeProcess] = []
         try:
             for name in parameters:
-                words = (own_nodes or {}).get(name) or command(name)
-                nodes.append(_start(name, words, run, file, directory / "log", domain))
+                own = (own_nodes or {}).get(name)
+                before_exec = ends_with_us() if own else _ours_before_exec()
+                nodes.append(_start(name, own or command(name), before_exec, run, file, directory / "log", domain))
             return _watch(run, nodes, observer, directory, progress, stop)
         finally:
             _stop(nodes)
@@ -105,7 +108,27 @@ def command(name: str) -> list[str]:
     raise RunFailed(f"executable {package} {name} is not found: source install/local_setup.bash of the workspace")
 
 
-def _start(name: str, words: Sequence[str], run: Run, parameters: Path, logs: Path, domain: int) -> NodeProcess:
+def _ours_before_exec() -> Callable[[], None]:
+    """Our nodes let signals in when they can stop in order, which takes a second of loading; others may never do."""
+    dies_with_us = ends_with_us()
+
+    def before() -> None:
+        hold_back()
+        if dies_with_us is not None:
+            dies_with_us()
+
+    return before
+
+
+def _start(
+    name: str,
+    words: Sequence[str],
+    before_exec: Callable[[], None] | None,
+    run: Run,
+    parameters: Path,
+    logs: Path,
+    domain: int,
+) -> NodeProcess:
     logs.mkdir(exist_ok=True)
     log = logs / f"{name}.log"
     arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
@@ -120,7 +143,7 @@ def _start(name: str, words: Sequence[str], run: Run, parameters: Path, logs: Pa
                     stdout=output,
                     stderr=subprocess.STDOUT,
                     env=environment,
-                    preexec_fn=ends_with_us(),
+                    preexec_fn=before_exec,
                     start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
                 )
         except OSError as error:
@@ -157,7 +180,7 @@ def _watch(
                 ending.discard(node.name)
                 patience = min(patience, time.monotonic() + _PATIENCE)
                 if observer.time < last and time.monotonic() > patience:
-                    raise RunFailed(f"node {node.name} was stopped at {observer.time:g} s of simulated time")
+                    raise RunFailed(f"{node.failure()} at {observer.time:g} s of simulated time")
             elif code is not None:
                 raise RunFailed(f"{node.failure()}, at {observer.time:g} s of simulated time")
     now = time.monotonic()
