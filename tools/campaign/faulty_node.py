@@ -1,4 +1,4 @@
-"""One of our nodes whose messages get lost, come late, in another order, twice or spoilt: HOW SHARE SEED ROLE --ros-args ..."""
+"""One of our nodes whose messages get lost, late, doubled or spoilt: HOW SHARE SEED ROLE --ros-args ..."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 from campaign.spoiling import spoilt
 from ev_msgs_py.nodes.run_role import run_role
 from ev_msgs_py.nodes.signal_io import SignalWriter
-from ev_msgs_py.wire.message_format import format_of
+from ev_msgs_py.wire.message_format import format_of, stamp_of
 
 _LATE = 0.05  # s at most
 
@@ -42,7 +42,9 @@ class Faulty:
             say(message)
         elif self._how == "reorder":
             say(message)
-            say(self._last.get(id(writer), message))
+            before = self._last.get(id(writer), message)
+            if stamp_of(before):  # stamp zero behind others means a reset
+                say(before)
         elif self._how != "loss":
             say(spoilt(message, self._how, self._chance))
         self._last[id(writer)] = message

@@ -52,7 +52,7 @@ def judged(run: UnderWay, status: int | None) -> tuple[str, str]:
     if trial.kind in ("bad parameter", "bad file", "modelled faults"):
         expected = trial.expected()
         return (NAMED, "") if expected.startswith("refused") else (FAILED, f"offline it is driven: {words[0]}")
-    if trial.kind in ("disk full", "few file descriptors"):
+    if trial.kind in ("disk full", "few file descriptors", "no shared memory"):
         return (NAMED, "") if re.search(trial.names, words[0]) else (FAILED, f"names something else: {words[0]}")
     return FAILED, f"ended although nothing was wrong: {words[0]}"
 

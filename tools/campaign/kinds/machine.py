@@ -66,6 +66,7 @@ def no_shared_memory(trial: Trial) -> None:
         raise Skipped("no name space for mounts is granted: /dev/shm stays")
     how = trial.chance.choice(("ro,size=4k", "size=4k"))
     trial.about = how
+    trial.names = "/dev/shm is full"
     trial.before = ["unshare", "--mount", "sh", "-c", f'mount -t tmpfs -o {how} none /dev/shm && exec "$0" "$@"']
 
 

@@ -7,8 +7,8 @@ from campaign.trial import Trial
 
 _VALUES = (
     ".nan", ".inf", "-.inf", "1e999", "-1", "0", "1e300", "-1e300", "99999999999999999999999999", "''", "no such thing",
-    "[1, 2, 3]", "[]", "[.nan]", "[[1]]", "{a: 1}", "true", "null", "2026-11-22", "0x1F", "1 parsec", "!!python/none ''",
-    "&a [*a]", "'\\0'", "[", "\t", "é",
+    "[1, 2, 3]", "[]", "[.nan]", "[[1]]", "{a: 1}", "true", "null", "2026-11-22", "0x1F", "1 parsec",
+    "!!python/none ''", "&a [*a]", "'\\0'", "[", "\t", "é",
 )  # fmt: skip
 
 

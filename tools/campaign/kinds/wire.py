@@ -1,4 +1,4 @@
-"""What happens to the messages of a node: one of ours is started through `campaign.faulty_node`, which loses and so on."""
+"""What happens to the messages of a node: one of ours is started through `campaign.faulty_node`, which loses them."""
 
 from __future__ import annotations
 
