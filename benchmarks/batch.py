@@ -88,7 +88,9 @@ def main() -> None:
         return time.perf_counter() - begin
 
     drive(cores)  # compiles
-    rounds = [(fused_loop_rate(plant), loops_at_once_rate(plant, cores), drive(given.runs)) for _ in range(given.rounds)]
+    rounds = [
+        (fused_loop_rate(plant), loops_at_once_rate(plant, cores), drive(given.runs)) for _ in range(given.rounds)
+    ]
     alone, at_once, seconds = map(statistics.median, zip(*rounds, strict=True))
     steps = given.runs * DURATION / plant.parameters.step
     shares = [steps / took / (cores * one) for one, _, took in rounds]
@@ -98,7 +100,8 @@ def main() -> None:
     print(f"whole graph   {rate:12.0f} car steps of 1 ms per second")
     print(f"plant alone   {alone:12.0f} on one core")
     print(f"plants        {at_once:12.0f} on all cores at once")
-    print(f"share of the fused loop {share:.2f} ({min(shares):.2f} to {max(shares):.2f}), of the loops {share_at_once:.2f}")
+    print(f"share of the fused loop {share:.2f} ({min(shares):.2f} to {max(shares):.2f} by round)")
+    print(f"share of the loops at once {share_at_once:.2f}")
     if given.json:
         document = {
             "machine": platform.processor() or platform.machine(),
