@@ -15,6 +15,8 @@ from ev_msgs_py.nodes.pace import Pace
 from ev_msgs_py.nodes.timing import Timing
 from ev_msgs_py.parameters.declaration import ParameterError
 
+_ALWAYS = 1 << 62  # ns
+
 
 class Schedule:
     """Knows where time is and what holds it back; `parameters` gives what is said of it now."""
@@ -97,6 +99,14 @@ class Schedule:
         """Whether the next instant may come as soon as it is due."""
         complete = self.held.complete if self.realtime else self._stepper.inbox.complete() is not None
         return complete and not self.rests() and (self.realtime or self.recorder_keeps_up)
+
+    @property
+    def free_until(self) -> int:
+        """The last instant at which time may go on as soon as all inputs are there; -1 if the clock has a say."""
+        if self.realtime or self._factor:
+            return -1
+        end = self._end - self._stepper.period if self._end else _ALWAYS
+        return min(end, self._recorded + RECORDER_LAG * self._stepper.period) if self._await_recorder else end
 
     @property
     def lateness(self) -> float:
