@@ -22,6 +22,8 @@ def _type(context: Any) -> Any:
 @lower_builtin(call, *[types.Integer] * 5)
 def _lowered(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     pointer = ir.IntType(8).as_pointer()
-    words = [context.cast(builder, each, kind, types.intp) for each, kind in zip(arguments, signature.args, strict=True)]
+    words = [
+        context.cast(builder, each, kind, types.intp) for each, kind in zip(arguments, signature.args, strict=True)
+    ]
     function = builder.inttoptr(words[0], ir.FunctionType(ir.IntType(32), [pointer] * 4).as_pointer())
     return builder.call(function, [builder.inttoptr(word, pointer) for word in words[1:]])

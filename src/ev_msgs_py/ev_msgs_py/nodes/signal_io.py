@@ -16,7 +16,7 @@ from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
 from ev_msgs_py.lockstep.stepper import WRITERS
-from ev_msgs_py.nodes.speaker import Refuse, Speaker
+from ev_msgs_py.nodes.speaker import Judge, Refuse, Speaker
 from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.wire.message_format import format_of
 
@@ -68,7 +68,7 @@ class Reader:
         message_class: type,
         name: str,
         receive: Callable[[bytes], None],
-        speaker: Speaker | None,
+        speaker: Judge | None,
     ) -> None:
         self.receive, self.speaker = receive, speaker
         self._subscription = node.create_subscription(
@@ -76,6 +76,7 @@ class Reader:
         )
         self.handle: SubscriptionHandle = self._subscription.handle
         self._take = partial(self.handle.take_message, message_class, True)
+        self.close = partial(node.destroy_subscription, self._subscription)
 
     def take(self) -> bytes | None:
         """The next message that is admitted, None if there is none."""

@@ -92,4 +92,6 @@ class StepMemory:
     def heard(self) -> tuple[bytes, bytes]:
         """The message that was taken last, and the identity of its publisher."""
         at, sender = int(self.head["message"][0]), int(self.head["info"][0]) + GID
-        return ctypes.string_at(int(self.memory[at]), int(self.memory[at + 1])), self.memory[sender : sender + 2].tobytes()
+        return ctypes.string_at(int(self.memory[at]), int(self.memory[at + 1])), self.memory[
+            sender : sender + 2
+        ].tobytes()
