@@ -18,8 +18,8 @@ from ev_msgs_py.nodes.master_inputs import MasterInputs
 from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.nodes.schedule import Schedule
 from ev_msgs_py.nodes.silence import Silence
-from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.nodes.state_publisher import StatePublisher
+from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.time_services import TimeServices
 from ev_msgs_py.nodes.timing import TIMING
@@ -84,9 +84,9 @@ class MasterNode(SteppedNode):
         """The last instant at which time may go on as soon as all inputs are there."""
         return -1 if self._granted.paused else self.schedule.free_until
 
-    def said(self) -> list[End]:
+    def ends(self) -> list[End]:
         """The publishers of the state, and that of the clock."""
-        return self._state.ends
+        return self._state.ends()
 
     def went_on(self, spoke: float) -> None:
         """Nobody is silent."""

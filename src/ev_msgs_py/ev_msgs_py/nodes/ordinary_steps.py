@@ -1,4 +1,4 @@
-"""Lets compiled code take the ordinary steps of a node that has a process to itself; what is odd, it leaves to Python."""
+"""Lets compiled code take the ordinary steps of a node with a process to itself; what is odd it leaves to Python."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
-from ev_msgs_py.compiling import node_steps
+from ev_msgs_py.compiling import node_loop
+from ev_msgs_py.compiling.node_steps import FAILED, NOT_FINITE, ODD
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import INTEGRATED, MASTER
 from ev_msgs_py.contract.stamps import NANOSECONDS
@@ -19,7 +20,8 @@ from ev_msgs_py.nodes import rcl
 from ev_msgs_py.nodes.step_memory import End, StepMemory
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 7)
-_FORGET_PERIOD = 0.2  # s after which senders that are refused are looked at again
+_NOBODY = b"\xff" * 16  # no identity
+_FORGET_PERIOD = 0.05  # s after which senders that are refused are looked at again
 
 
 class OrdinarySteps:
@@ -33,7 +35,7 @@ class OrdinarySteps:
         with context:
             self._wait_set = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, context)
         self._memory = StepMemory([reader.end for reader in self._readers], outputs)
-        self._call = _FUNCTION(node_steps.address())
+        self._call = _FUNCTION(node_loop.address())
         self._forget_at = 0.0
         method = node.configuration.method
         told = dict(zip(("begin", "end"), frame.span(method.writes), strict=True))
@@ -46,14 +48,18 @@ class OrdinarySteps:
     @staticmethod
     def possible() -> bool:
         """Whether what it takes is there: the loop's machine code, and ROS's C library."""
-        return bool(rcl.addresses()) and node_steps.is_kept()
+        return bool(rcl.addresses()) and node_loop.is_kept()
 
     def take(self, until: float, patience: float, limit: int) -> bool:
-        """Take steps up to a time of the monotonic clock, until nothing has come for `patience` seconds, or up to a
-        stamp; False if that is not for the loop to do.
+        """Take steps up to a time of the monotonic clock, a stamp, or the first pause of `patience` seconds.
+
+        False if that is not for the loop to do: before the first step, or beyond the limit.
         """
         inbox = self._stepper.inbox
-        if not self._stepper.under_way or inbox.last + inbox.period > limit or len(inbox.pending) > 2:
+        if not self._stepper.under_way:
+            return False
+        due = inbox.last + inbox.period
+        if due > limit or not inbox.pending.keys() <= {due, due + inbox.period}:
             return False
         head, part = self._memory.head[0], self._stepper.part
         head["until"], head["patience"], head["limit"] = int(until * NANOSECONDS), int(patience * NANOSECONDS), limit
@@ -61,11 +67,11 @@ class OrdinarySteps:
         self._hand_over(head)
         why = self._call(*self._memory.addresses)
         self._take_back(head)
-        if why == node_steps.ODD:
+        if why == ODD:
             self._judge(int(head["odd"]))
-        elif why == node_steps.FAILED:
+        elif why == FAILED:
             raise part.error
-        elif why == node_steps.NOT_FINITE:
+        elif why == NOT_FINITE:
             part.refuse_not_finite(self._memory.frame(int(head["said"])))
         return True
 
@@ -92,7 +98,7 @@ class OrdinarySteps:
             senders[0] = np.frombuffer(reader.speaker.admitted or _NOBODY, np.int64)
         if time.monotonic() >= self._forget_at:
             self._forget_at = time.monotonic() + _FORGET_PERIOD
-            memory.senders[:, 1:] = _UNKNOWN
+            memory.senders[:, 1:] = np.frombuffer(_NOBODY, np.int64)
 
     def _take_back(self, head: Any) -> None:
         """Tell stepper and inbox what has been done."""
@@ -119,7 +125,3 @@ class OrdinarySteps:
             others = self._memory.senders[place, 1:]
             others[:] = np.roll(others, 1, axis=0)
             others[0] = np.frombuffer(gid, np.int64)
-
-
-_UNKNOWN = -1
-_NOBODY = b"\xff" * 16

@@ -1,4 +1,4 @@
-"""The functions of ROS's own C library (rcl), below rclpy, that the compiled loop of a node calls by their addresses."""
+"""The functions of ROS's C library (rcl), below rclpy, that the compiled loop of a node calls by their addresses."""
 
 from __future__ import annotations
 

@@ -15,8 +15,6 @@ from ev_msgs_py.nodes.pace import Pace
 from ev_msgs_py.nodes.timing import Timing
 from ev_msgs_py.parameters.declaration import ParameterError
 
-_ALWAYS = 1 << 62  # ns
-
 
 class Schedule:
     """Knows where time is and what holds it back; `parameters` gives what is said of it now."""
@@ -125,7 +123,7 @@ class Schedule:
         """The last instant at which time may go on as soon as all inputs are there; -1 if the clock has a say."""
         if self.realtime or self._factor:
             return -1
-        end = self._end - self._stepper.period if self._end else _ALWAYS
+        end = self._end - self._stepper.period if self._end else stamps.LAST_EXACT
         return min(end, self._recorded + RECORDER_LAG * self._stepper.period) if self._await_recorder else end
 
     @property

@@ -2,8 +2,8 @@
 
 rclpy's executors build a wait set of everything for every message, services included. Here a step wakes up for one
 subscription, its last input, and polls the others; services, and so parameters, are looked at now and then, and what
-there may be besides goes through an ordinary executor. A node that has a process to itself does that in compiled code for
-as long as nothing odd comes (`ordinary_steps`).
+there may be besides goes through an ordinary executor. A node that has a process to itself does that in compiled code
+for as long as nothing odd comes (`ordinary_steps`).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Spinnable(Protocol):
         """Take what is waited for; False if nothing was there."""
 
     def take_steps(self, until: float) -> bool:
-        """Take steps up to a time of the monotonic clock, and sleep between them; False if somebody has to look first."""
+        """Take steps up to a time of the monotonic clock, and sleep in between; False if it cannot do so by itself."""
 
     def sweep(self) -> None:
         """Take everything else too."""

@@ -36,7 +36,6 @@ class StatePublisher:
         if answer is not None:
             self.publish(answer)
 
-    @property
     def ends(self) -> list[End]:
         """All publishers, in the order in which they speak."""
         return [*(writer.end for writer in self._writers), End(self._clock.pointer, stamp_alone(0))]

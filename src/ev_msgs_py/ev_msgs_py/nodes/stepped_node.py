@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 from typing import Any
 
 from rclpy.node import Node
@@ -18,15 +17,12 @@ from ev_msgs_py.lockstep.stepper import Answer, Stepper, arrival_place
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.health import Health
 from ev_msgs_py.nodes.live_parameters import LiveParameters
-from ev_msgs_py.nodes.ordinary_steps import OrdinarySteps
 from ev_msgs_py.nodes.polled import Polled
 from ev_msgs_py.nodes.reception import Reception
 from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.nodes.scheduling import ask_for
 from ev_msgs_py.nodes.signal_io import SignalReader, SignalWriter
-from ev_msgs_py.nodes.step_memory import End
 
-_ALWAYS = 1 << 62  # ns
 _POLLING_ORDER = polling_order(ROLES, MASTER)
 
 
@@ -85,31 +81,6 @@ class SteppedNode(Node, Polled):
         """Publish an answer."""
         for writer in self.writers.values():
             writer.write(answer.stamp, answer.frame)
-        self.reports.pass_on_now_and_then(self.stepper.part)
-
-    def take_steps(self, until: float) -> bool:
-        """Let compiled code take all ordinary steps up to a time, where it can."""
-        limit, ordinary = self.free_until(), self._ordinary
-        if limit < 0 or ordinary is None or not ordinary.take(until, self.wake_up_within(), limit):
-            return False
-        if ordinary.taken:
-            self.went_on(ordinary.spoke)
-        return True
-
-    @cached_property
-    def _ordinary(self) -> OrdinarySteps | None:
-        return OrdinarySteps(self, self.said()) if OrdinarySteps.possible() else None
-
-    def free_until(self) -> int:
-        """The last stamp up to which nobody but the messages decides when a step is taken; -1 if there is none."""
-        return -1 if self.realtime else _ALWAYS
-
-    def said(self) -> list[End]:
-        """The publishers of what is said in a step."""
-        return [writer.end for writer in self.writers.values()]
-
-    def went_on(self, spoke: float) -> None:
-        """Called when steps were taken, with the time on the monotonic clock at which it spoke last."""
         self.reports.pass_on_now_and_then(self.stepper.part)
 
     def _take_over(self, before: Configuration, given: dict[str, Any], part: Part) -> None:
