@@ -108,5 +108,3 @@ class _Dashboard:
         if cause not in self._said:
             self._said.add(cause)
             self.controls.say(text)
-
-

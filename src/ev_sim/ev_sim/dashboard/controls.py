@@ -39,24 +39,23 @@ class Controls:
 
     def __init__(self, context: Context, namespace: str, name: str, tell: Tell) -> None:
         # A node of its own: the executor, which only services need, would take the messages of another one.
-        node = Node(
-            name, context=context, namespace=namespace, start_parameter_services=False, enable_rosout=False
-        )
+        node = Node(name, context=context, namespace=namespace, start_parameter_services=False, enable_rosout=False)
         self.nodes: dict[str, dict[str, Any]] = {}  # by name, what was told of the parameters of the present nodes
         self._node, self._tell = node, tell
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(node)
         self._of: dict[str, AsyncParameterClient] = {}
-        self._asked: set[str] = set()
+        self._asked: set[str] = set()  # nodes whose parameters are known, or were asked for a moment ago
+        self._present: set[str] = set()
         self._types: dict[tuple[str, str], Parameter.Type] = {}
         self._time = {name: node.create_client(Trigger, f"{MASTER}/{name}") for name in TIME_SERVICES}
-        self._waiting: list[tuple[Future, Callable[[Any], None], str, float]] = []
+        self._waiting: list[tuple[Future, Callable[[Any], None], Callable[[], None], float]] = []
         self._next_look = 0.0
 
     @property
     def has_master(self) -> bool:
         """Whether the graph has a master of time, as far as was looked."""
-        return MASTER in self._asked
+        return MASTER in self._present
 
     def look(self) -> None:
         """Take answers, give up those that do not come, and see which nodes there are."""
@@ -64,13 +63,13 @@ class Controls:
             self._executor.spin_once(timeout_sec=0.0)
         now = time.monotonic()
         waiting, self._waiting = self._waiting, []
-        for future, then, who, deadline in waiting:
+        for future, then, otherwise, deadline in waiting:
             if future.done():
                 then(future.result())
             elif now < deadline:
-                self._waiting.append((future, then, who, deadline))
+                self._waiting.append((future, then, otherwise, deadline))
             else:
-                self.say(f"{who} does not answer")
+                otherwise()
         if now >= self._next_look:
             self._next_look = now + _GRAPH_PERIOD
             self._find_nodes()
@@ -93,28 +92,27 @@ class Controls:
 
     def _find_nodes(self) -> None:
         here = self._node.get_namespace()
-        present = {name for name, space in self._node.get_node_names_and_namespaces() if space == here and name in ROLES}
-        for name in self._asked - present:
+        there = self._node.get_node_names_and_namespaces()
+        present = {name for name, space in there if space == here and name in ROLES}
+        for name in self._present - present:
             self._asked.discard(name)
             self.nodes.pop(name, None)
             self._tell({"kind": "gone", "node": name})
+        self._present = present
         for name in sorted(present - self._asked):
             client = self._of.setdefault(name, AsyncParameterClient(self._node, name))
             if client.services_are_ready():
                 self._asked.add(name)
-                self._ask(client.list_parameters(), partial(self._listed, name), name)
+                self._ask(client.list_parameters(), partial(self._listed, name), partial(self._asked.discard, name))
 
     def _listed(self, name: str, response: Any) -> None:
         names = [each for each in response.result.names if not ros_parameters.is_ros_own(each)]
-        client = self._of[name]
-        described = client.describe_parameters(names)
-        self._ask(
-            described,
-            lambda answer: self._ask(
-                client.get_parameters(names), partial(self._described, name, answer.descriptors), name
-            ),
-            name,
-        )
+        client, again = self._of[name], partial(self._asked.discard, name)
+
+        def described(answer: Any) -> None:
+            self._ask(client.get_parameters(names), partial(self._described, name, answer.descriptors), again)
+
+        self._ask(client.describe_parameters(names), described, again)
 
     def _described(self, name: str, descriptors: list[ParameterDescriptor], response: Any) -> None:
         parameters = []
@@ -136,7 +134,7 @@ class Controls:
         self._ask(
             self._of[node].set_parameters_atomically([parameter]),
             lambda answer: self._was_set(node, name, _plain(parameter.value), answer.result),
-            node,
+            lambda: self.say(f"{node} does not answer; whether {name} was set is not known"),
         )
 
     def _was_set(self, node: str, name: str, value: Any, result: Any) -> None:
@@ -157,11 +155,12 @@ class Controls:
         self._ask(
             self._time[service].call_async(Trigger.Request()),
             lambda answer: None if answer.success else self.say(answer.message),  # success comes as a report
-            MASTER,
+            lambda: self.say(f"{MASTER} does not answer; whether it did {service} is not known"),
         )
 
-    def _ask(self, future: Future, then: Callable[[Any], None], who: str) -> None:
-        self._waiting.append((future, then, who, time.monotonic() + _PATIENCE))
+    def _ask(self, future: Future, then: Callable[[Any], None], otherwise: Callable[[], None]) -> None:
+        """Call `then` with the answer, or `otherwise` without one: what a graph has just found is lost at times."""
+        self._waiting.append((future, then, otherwise, time.monotonic() + _PATIENCE))
 
 
 def _about(descriptor: ParameterDescriptor) -> dict[str, Any]:
