@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import math
 import os
 import signal
 import subprocess
@@ -41,7 +42,7 @@ async def measured(scenario: str, factor: str, seconds: float) -> tuple[float, f
         dashboard = subprocess.Popen(
             [
                 *(Path(os.environ["EV_STACK_ROOT"]) / "install/ev_sim/lib/ev_sim/ev-stack", "dashboard", "--port", "0"),
-                *(scenario, "--no-record", "--no-report", "--out", folder, "--duration", "1000"),
+                *(scenario, "--no-record", "--no-report", "--out", f"{folder}/run", "--duration", "1000"),
                 *("--set", f"plant.real_time_factor={factor}"),
             ],
             stdout=subprocess.PIPE,
@@ -52,8 +53,6 @@ async def measured(scenario: str, factor: str, seconds: float) -> tuple[float, f
             assert dashboard.stdout is not None
             url = dashboard.stdout.readline().partition("http")[2].strip()
             page = await websocket_connect(f"ws{url}live")
-            while not isinstance(await page.read_message(), bytes):
-                pass
             await rows_within(page, _START)
             used, begin = cpu_time(dashboard.pid), time.monotonic()
             rows, simulated = await rows_within(page, seconds)
@@ -65,16 +64,17 @@ async def measured(scenario: str, factor: str, seconds: float) -> tuple[float, f
 
 
 async def rows_within(page, seconds: float) -> tuple[int, float]:
-    """How many rows come in a time, and how far simulated time goes."""
-    count, end, times = 0, time.monotonic() + seconds, []
+    """How many rows come in a time from the first one on, and how far simulated time goes."""
+    times: list[float] = []
+    end = math.inf
     while time.monotonic() < end:
         message = await page.read_message()
         if message is None:
             sys.exit("the run has ended too early")
         if isinstance(message, bytes):
-            count += 1
+            end = min(end, time.monotonic() + seconds)
             times.append(memoryview(message).cast("d")[0])
-    return count, times[-1] - times[0]
+    return len(times), times[-1] - times[0]
 
 
 def cpu_time(process: int) -> float:
