@@ -73,13 +73,11 @@ class MasterNode(SteppedNode):
     def idle(self) -> None:
         """Advance if time is due, publish the state again if answers are late, and name the nodes that are silent."""
         self._go_on()
-        under_way = self.realtime and self.schedule.held.complete
-        if self.done or self._granted.rests() or under_way or self._state.silent_for < _RETRY_PERIOD:
-            return
-        if self.stepper.inbox.complete() is None or not self.schedule.recorder_keeps_up:
+        waits = not (self.done or self._granted.rests() or self.schedule.all_are_here)
+        if waits and self._state.silent_for >= _RETRY_PERIOD:
             self._state.repeat(self.stepper.answer)
             self.health.late_answers += 1
-            self._silence.name_after(self.configuration.extra.answer_timeout, self.stepper.inbox.missing(), self.now)
+            self._silence.name_after(self.configuration.extra.answer_timeout, self.schedule.missing, self.now)
 
     def reconfigured(self) -> None:
         """Time goes on from here at its new pace."""

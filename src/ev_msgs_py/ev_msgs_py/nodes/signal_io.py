@@ -16,7 +16,7 @@ from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
 from ev_msgs_py.lockstep.stepper import WRITERS
-from ev_msgs_py.nodes.speaker import Refuse, Speaker
+from ev_msgs_py.nodes.speaker import Judge, Refuse, Speaker
 from ev_msgs_py.wire.message_format import format_of
 
 SubscriptionHandle = rclpy_implementation.Subscription  # what rclpy's Subscription wraps
@@ -62,7 +62,7 @@ class Reader:
         message_class: type,
         name: str,
         receive: Callable[[bytes], None],
-        speaker: Speaker | None,
+        speaker: Judge | None,
         quality: QoSProfile = _HEARD,
     ) -> None:
         self.receive, self.speaker = receive, speaker
@@ -71,6 +71,7 @@ class Reader:
         )
         self.handle: SubscriptionHandle = self._subscription.handle
         self._take = partial(self.handle.take_message, message_class, True)
+        self.close = partial(node.destroy_subscription, self._subscription)
 
     def take(self) -> bytes | None:
         """The next message that is admitted, None if there is none."""

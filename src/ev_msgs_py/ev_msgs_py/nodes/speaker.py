@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 from rclpy.node import Node
 
@@ -12,6 +12,13 @@ _SOON, _LATER = 0.01, 0.2  # s of wall time between looks into the graph for a s
 _KEPT = 100  # senders of whom it is known when they were looked up
 
 Refuse = Callable[[str, str], None]  # is told the node that is refused, and a line about it
+
+
+class Judge(Protocol):
+    """Knows who may speak."""
+
+    def admits(self, info: Mapping[str, Any]) -> bool:
+        """Whether a message with this information, as rclpy gives it, is heard."""
 
 
 class Speaker:

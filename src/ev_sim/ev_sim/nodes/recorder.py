@@ -65,7 +65,7 @@ class RecorderNode(Node):
         recorder.took_all()
         held = recorder.held
         if held != self._told or recorder.asked:
-            if held >= 0:
+            if recorder.all_spoke:
                 self._progress.write(held, _NOTHING)
             self._told, recorder.asked = held, False
         if recorder.loss:
