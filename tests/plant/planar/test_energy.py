@@ -14,7 +14,7 @@ from ev_sim.plant.planar.state import VX, VY, WHEEL_SPEED, YAW_RATE, index
 
 
 def test_energy_never_grows():
-    """From 64 random states, two for each tyre and pair of surfaces, torque zero and resistance off: kinetic energy and that of the carcasses only fall.
+    """From 64 random states, torque zero and resistance off: kinetic energy and that of the carcasses only fall.
 
     The carcasses start unloaded, so the kinetic energy never comes back above its start.
     """
