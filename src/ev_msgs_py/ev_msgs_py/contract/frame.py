@@ -6,9 +6,10 @@ optional roles last, field by field, wheel by wheel: the order that messages and
 
 from __future__ import annotations
 
+import ctypes
 import struct
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import accumulate
 
 import numpy as np
@@ -34,6 +35,12 @@ def places(signal: type) -> range:
     return range(PLACES[signal].start, PLACES[signal].stop)
 
 
+def span(signals: Iterable[type]) -> tuple[int, int]:
+    """Where the first of some signals begins in the frame, and the last one ends."""
+    found = [PLACES[signal] for signal in signals]
+    return min(place.start for place in found), max(place.stop for place in found)
+
+
 def channels() -> dict[str, int]:
     """The place of every recorded channel, such as wheel_states.velocity.front_left, in the frame."""
     return {
@@ -50,13 +57,15 @@ def units() -> dict[str, str]:
     }
 
 
-def stack(instants: int, period: int, size: int = SIZE) -> np.ndarray:
-    """Empty frames of so many instants from time zero, `period` nanoseconds apart: (instants, size).
+def times(instants: int, period: int) -> np.ndarray:
+    """So many instants from time zero [s], `period` nanoseconds apart."""
+    return np.arange(instants) * period / stamps.NANOSECONDS
 
-    A `size` below that of the frame leaves out the last signals, which nobody writes then.
-    """
-    frames = np.zeros((instants, size))
-    frames[:, TIME] = np.arange(instants) * period / stamps.NANOSECONDS
+
+def stack(instants: int, period: int) -> np.ndarray:
+    """Empty frames of so many instants from time zero, `period` nanoseconds apart: (instants, size)."""
+    frames = np.zeros((instants, SIZE))
+    frames[:, TIME] = times(instants, period)
     return frames
 
 
@@ -72,6 +81,14 @@ class Frame:
         memory = _EMPTY[:]
         self.numbers: memoryview[float] = memoryview(memory)
         self.address: int = memory.buffer_info()[0]
+
+    @classmethod
+    def at(cls, address: int) -> Frame:
+        """The frame that stands at an address."""
+        found = cls.__new__(cls)
+        found.address = address
+        found.numbers = memoryview((ctypes.c_char * (SIZE * _DOUBLE)).from_address(address)).cast("B").cast("d")
+        return found
 
     def copy(self, other: Frame, where: slice) -> None:
         """Take numbers over from another frame."""
