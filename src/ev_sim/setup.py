@@ -13,7 +13,6 @@ NODES = [
     "test_bench = ev_sim.nodes.test_bench:main",
     "recorder = ev_sim.nodes.recorder:main",
     "inverter = ev_sim.nodes.inverter:main",
-    "visualization = ev_sim.commands.visualization:main",
     "can_hub = ev_sim.commands.can_hub:main",
 ]
 IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)

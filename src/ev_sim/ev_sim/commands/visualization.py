@@ -18,7 +18,7 @@ _PERIOD = 0.05  # s of wall time between two looks
 
 
 def main(argv: list[str] | None = None) -> None:
-    """ros2 run ev_sim visualization --ros-args -r __ns:=/ev; the namespace is /ev unless it is given."""
+    """ev-stack visualization [--ros-args ...]; the namespace is /ev unless -r __ns:=/NAME gives another one."""
     words = sys.argv[1:] if argv is None else argv
     with StopRequest() as stop:
         rclpy.init(args=words, signal_handler_options=SignalHandlerOptions.NO)
