@@ -122,7 +122,8 @@ class Configuration:
 
 
 def _method_entry(role: str, name: str) -> Entry:
-    spec = Spec(f"how the {role} works", choices=tuple(methods_of(role)), read_only=True)
+    known = dict.fromkeys((*methods_of(role), name))  # a library's path as well
+    spec = Spec(f"how the {role} works", choices=tuple(known), read_only=True)
     return Entry(_METHOD, str, False, name, spec)
 
 
