@@ -44,13 +44,14 @@ def with_tyres_from_files(vehicle: Vehicle) -> Vehicle:
     A vehicle without a file comes back as it is. Raises ParameterError, in one line that names the file, if it cannot
     be read, is meant for another formula or in other units, lacks a coefficient or holds no number.
     """
-    tyre, read = vehicle.tyre, {}
-    for axle in ("front", "rear"):
-        name = getattr(tyre, f"{axle}_file")
-        if name:
-            read[f"{axle}_mf"] = read_tyre(f"vehicle.tyre.{axle}_file", name)
-            read[f"{axle}_file"] = ""
-    return dataclasses.replace(vehicle, tyre=dataclasses.replace(tyre, **read)) if read else vehicle
+    tyre = vehicle.tyre
+    if tyre.front_file:
+        front = read_tyre("vehicle.tyre.front_file", tyre.front_file)
+        tyre = dataclasses.replace(tyre, front_file="", front_mf=front)
+    if tyre.rear_file:
+        rear = read_tyre("vehicle.tyre.rear_file", tyre.rear_file)
+        tyre = dataclasses.replace(tyre, rear_file="", rear_mf=rear)
+    return dataclasses.replace(vehicle, tyre=tyre)
 
 
 def read_tyre(parameter: str, name: str) -> tuple[float, ...]:
