@@ -316,7 +316,7 @@ def test_incomplete_steps_do_not_pile_up():
     box = inbox(may_skip=True)
     for step in range(1000):
         assert say(box, WheelStates, step * PERIOD) is Arrival.NEW
-    assert len(box._pending) < 10
+    assert len(box.pending) < 10
     assert say(box, DriverCommand, 999 * PERIOD) is Arrival.NEW
     assert box.complete() == 999 * PERIOD
 

@@ -11,7 +11,7 @@ from llvmlite.binding import ObjectFileRef
 from numba.core.errors import TypingError
 from numba.extending import register_jitable
 
-from ev_msgs_py.compiling import stack_memory  # noqa: F401, tells the compiler what `working_memory` is
+from ev_msgs_py.compiling import foreign_calls, stack_memory  # noqa: F401, what `call` and `working_memory` are
 from ev_msgs_py.compiling.compilable import FUNCTIONS, INLINED
 from ev_msgs_py.compiling.machine_code import cache_folder, calls, code_file, forget_older, keep, text_file, write_whole
 

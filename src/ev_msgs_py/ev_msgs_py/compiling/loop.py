@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from llvmlite import ir
 from numba import njit, types
-from numba.extending import intrinsic
 
+from ev_msgs_py.compiling.foreign import call
 from ev_msgs_py.compiling.library import OPTIONS, use_cache
 from ev_msgs_py.contract.frame import SIZE, TIME
 
@@ -19,23 +16,10 @@ _EXPONENT = 0x7FF0000000000000  # of a float64: all ones in what is infinite or 
 use_cache()
 
 
-@intrinsic
-def _call(typingctx: Any, address: Any, now: Any, next: Any, state: Any, constants: Any) -> Any:
-    """Call the C function at an address with four pointers."""
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        pointer = ir.IntType(8).as_pointer()
-        kind = ir.FunctionType(ir.IntType(32), [pointer] * 4)
-        function = builder.inttoptr(arguments[0], kind.as_pointer())
-        return builder.call(function, [builder.inttoptr(argument, pointer) for argument in arguments[1:]])
-
-    return types.int32(types.intp, types.intp, types.intp, types.intp, types.intp), codegen
-
-
 @njit(cache=True, nogil=True, **OPTIONS)
 def call_part(address: int, now: int, next: int, state: int, constants: int) -> int:
     """Call a part by the addresses of its function, frames, state and constants."""
-    return _call(address, now, next, state, constants)
+    return call(address, now, next, state, constants)
 
 
 @njit(cache=True, **OPTIONS)
@@ -66,7 +50,7 @@ def run_instants(
             at = n if i < answering else n + 1
             if at > last:
                 break
-            status = _call(parts[i, 0], now, base + at * width, parts[i, 1], parts[i, 2])
+            status = call(parts[i, 0], now, base + at * width, parts[i, 1], parts[i, 2])
             stopped[0], stopped[1] = at, i
             if status != 0:
                 return FAILED
@@ -83,7 +67,7 @@ def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answer
     """
     for i in range(answering, parts.shape[0]):
         stopped[0], stopped[1], stopped[2] = 0, i, 0
-        if _call(parts[i, 0], 0, frames.ctypes.data, parts[i, 1], parts[i, 2]) != 0:
+        if call(parts[i, 0], 0, frames.ctypes.data, parts[i, 1], parts[i, 2]) != 0:
             return FAILED
         if not _is_finite(frames.view(np.int64), 0, parts[i, 3], parts[i, 4]):
             return NOT_FINITE

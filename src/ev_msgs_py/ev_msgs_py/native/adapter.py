@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from ev_msgs_py.compiling.loop import call_part
+from ev_msgs_py.compiling.foreign import call
 from ev_msgs_py.compiling.machine_code import function_address
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import ROLES
@@ -26,7 +26,7 @@ def step(now, next, state, constants):
     row, words, memory = carray(constants, {row}, FLOAT), carray(constants, 1, INT), carray(state, 1, FLOAT)
 {copying}
     at = row.ctypes.data
-    status = call_part(words[0], at + {inputs}, at + {outputs}, memory.ctypes.data, at + {given})
+    status = call(words[0], at + {inputs}, at + {outputs}, memory.ctypes.data, at + {given})
     row[{status}] = status
 {writing}
     return status
@@ -60,4 +60,4 @@ def _compiled(
         given=8 * given,
         status=STATUS,
     )
-    return function_address(f"library_{role}", text, {"FLOAT": np.float64, "INT": np.int64, "call_part": call_part})
+    return function_address(f"library_{role}", text, {"FLOAT": np.float64, "INT": np.int64, "call": call})

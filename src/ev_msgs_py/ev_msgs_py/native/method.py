@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from ev_msgs_py.compiling.foreign import FUNCTION
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.shape import SignalError, shape_of
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.lockstep.methods import Method
-from ev_msgs_py.lockstep.part import FUNCTION, PythonPart
+from ev_msgs_py.lockstep.part import PythonPart
 from ev_msgs_py.native.interface import LAW_ROLES, car_row, reads_of, size_of
 from ev_msgs_py.native.library import GIVEN, Library
 from ev_msgs_py.parameters.declaration import ParameterError, number_tree

@@ -85,6 +85,10 @@ class BusNode(Node):
         for circuit, frame in self.cycle(ticks):
             channels.send(circuit, frame)
 
+    def take_steps(self, until: float) -> bool:
+        """Its steps are cycles by the wall clock."""
+        return False
+
     def sweep(self) -> None:
         """Nothing more to take: `poll` takes everything."""
 

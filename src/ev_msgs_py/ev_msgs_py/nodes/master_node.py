@@ -19,6 +19,7 @@ from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.nodes.schedule import Schedule
 from ev_msgs_py.nodes.silence import Silence
 from ev_msgs_py.nodes.state_publisher import StatePublisher
+from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.time_services import TimeServices
 from ev_msgs_py.nodes.timing import TIMING
@@ -78,6 +79,20 @@ class MasterNode(SteppedNode):
             self._state.repeat(self.stepper.answer)
             self.health.late_answers += 1
             self._silence.name_after(self.configuration.extra.answer_timeout, self.schedule.missing, self.now)
+
+    def free_until(self) -> int:
+        """The last instant at which time may go on as soon as all inputs are there."""
+        return -1 if self._granted.paused else self.schedule.free_until
+
+    def ends(self) -> list[End]:
+        """The publishers of the state, and that of the clock."""
+        return self._state.ends()
+
+    def went_on(self, spoke: float) -> None:
+        """Nobody is silent."""
+        super().went_on(spoke)
+        self._state.spoke = spoke
+        self._silence.answered()
 
     def reconfigured(self) -> None:
         """Time goes on from here at its new pace."""

@@ -119,6 +119,14 @@ class Schedule:
         return self.all_are_here and not self.rests()
 
     @property
+    def free_until(self) -> int:
+        """The last instant at which time may go on as soon as all inputs are there; -1 if the clock has a say."""
+        if self.realtime or self._factor:
+            return -1
+        end = self._end - self._stepper.period if self._end else stamps.LAST_EXACT
+        return min(end, self._recorded + RECORDER_LAG * self._stepper.period) if self._await_recorder else end
+
+    @property
     def lateness(self) -> float:
         """Wall time since the next instant was due [s], negative before; zero without a pace."""
         if self._factor == 0.0:

@@ -48,11 +48,13 @@ def _compile_method(method: Method) -> None:
 
 
 def _compile_stepping() -> None:
+    from ev_msgs_py.compiling import node_loop
     from ev_msgs_py.compiling.loop import compile_loops
     from ev_msgs_py.sensors import part as sensors
     from ev_sim.batches import observer
 
     compile_loops()
+    node_loop.address()
     sensors.function()
     sensors.fault_function()
     observer.function()

@@ -49,6 +49,10 @@ class RecorderNode(Node):
         self._input.take_all()
         return False
 
+    def take_steps(self, until: float) -> bool:
+        """It only listens."""
+        return False
+
     def sweep(self) -> None:
         """Nothing more to take: `poll` takes everything."""
 
