@@ -1,4 +1,4 @@
-"""How many cases each test gets: a few in the suite, always the same; as many as scripts/fuzz.sh is told in the long form."""
+"""How many cases each test gets: a few in the suite, always the same, and as many as scripts/fuzz.sh is told."""
 
 from __future__ import annotations
 

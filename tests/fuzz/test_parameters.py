@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.faults.fault import parsed as parsed_faults
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.methods import all_methods
-from ev_msgs_py.parameters.declaration import Entry, ParameterError
+from ev_msgs_py.lockstep.configuration import CommonParameters, configure
+from ev_msgs_py.lockstep.methods import all_methods, find_method
+from ev_msgs_py.parameters.declaration import Entry, ParameterError, entries
 from ev_msgs_py.parameters.units import ACCEPTED, number_of
 from ev_msgs_py.parameters.values import check
 from ev_sim.report.own_metrics import parsed as parsed_metric
@@ -28,10 +28,8 @@ anything = st.recursive(leaves, lambda inner: st.lists(inner, max_size=4) | st.d
 
 def entries_of(role: str, name: str) -> tuple[Entry, ...]:
     if (role, name) not in ENTRIES:
-        try:
-            ENTRIES[role, name] = configure(role, {"method": name}).entries()
-        except ParameterError:  # a method that the default car cannot have
-            ENTRIES[role, name] = configure(role, {}).entries()
+        method = find_method(role, name)
+        ENTRIES[role, name] = (*entries(CommonParameters), *entries(method.parameters))
     return ENTRIES[role, name]
 
 
