@@ -28,7 +28,7 @@ IDENTIFIERS = [layout.identifier for layout in LAYOUTS]
 payloads = st.integers(0, 2**64 - 1)
 
 
-@fuzzed(50)
+@fuzzed(30)
 @given(
     layout=st.sampled_from(LAYOUTS),
     payload=payloads,
@@ -44,7 +44,7 @@ def test_up_to_three_wrong_bits_are_found(layout, payload, counter, flipped):
     assert check(TOLERANCES, state, sent ^ damage, layout.length, layout.data_id) == WRONG_CRC
 
 
-@fuzzed(50)
+@fuzzed(30)
 @given(field=st.sampled_from(FIELDS), payload=payloads, value=st.floats(allow_nan=False))
 def test_a_field_says_what_it_can_and_no_more(field, payload, value):
     assert math.isfinite(extracted(payload, field))
@@ -53,7 +53,7 @@ def test_a_field_says_what_it_can_and_no_more(field, payload, value):
     assert field.low - half <= quantised(field, value) <= field.high + half
 
 
-@fuzzed(50)
+@fuzzed(30)
 @given(low=st.floats(), high=st.floats(), payload=payloads)
 def test_numbers_that_are_no_words_are_no_frame(low, high, payload):
     assert joined(*words(payload)) == payload

@@ -48,7 +48,7 @@ def refused(call) -> None:
         assert_one_line(error)
 
 
-@fuzzed(12, 1.0)
+@fuzzed(6, 0.5)
 @given(words=_words, scenario=st.sampled_from(["shchur2019", "coast_down"]) | _texts)
 def test_the_words_of_a_run(words, scenario):
     def call() -> None:
@@ -60,7 +60,7 @@ def test_the_words_of_a_run(words, scenario):
     refused(call)
 
 
-@fuzzed(12, 0.5)
+@fuzzed(6, 0.3)
 @given(words=_words)
 def test_the_words_of_a_sweep(words):
     refused(lambda: study_cases(study_named("sweep"), study_arguments("sweep", ["coast_down", *words])))

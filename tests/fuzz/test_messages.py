@@ -15,7 +15,7 @@ from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 from ev_sim.running.recording.message_table import MessageTable
 
-signals = st.sampled_from(sorted(TOPICS, key=lambda signal: signal.__name__))
+signals = st.sampled_from([signal for signal, topic in TOPICS.items() if topic.channels])
 
 
 @st.composite
@@ -33,7 +33,7 @@ def messages(draw: st.DrawFn) -> tuple[type, bytes]:
     return signal, bytes(message) if how is None else spoilt(bytes(message), how, chance)
 
 
-@fuzzed(60, 2.0)
+@fuzzed(40, 2.0)
 @given(messages())
 def test_what_is_no_message_is_refused_by_all_in_the_same_way(case):
     signal, message = case

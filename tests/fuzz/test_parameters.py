@@ -33,7 +33,7 @@ def entries_of(role: str, name: str) -> tuple[Entry, ...]:
     return ENTRIES[role, name]
 
 
-@fuzzed(150, 3.0)
+@fuzzed(60, 3.0)
 @given(method=st.sampled_from(METHODS), value=anything, data=st.data())
 def test_a_value_is_taken_within_its_range_or_refused(method, value, data):
     entry = data.draw(st.sampled_from(entries_of(*method)))
@@ -71,7 +71,7 @@ def test_several_values_at_once(method, data):
     assert all(math.isfinite(value) for value in made.values().values() if isinstance(value, float))
 
 
-@fuzzed(60)
+@fuzzed(30)
 @given(text=words, unit=st.sampled_from(sorted(ACCEPTED)))
 def test_a_text_with_a_unit_is_a_number_or_none(text, unit):
     number = number_of(text, unit)
@@ -94,7 +94,7 @@ _FAULT = st.sampled_from(
 )
 
 
-@fuzzed(60)
+@fuzzed(30)
 @given(st.lists(_FAULT | words, max_size=7).map(" ".join))
 def test_the_text_of_a_fault(text):
     try:
@@ -105,7 +105,7 @@ def test_the_text_of_a_fault(text):
     assert math.isfinite(fault.value) and 0.0 <= fault.begin < fault.end
 
 
-@fuzzed(60)
+@fuzzed(30)
 @given(st.lists(st.sampled_from(["peak", "=", "maximum", "(", ")", "imu.yaw_rate"]) | words, max_size=7).map(" ".join))
 def test_the_text_of_a_metric(text):
     try:

@@ -34,7 +34,6 @@ def spoilt(trial: Trial) -> None:
         path = made(trial.chance.choice(sorted((_CONFIG / "cycles").glob("*.csv"))))
         trial.words[0] = "shchur2019"
         trial.words += ["--set", f"driver.speed_profile.file={path}"]
-        trial.words += ["--set", "driver.speed_profile.time=[]", "--set", "driver.speed_profile.speed=[]"]
 
 
 def _vehicle(trial: Trial) -> str:
