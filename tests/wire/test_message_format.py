@@ -11,6 +11,15 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 
+from ev_msgs_py.compiling.message_memory import (
+    RUN,
+    TOPIC,
+    Memory,
+    is_laid_out_like,
+    read_numbers,
+    stamp_in,
+    write_message,
+)
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.signals import (
@@ -104,7 +113,7 @@ def refusal(topic: Topic, message: bytes) -> str:
 
 
 @WITH_NUMBERS
-@settings(max_examples=50)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_numbers_come_back_bit_for_bit(topic, data):
     """Packed by us, and filled and serialized by rclpy as a stranger would."""
@@ -115,7 +124,7 @@ def test_numbers_come_back_bit_for_bit(topic, data):
 
 
 @WITH_NUMBERS
-@settings(max_examples=50)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_packing_gives_the_bytes_of_rclpy(topic, data):
     """The same bytes, but for padding between the fields and behind them: rclpy leaves it to chance, we write zeros."""
@@ -138,7 +147,7 @@ def test_the_recorders_progress_is_nothing_but_its_stamp():
 
 
 @WITH_NUMBERS
-@settings(max_examples=25)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_a_whole_run_is_serialized_at_once_as_message_by_message(topic, data):
     rows = data.draw(st.lists(numbers_of(topic), min_size=1, max_size=4))
@@ -190,7 +199,7 @@ def test_imu_says_that_it_has_no_orientation():
 
 
 @JOINTS
-@settings(max_examples=30)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_joints_in_another_order_mean_the_same(topic, data):
     """JointState is read by name; a sender in another language may list its joints as it likes."""
@@ -298,7 +307,7 @@ def test_huge_finite_numbers_are_not_taken_for_infinite(topic):
 
 
 @WITH_NUMBERS
-@settings(max_examples=100)
+@settings(max_examples=30)
 @given(data=st.data())
 def test_what_cannot_be_read_is_refused_in_one_line(topic, data):
     """Cut off, prolonged, with other bytes in it or big-endian: a node must survive whatever a stranger sends."""
@@ -315,3 +324,35 @@ def test_garbage_carries_no_stamp():
     for garbage in (b"", b"\x00\x01\x00\x00", b"\x00\x00\x00\x00" + bytes(40), b"\xff" * 60):
         with pytest.raises(MessageError, match="carry no stamp"):
             stamp_of(garbage)
+
+
+@WITH_NUMBERS
+def test_compiled_code_reads_and_writes_the_same_bytes(topic):
+    """In its block of memory: the numbers, the stamp, and what is no message of ours; here run as plain Python."""
+    of, block = format_of(topic.signal), np.zeros(512, np.int64)
+    memory = Memory(*(block.view(kind) for kind in (np.uint8, np.int64, np.int32, np.float64, np.float32)))
+    there = np.zeros(1, np.dtype(TOPIC)).view(np.recarray)[0]
+    there.template, there.mask, at = 4, 1004, 2004  # numbers stand at whole ones behind the four bytes of encapsulation
+    there.length, there.last, there.single = len(of.template), len(of.runs), of.code == "f"
+    memory.bytes[4 : 4 + len(of.template)] = list(of.template)
+    memory.bytes[1004 : 1004 + len(of.mask)] = list(of.mask)
+    runs = np.array([tuple(run) for run in of.runs], RUN).view(np.recarray)
+    stamp, given = 12_345_678_901, framed(topic, ordinary(topic))
+    write_message(memory, there, runs, stamp, given.numbers)
+    message = bytes(memory.bytes[4 : 4 + len(of.template)])
+    assert message == of.pack(stamp, given)
+    memory.bytes[at : at + len(message)] = list(message)
+    found = Frame()
+    assert is_laid_out_like(memory, at, there)
+    assert read_numbers(memory, at, there, runs, found.numbers)
+    assert stamp_in(memory, at) == stamp
+    assert bytes(found.numbers) == bytes(given.numbers)
+    for place in (n for n, constant in enumerate(of.mask) if constant):
+        memory.bytes[at + place] ^= 1
+        assert not is_laid_out_like(memory, at, there)
+        memory.bytes[at + place] ^= 1
+    last = of.runs[-1]
+    numbers = memory.singles if there.single else memory.doubles
+    for wrong in (math.nan, math.inf, -math.inf):
+        numbers[(at + last.offset) // numbers.itemsize + last.length - 1] = wrong
+        assert not read_numbers(memory, at, there, runs, found.numbers)

@@ -10,6 +10,7 @@ import json
 import math
 import re
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ LONG = 40  # cases, from which on a study is too long to be driven in a test
 SAMPLE = 12  # cases of a long study that a test drives
 
 
+@cache
 def is_long(need: object) -> bool:
     """Whether tests take the numbers of a study from its file."""
     return isinstance(need, StudyNeed) and len(cases_of(need)) >= LONG

@@ -146,7 +146,7 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     others.append((sensors_for(ROLES[role].writes), _SENSORS))
     for of, prefix in others:
         _take(dict(rest), of, prefix)
-    elsewhere = {name for of, prefix in others for name in flatten(of(), prefix)}
+    elsewhere = {name for of, prefix in others for name in entries_by_name(of, prefix)}
     for name in rest:
         if name not in elsewhere:
             known = [_METHOD, *flatten(common), *flatten(parameters), "faults", *(flatten(further) if further else ())]

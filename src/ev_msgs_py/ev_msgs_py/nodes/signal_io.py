@@ -69,10 +69,11 @@ class Reader:
         name: str,
         receive: Callable[[bytes], None],
         speaker: Judge | None,
+        quality: QoSProfile = _HEARD,
     ) -> None:
         self.receive, self.speaker = receive, speaker
         self._subscription = node.create_subscription(
-            message_class, name, self._receive_from_executor, _HEARD, callback_group=PolledGroup(), raw=True
+            message_class, name, self._receive_from_executor, quality, callback_group=PolledGroup(), raw=True
         )
         self.handle: SubscriptionHandle = self._subscription.handle
         self._take = partial(self.handle.take_message, message_class, True)
@@ -101,10 +102,17 @@ class Reader:
 class SignalReader(Reader):
     """Receives a signal from the node of the role that writes it; `refuse` is told of others who speak of it."""
 
-    def __init__(self, node: Node, topic: Topic, receive: Callable[[bytes], None], refuse: Refuse) -> None:
+    def __init__(
+        self,
+        node: Node,
+        topic: Topic,
+        receive: Callable[[bytes], None],
+        refuse: Refuse,
+        quality: QoSProfile = _HEARD,
+    ) -> None:
         speaker = Speaker(node, topic.name, WRITERS.get(topic.signal, RECORDER), refuse)
         self._format = format_of(topic.signal)
-        super().__init__(node, self._format.message_class, topic.name, receive, speaker)
+        super().__init__(node, self._format.message_class, topic.name, receive, speaker, quality)
 
     @property
     def end(self) -> End:

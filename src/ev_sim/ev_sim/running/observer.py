@@ -29,8 +29,8 @@ OBSERVER = "run_scenario"  # its name in the graph
 class Observer(Node):
     """Follows the recorder, which speaks seldom, so that looking costs the run next to nothing."""
 
-    def __init__(self, context: Context, namespace: str) -> None:
-        super().__init__(OBSERVER, context=context, namespace=namespace, start_parameter_services=False)
+    def __init__(self, context: Context, namespace: str, name: str = OBSERVER) -> None:
+        super().__init__(name, context=context, namespace=namespace, start_parameter_services=False)
         self.time = 0.0
         self.warnings: list[str] = []
         self.timing: dict[str, Any] = {}  # how well real time was kept, as the master says at its end
