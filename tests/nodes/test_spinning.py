@@ -17,6 +17,9 @@ class Besieged(Node):
     def poll(self) -> bool:
         return True
 
+    def take_steps(self, until: float) -> bool:
+        return False
+
     def sweep(self) -> None:
         self.swept += 1
 
