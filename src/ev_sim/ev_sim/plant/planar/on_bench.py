@@ -41,6 +41,10 @@ from ev_sim.plant.planar.state import VX, WHEEL_SPEED, PlanarState
 
 _BEYOND = 2.0  # times its largest torque is what a machine is believed to give: the transducer may err
 _MOST_POWER = 1e7  # W, believed of the electrical measurement
+_MOST_APART = 100.0  # rad/s that a wheel is believed to be away from what its load machine was told
+
+WHEEL_SPEEDS = ("virtual", "load_machine")
+VIRTUAL, LOAD_MACHINE = range(len(WHEEL_SPEEDS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +60,13 @@ class PlanarOnBenchParameters(PlanarParameters):
         "rotor's inertia, but the torque behind the rotor, where the transducer sits, has moved the rotor already",
         source="assumption: the source drives the wheel with the measured torque and does not speak of the rotor",
     )
+    wheel_speed: str = parameter(
+        "load_machine",
+        choices=WHEEL_SPEEDS,
+        about="with which speed a driven wheel meets the road: load_machine: the one measured at its load machine; "
+        "virtual: the one that the load machine is told to hold",
+        source="dissertation, section 4.1: the speed of the load machine is that of the virtual driven wheel",
+    )
 
 
 @dataclass(slots=True)
@@ -64,6 +75,8 @@ class PlanarOnBenchState(PlanarState):
 
     measured_torque: list[float] = per_wheel(unit="N m", about="of the machine with its rotor, at the shaft")
     measured_speed: list[float] = per_wheel(unit="rad/s", about="of the shaft")
+    told_speed: list[float] = per_wheel(unit="rad/s", about="of the wheel, that the load machine was told last")
+    apart: list[float] = per_wheel(unit="rad/s", about="of the wheel: load machine less what it was told")
     measured_power: float = entry(unit="W", about="that the machines took from the battery")
 
 
@@ -71,6 +84,8 @@ def at_start(p: PlanarOnBenchParameters, car: Car, c: PlanarConstants) -> Planar
     """As the planar plant begins; the shafts rest."""
     s = PlanarOnBenchState()
     begin(s, p, car, c)
+    for i in range(4):
+        s.told_speed[i] = s.motion[WHEEL_SPEED + i]
     return s
 
 
@@ -112,7 +127,7 @@ def _load(car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> Lo
         radius = c.body.wheel_radius[i]
         dry = s.guard.brake[i] + radius * step.load[i] * (rolling + step.tyre[i].rolling_resistance)
         mode[i] = car.driven[i] * SPEED_MODE
-        speed[i] = car.driven[i] * gear * y[WHEEL_SPEED + i]
+        speed[i] = car.driven[i] * gear * (y[WHEEL_SPEED + i] - s.apart[i])
         torque[i] = car.driven[i] * (radius * step.force_x[i] + step.motion[i] * dry) / gear
     return LoadCommand(wheels_from(mode, 0), wheels_from(speed, 0), wheels_from(torque, 0))
 
@@ -157,11 +172,26 @@ def planar_on_bench(
         most = _BEYOND * c.limits.drive[i] / car.gear_ratio
         s.measured_torque[i] = accepted(s.guard, torque, 0.0, -most, most)
         s.measured_speed[i] = shafts.speed[i]
+        if p.wheel_speed == LOAD_MACHINE:
+            _turn_with_load_machine(s, i, shafts.load_speed[i] / car.gear_ratio)
     driven, voltage, current = car.driven, electrical.voltage, electrical.current
     front = driven[0] * voltage[0] * current[0] + driven[1] * voltage[1] * current[1]
     power = front + (driven[2] * voltage[2] * current[2] + driven[3] * voltage[3] * current[3])
     s.measured_power = accepted(s.guard, power, 0.0, -_MOST_POWER, _MOST_POWER)
     advance(p, car, c, s, period, command, column, _apply, _book)
+
+
+@inlined
+def _turn_with_load_machine(s: PlanarOnBenchState, i: int, speed: float) -> None:
+    """Let a wheel meet the road as its load machine turned [rad/s, of the wheel] when the last period ended.
+
+    What the load machine is told goes on from what it was told: the speed J w' = i M - F_x r - M_f - M_brake of the
+    virtual wheel. The difference between both, held over a period, is what the load machine does not follow.
+    """
+    told = s.motion[WHEEL_SPEED + i] - s.apart[i]
+    apart = accepted(s.guard, speed - s.told_speed[i], 0.0, -_MOST_APART, _MOST_APART)
+    s.motion[WHEEL_SPEED + i] = told + apart
+    s.apart[i], s.told_speed[i] = apart, told
 
 
 @inlined
