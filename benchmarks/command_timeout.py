@@ -77,9 +77,10 @@ class Commander:
         return time.monotonic()
 
     def begin(self) -> None:
-        """Let the plant begin: it waits for the column."""
+        """Let the plant begin: it waits for both."""
         while self.hear() is None or not self._stamp:
             self._column.publish_raw(format_of(SteeringColumnState).pack(0, Frame()))
+            self._command.publish_raw(format_of(WheelTorqueCommand).pack(0, Frame()))
             time.sleep(0.01)
 
     def trial(self, chance: random.Random) -> tuple[float, float]:

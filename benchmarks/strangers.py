@@ -1,9 +1,10 @@
-"""A stranger speaks on every topic of a run, with the right stamps and other numbers: what does it change?
+"""A stranger speaks on topics of a run, with the right stamps and other numbers: what does it change?
 
-    source scripts/setup.sh && python benchmarks/strangers.py [--rates HZ ...] [--seconds S]
+    source scripts/setup.sh && python benchmarks/strangers.py [--rates HZ ...] [--seconds S] [--each | --topics T ...]
 
-The rate is that on each of the topics. Printed are how many messages per second the stranger got rid of on each, the
-steps per second of the run, whether its hash is that of the offline runner, and what was said of the stranger.
+The rate is that on each of the topics: all of them at once, with --each one after the other. Printed are how many
+messages per second the stranger got rid of on each, the steps per second of the run, whether its hash is that of the
+offline runner, and what was said of the stranger.
 """
 
 from __future__ import annotations
@@ -35,12 +36,12 @@ SCENARIO = "shchur2019"
 OTHER = 7.0  # a finite number that the run does not give
 
 
-def speak(rate: float) -> None:
-    """Say that it is there, publish on all topics until told to stop, and print the messages per second and topic."""
+def speak(rate: float, topics: list[str]) -> None:
+    """Say that it is there, publish on topics until told to stop, and print the messages per second and topic."""
     rclpy.init()
     node = Node("stranger", namespace="/ev")
     clock = node.create_subscription(Clock, "/clock", lambda _: None, QUALITY, raw=True).handle
-    formats = [format_of(signal) for signal in TOPICS]
+    formats = [format_of(signal) for signal, topic in TOPICS.items() if topic.name in topics]
     mouths = [node.create_publisher(f.message_class, f.topic.name, QUALITY).handle.publish_raw for f in formats]
     other = Frame()
     other.numbers[:] = numbers_of([OTHER] * len(other.numbers))
@@ -58,12 +59,12 @@ def speak(rate: float) -> None:
     rclpy.shutdown()
 
 
-def drive(run: Run, rate: float) -> tuple[float, float, str, tuple[str, ...]]:
+def drive(run: Run, rate: float, topics: list[str]) -> tuple[float, float, str, tuple[str, ...]]:
     """Messages per second of the stranger, steps per second, hash and remarks of a run with a process per node."""
     with free_domain() as domain, tempfile.TemporaryDirectory() as directory:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
         try:
-            words = [sys.executable, __file__, "--speak", str(rate)]
+            words = [sys.executable, __file__, "--speak", str(rate), "--topics", *topics]
             stranger = subprocess.Popen(words, stdout=subprocess.PIPE, text=True) if rate else None
             if stranger is not None:
                 stranger.stdout.readline()  # coming up takes as much of the machine as the run
@@ -79,23 +80,28 @@ def drive(run: Run, rate: float) -> tuple[float, float, str, tuple[str, ...]]:
 
 
 def main() -> None:
-    """Print a line per rate."""
+    """Print a line per rate, or per rate and topic."""
+    everything = [topic.name for topic in TOPICS.values()]
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--rates", type=float, nargs="+", default=[0.0, 100.0, 1000.0, 10000.0], metavar="HZ")
     parser.add_argument("--seconds", type=float, default=50.0)
+    parser.add_argument("--topics", nargs="+", choices=everything, default=everything, metavar="TOPIC")
+    parser.add_argument("--each", action="store_true", help="a stranger on one topic at a time")
     parser.add_argument("--speak", type=float, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.speak is not None:
-        speak(given.speak)
+        speak(given.speak, given.topics)
         return
     run = load_scenario(SCENARIO, Overrides(duration=given.seconds)).runs[0]
     expected = signal_hash(run_offline(run.configurations, run.duration))
     for rate in given.rates:
-        said, steps, found, remarks = drive(run, rate)
-        print(f"{said:.0f} messages/s on each of {len(TOPICS)} topics: {steps:.0f} steps/s, ", end="")
-        print("hash of the offline run" if found == expected else f"OTHER HASH {found}")
-        for remark in remarks:
-            print(f"    {remark}", flush=True)
+        for topics in [[name] for name in given.topics] if given.each and rate else [given.topics]:
+            said, steps, found, remarks = drive(run, rate, topics)
+            on = topics[0] if len(topics) == 1 else f"each of {len(topics)} topics"
+            print(f"{said:.0f} messages/s on {on}: {steps:.0f} steps/s, ", end="")
+            print("hash of the offline run" if found == expected else f"OTHER HASH {found}")
+            for remark in remarks:
+                print(f"    {remark}", flush=True)
 
 
 if __name__ == "__main__":

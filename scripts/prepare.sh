@@ -87,9 +87,9 @@ install_packages() {
     fi
 }
 
-# Exactly the files that the lock names, down to their hashes.
+# Exactly the files that the lock names, down to their hashes; it has all that is needed (scripts/lock-overrides.txt).
 install_locked() {
-    install_packages --require-hashes --requirement requirements.lock
+    install_packages --no-deps --require-hashes --requirement requirements.lock
 }
 
 update_environment() {

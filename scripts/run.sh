@@ -1,6 +1,10 @@
 #!/usr/bin/env bash
 # Run a scenario: scripts/run.sh SCENARIO [options]; scripts/run.sh --help lists the options.
 set -euo pipefail
+trap 'echo stopped >&2; exit 130' INT TERM
 # shellcheck source=scripts/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
-exec "$EV_STACK_ROOT/install/ev_sim/lib/ev_sim/ev-stack" run "$@"
+# Until the program can say that it was stopped, what would stop it has to wait.
+waiting=(env --block-signal=INT --block-signal=TERM)
+"${waiting[@]}" true 2>/dev/null || waiting=()
+exec "${waiting[@]}" "$EV_STACK_ROOT/install/ev_sim/lib/ev_sim/ev-stack" run "$@"

@@ -48,6 +48,9 @@ if [[ "${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}" == LOCALHOST && -z "${FASTDD
     fi
 fi
 
+# A graph is a dozen processes: without kept bytecode each would compile all its modules anew.
+unset PYTHONDONTWRITEBYTECODE
+
 # One thread per process: faster to start, and sums are always added up in the same order.
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1
 export MPLBACKEND=Agg

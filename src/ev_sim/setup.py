@@ -48,7 +48,10 @@ setup(
         "bag": ["rosbags==0.11.*"],
         "can": ["ev_msgs_py[can]==0.1.0"],
         "cluster": ["dask", "distributed"],
+        "dashboard": ["tornado>=6.4"],
+        "fmu": ["pythonfmu==0.7.*"],
         "frame": ["pandas"],
+        "gymnasium": ["gymnasium>=1.0"],
     },
     zip_safe=False,  # config is read as files
     entry_points={

@@ -79,7 +79,6 @@ cars = st.builds(
 angles = st.floats(-0.1, 0.1)
 
 
-@settings(deadline=None)
 @given(car=cars, d1=angles, d2=angles, theta=angles)
 def test_model_is_newton_euler(car, d1, d2, theta):
     """Eqs 1 and 2 with M_z = m_z J_z r against the turn: to 1e-9 of the largest rate that a term may have."""
@@ -92,7 +91,7 @@ def test_model_is_newton_euler(car, d1, d2, theta):
     assert difference == pytest.approx(expected[1] - expected[0], rel=1e-9, abs=1e-9 * 0.1 * abs(system.A).max())
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(car=cars, frequency=st.floats(0.1, 100.0))
 def test_transfer_function_is_that_of_both_slip_angles(car, frequency):
     """W12 from the matrices of eqs 1 and 2 at one frequency, to 1e-9 of their own size."""

@@ -36,8 +36,10 @@ class World(Node):
 
     def __init__(self, context: Any) -> None:
         super().__init__("asr", context=context, namespace=NAMESPACE)
+        self.plant = Node("plant", context=context, namespace=NAMESPACE)
         self.torques = self.create_publisher(JointState, "torque_command", 10)
-        self.loads = self.create_publisher(JointState, "load_command", 10)
+        self.loads = self.plant.create_publisher(JointState, "load_command", 10)
+        self.stranger = self.create_publisher(JointState, "load_command", 10)
         self.enable = self.create_client(SetBool, "inverter_gateway/enable")
         self.reset = self.create_client(Trigger, "inverter_gateway/reset")
         self.states: dict[str, tuple[float, float]] = {}
@@ -170,8 +172,8 @@ def test_a_silent_controller_ends_the_torque_of_both_drives():
         r.run(lambda: r.drive("11").torque == r.drive("12").torque == 0.0)
         r.run(lambda: "StaleCommand" in r.world.diagnoses["left_drive"][1])
         r.torque = (100.0, 100.0)  # it comes back, and nothing turns before a reset
-        end = time.monotonic() + 0.3
-        r.run(lambda: time.monotonic() > end)
+        end = r.gateway.station.s.tick + 300
+        r.run(lambda: r.gateway.station.s.tick >= end)
         assert r.drive("11").torque == 0.0
 
 
@@ -191,11 +193,13 @@ def test_load_machines_follow_load_command():
 def test_commands_that_cannot_be_meant_are_ignored_and_reported():
     with rig("nonsense") as r:
         r.torque = (float("nan"), 0.0)
-        r.world.loads.publish(JointState(name=["middle_load"], effort=[1.0]))
         r.run(lambda: any("torque_command" in text for text in r.world.texts))
         assert r.gateway.station.devices["Drive11"].command_age > 1e6
         r.run(lambda: r.world.loads.publish(JointState(name=["middle_load"], effort=[1.0]))
               or any("load_command ignored" in text for text in r.world.texts))  # fmt: skip
+        r.run(lambda: r.world.stranger.publish(JointState(name=["right_load"], effort=[1.0]))
+              or any(f"asr is refused: {NAMESPACE}/load_command" in text for text in r.world.texts))  # fmt: skip
+        assert r.gateway.station.devices["Load11"].command_age > 1e6
 
 
 def test_random_frames_end_no_node_and_move_no_motor():
@@ -269,7 +273,7 @@ def test_a_log_is_written(tmp_path: Path):
     assert {0x20B, 0x20C, 0x18B, 0x18C} <= identifiers
 
 
-def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_in_time():
+def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_in_time(monkeypatch):
     """Held up for 50 ms under torque, with a time-out of 10 ms: the torque ends, though frames came all the time."""
     name = "held_up"
     bus = {"bus.interface": "virtual", "bus.channel_11": f"{name}_11", "bus.channel_12": f"{name}_12"}
@@ -291,7 +295,8 @@ def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_i
         assert drive.torque > 40.0
         for _ in range(50):
             send()
-        time.sleep(0.05)
+        now = time.monotonic()
+        monkeypatch.setattr("ev_msgs_py.nodes.ticks.time.monotonic", lambda: now + 0.05)
         node.poll()
         assert drive.torque == 0.0
         assert drive.state in (FAULT, FAULT_REACTION_ACTIVE)

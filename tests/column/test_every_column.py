@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.signal
 from column.columns import CAR, RATIO, B, Column, J, K, wheels_with
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract.signals import SteeringColumnState
@@ -58,7 +58,6 @@ def test_stick_holds_exactly_for_a_minute(name, period):
 
 
 @given(torques=st.lists(st.tuples(st.floats(-8.0, 8.0), st.floats(-50.0, 50.0)), min_size=1, max_size=30))
-@settings(deadline=None)
 @pytest.mark.parametrize("name", ["powered", "by_wire"])
 def test_columns_mirror_to_the_bit(name, torques):
     changed = {"dry_friction": 5.0, "wheel_inertia": 0.5, "max_angle": 0.6}

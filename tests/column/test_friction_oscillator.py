@@ -31,7 +31,7 @@ def energy(angle: float, rate: float) -> float:
     rate=st.floats(-10.0, 10.0),
     torque=st.floats(-100.0, 100.0),
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_motion_without_friction_is_the_matrix_exponential(j, b, k, angle, rate, torque):
     """Any damping, against scipy's expm; it loses digits in proportion to the norm of the matrix, hence 1e-8."""
     period = 0.01
@@ -102,7 +102,6 @@ states = {
 
 
 @given(**states)
-@settings(deadline=None)
 def test_energy_never_grows_without_torque(angle, rate, friction, damping, stop, period):
     """Friction and stops only take energy.
 
@@ -116,7 +115,6 @@ def test_energy_never_grows_without_torque(angle, rate, friction, damping, stop,
 
 
 @given(torques=st.lists(st.floats(-300.0, 300.0), min_size=1, max_size=20), **states)
-@settings(deadline=None)
 def test_mirror_and_stops(torques, angle, rate, friction, damping, stop, period):
     """Left and right mirror to the bit, and no stop is ever passed, under any torques."""
     motion = oscillator(J, damping, K, friction, stop, period)
@@ -129,7 +127,6 @@ def test_mirror_and_stops(torques, angle, rate, friction, damping, stop, period)
 
 
 @given(torque=st.floats(-200.0, 200.0), **states)
-@settings(deadline=None)
 def test_motion_does_not_depend_on_the_period(torque, angle, rate, friction, damping, stop, period):
     """Ten steps of a tenth end where one step ends, reversals, sticking and impacts included.
 

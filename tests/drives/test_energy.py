@@ -10,7 +10,7 @@ from ev_sim.drives.drive import DRIVES
 
 
 @pytest.mark.parametrize("changes", CONTROLS, ids=name_of)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(torque=st.floats(-400, 400), speed=st.floats(-150, 150), bus_voltage=st.floats(100, 600))
 def test_without_resistance_electrical_energy_is_mechanical_work_and_magnetic_energy(
     changes, torque, speed, bus_voltage

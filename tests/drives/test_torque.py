@@ -16,7 +16,7 @@ from drives.bench import (
     name_of,
     run,
 )
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.parameters.declaration import ParameterError
@@ -33,7 +33,6 @@ def test_torque_reference_is_limited_to_the_torque_limit(drive):
         assert result.mean_torque[-1] == pytest.approx(sign * 100.0, rel=0.02)
 
 
-@settings(deadline=None)  # the first call compiles
 @given(st.floats(-400, 400), st.floats(-100, 100))
 def test_ideal_drive_gives_the_reference_without_losses(torque, speed):
     result = run({"drive": "ideal"}, torque, speed, duration=1e-3)

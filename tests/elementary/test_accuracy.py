@@ -45,7 +45,7 @@ ANGLES = (
 @pytest.mark.parametrize("name", ONE)
 def test_error_of_one_argument_is_at_most_an_ulp(name):
     @given(numbers(name))
-    @settings(max_examples=400, deadline=None)
+    @settings(max_examples=400)
     def holds(x):
         assert error(name, x) <= 1.0
 
@@ -83,7 +83,7 @@ def test_error_of_two_arguments_is_at_most_an_ulp(name):
     any_size = st.floats(allow_nan=False, allow_infinity=False).filter(bool)
 
     @given(any_size, any_size, st.floats(-4.0, 4.0), st.floats(0.1, 4.0), st.integers(-1068, 1021))
-    @settings(max_examples=500, deadline=None)
+    @settings(max_examples=500)
     def holds(x, y, near_x, near_y, exponent):
         assert error(name, y, x) <= 1.0
         assert error(name, math.ldexp(near_y, exponent), math.ldexp(near_x, exponent)) <= 1.0
@@ -103,7 +103,7 @@ def test_remainders_are_those_of_python():
     finite = st.floats(allow_nan=False, allow_infinity=False)
 
     @given(finite, st.one_of(finite, st.sampled_from([2 * PI, PI, 1.0, 0.5, 0.3])).filter(bool))
-    @settings(max_examples=600, deadline=None)
+    @settings(max_examples=600)
     def holds(x, y):
         for value in (x, 1.5 * y, -2.5 * y, x % y):
             if math.isfinite(value):

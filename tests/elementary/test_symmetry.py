@@ -20,7 +20,6 @@ def test_odd(name):
     function = getattr(elementary, name)
 
     @given(numbers(name))
-    @settings(deadline=None)
     def holds(x):
         assert same(function(-x), -function(x))
 
@@ -32,7 +31,6 @@ def test_even(name):
     function = getattr(elementary, name)
 
     @given(numbers(name))
-    @settings(deadline=None)
     def holds(x):
         assert same(function(-x), function(x))
 
@@ -40,7 +38,7 @@ def test_even(name):
 
 
 @given(st.one_of(st.floats(-30.0, 30.0), FINITE))
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=500)
 def test_sin_cos_are_sin_and_cos(x):
     sine, cosine = elementary.sin_cos(x)
     assert same(sine, elementary.sin(x))

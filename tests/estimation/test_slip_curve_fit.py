@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_control.estimation.slip_curve_fit import (
@@ -47,7 +47,6 @@ def fitted(slips: np.ndarray, curve) -> SlipCurveFit:
 samples_of = st.tuples(st.floats(-0.1, 1.0), st.floats(-1.0, 1.0))
 
 
-@settings(deadline=None)
 @given(samples=st.lists(samples_of, min_size=25, max_size=120))
 def test_running_sums_are_those_of_the_window(samples):
     """The normal equations after every sample equal those of the last 25 within rounding of sums of 25 terms."""
@@ -60,7 +59,6 @@ def test_running_sums_are_those_of_the_window(samples):
     assert is_full(fit)
 
 
-@settings(deadline=None)
 @given(
     samples=st.lists(samples_of, min_size=1, max_size=80),
     changes=st.lists(st.tuples(st.integers(2, 60), st.sampled_from((1e-4, 1e-2)), samples_of), min_size=1, max_size=6),

@@ -103,7 +103,7 @@ def test_single_precision_stays_single():
         max_size=4,
     )
 )
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_never_a_number_that_is_not_finite_and_compiled_the_same(drawn):
     texts = [
         f"{kind} {where} {max(value, 1e-3)} from {begin / 100} until {(begin + length) / 100}"

@@ -21,6 +21,7 @@ def result():
     return ev_sim.run("shchur2019", method={"asr": "off"}, set=changed, seed=3, duration=1.0)
 
 
+@pytest.mark.slow
 def test_a_run_is_that_of_the_command(result, tmp_path):
     """Which has the hash of all other ways to run (tests/running/test_hashes.py, test_machines.py)."""
     words = ["--set", "electronic_differential.gamma=4.0", "--set", "*.control_period=0.02", "--seed", "3"]

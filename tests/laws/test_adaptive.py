@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 from differentials import DISSERTATION, Differential, Motion, on
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract.signals import WheelTorqueRequest
@@ -71,7 +71,6 @@ def test_a_changed_direction_begins_anew():
     torque=st.floats(1.0, 3000.0),
     acting=st.lists(st.tuples(st.floats(-500.0, 2000.0), st.floats(-500.0, 2000.0)), min_size=2, max_size=30),
 )
-@settings(max_examples=60, deadline=None)
 def test_no_wheel_is_asked_for_more_than_both_shares(torque, acting):
     """Whatever acts: from its own share up to that of both wheels."""
     law = made()

@@ -34,7 +34,7 @@ def on_road(torque: float, left: float, right: float) -> Motion:
 
 
 @given(torque=st.floats(-1000.0, 1000.0), left=frictions, right=frictions, factor=st.floats(0.2, 3.0))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_torques_stay_below_the_grip_and_in_proportion(torque, left, right, factor):
     """M_i <= factor phi_i F_i r (eq 1.2), M_left/M_right = phi_left/phi_right under equal loads."""
     drive = made(error_factor=factor).step(on_road(torque, left, right)).drive
@@ -45,7 +45,6 @@ def test_torques_stay_below_the_grip_and_in_proportion(torque, left, right, fact
 
 
 @given(torque=st.floats(-300.0, 300.0), left=frictions, right=frictions)
-@settings(max_examples=60, deadline=None)
 def test_all_of_the_torque_is_shared_where_the_road_carries_it(torque, left, right):
     """Friction 0.05 carries 86 N m on each side, 1e-12 for rounding."""
     carried = (left + right) * GRIP

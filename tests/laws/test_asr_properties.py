@@ -47,7 +47,7 @@ def check_limited(asked: Wheels, given_: Wheels) -> None:
         assert torque * wanted >= 0.0
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(sequence=sequences, car=cars)
 @pytest.mark.parametrize("name", METHODS)
 def test_torque_is_only_ever_taken_away(name, sequence, car):
@@ -56,7 +56,7 @@ def test_torque_is_only_ever_taken_away(name, sequence, car):
         check_limited(m.drive, law.step(m))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(sequence=st.lists(anything | driven, min_size=1, max_size=12), car=cars)
 @pytest.mark.parametrize("name", METHODS)
 def test_any_finite_numbers_give_finite_torques(name, sequence, car):
@@ -76,7 +76,7 @@ def test_broken_measurements_leave_the_limits(name):
     assert law.step(broken).front_left == limit
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(sequence=sequences, car=cars)
 @pytest.mark.parametrize("name", METHODS)
 def test_left_and_right_mirror_to_the_bit(name, sequence, car):
@@ -85,7 +85,7 @@ def test_left_and_right_mirror_to_the_bit(name, sequence, car):
         assert mirror.step(m.mirrored()) == swapped(law.step(m))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(sequence=sequences, car=cars)
 @pytest.mark.parametrize("name", METHODS)
 def test_reverse_mirrors_forward_to_the_bit(name, sequence, car):
@@ -96,7 +96,7 @@ def test_reverse_mirrors_forward_to_the_bit(name, sequence, car):
         assert mirror.step(m.reversed()) == Wheels(*(-torque for torque in law.step(m)))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(sequence=sequences)
 @pytest.mark.parametrize("name", METHODS)
 def test_braking_passes(name, sequence):
@@ -110,7 +110,7 @@ def test_braking_passes(name, sequence):
     assert law.step(regenerates) == regenerates.drive
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(noise=st.lists(per_wheel(-0.06, 0.06), min_size=60, max_size=60), torque=st.floats(-1000.0, 1000.0))
 @pytest.mark.parametrize("name", METHODS)
 def test_at_rest_nothing_happens(name, noise, torque):

@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 from differentials import REAR, ZHILEYKIN, Differential, Motion, on, sequences
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract.wheels import Wheels
@@ -123,7 +123,6 @@ def test_deadbands_hold_branch_and_direction():
         assert law.step(noisy) == first
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     sequence=sequences,
     most=st.floats(0.0, 0.9),

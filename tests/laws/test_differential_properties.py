@@ -64,7 +64,7 @@ def test_law_rests_with_the_driver(name):
     assert Differential(name, CARS[name]).step(Motion()) == WheelTorqueRequest(NO_WHEELS, NO_WHEELS)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(sequence=sequences)
 @pytest.mark.parametrize(("name", "changed", "driven"), MIRRORED)
 def test_mirrored_car_gets_mirrored_torques_to_the_bit(name, changed, driven, sequence):
@@ -75,7 +75,6 @@ def test_mirrored_car_gets_mirrored_torques_to_the_bit(name, changed, driven, se
         assert drive == (fr, fl, rr, rl)
 
 
-@settings(deadline=None, max_examples=60)
 @given(sequence=sequences, data=st.data())
 @pytest.mark.parametrize("name", [name for name in CARS if name not in LIMITING])
 def test_drive_torques_add_up_to_what_the_driver_asks(name, sequence, data):
@@ -88,7 +87,6 @@ def test_drive_torques_add_up_to_what_the_driver_asks(name, sequence, data):
         assert sum(drive) == pytest.approx(motion.torque, abs=1e-12 * (largest + abs(motion.torque)) + 1e-300)
 
 
-@settings(deadline=None, max_examples=60)
 @given(motion=motions, data=st.data())
 @pytest.mark.parametrize("name", CARS)
 def test_wheels_without_a_motor_are_asked_for_nothing(name, motion, data):
@@ -97,7 +95,6 @@ def test_wheels_without_a_motor_are_asked_for_nothing(name, motion, data):
     assert [torque for wheel, torque in drive._asdict().items() if wheel not in driven and torque != 0.0] == []
 
 
-@settings(deadline=None, max_examples=60)
 @given(brake=st.floats(0.0, 10000.0), share=st.floats(0.0, 1.0))
 @pytest.mark.parametrize("name", CARS)
 def test_brake_torques_add_up_and_are_never_negative(name, brake, share):

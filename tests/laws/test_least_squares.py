@@ -112,6 +112,7 @@ def test_least_squares_settles_far_behind_the_peak_of_packed_snow_2(wheel):
     assert 0.95 < friction_use(channels, wheel)[first + 100 :].mean() < 0.98
 
 
+@pytest.mark.slow
 def test_least_squares_leaves_dry_driving_alone():
     """580 s of the TRRL cycle on dry asphalt: not a single hit, and so the same torques to the bit."""
     channels = driven(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from differentials import DISSERTATION, FRONT_LOAD, REAR, Differential, Motion, on
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
@@ -42,7 +42,6 @@ def test_wheels_that_carry_nothing_get_equal_torques():
     assert law.step(Motion(torque=1000.0, a_x=1.0)).drive == Wheels.front(500.0, 500.0)
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     torque=st.floats(-3000.0, 3000.0),
     resistance=st.tuples(*[st.floats(0.01, 100.0)] * 4),

@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 from differentials import FRONT, GE_NI, Differential, Motion, on, sequences
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
@@ -75,7 +75,6 @@ def test_pedal_release_forgets_the_correction():
     assert law.state["left"] == law.state["right"] == 0.0
 
 
-@settings(deadline=None, max_examples=60)
 @given(sequence=sequences, reading=st.sampled_from(("rate", "offset", "increment")), layer=st.booleans())
 def test_torques_stay_within_their_limit(sequence, reading, layer):
     """Each torque is within half of its equal share of it (largest_correction 0.5); no pedal, no correction."""

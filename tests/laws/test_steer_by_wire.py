@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.signal
 from differentials import REAR, SHCHUR, Differential, motions, on
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from steering_loop import LEVER, PERIOD, Column, K, difference, drive, law
 
@@ -58,7 +58,6 @@ def test_servo_recovers_from_its_limit():
     assert abs(angle[-1] - 0.5) < 0.05 * 0.5
 
 
-@settings(deadline=None, max_examples=60)
 @given(sequence=st.lists(motions, min_size=1, max_size=8), most=st.floats(0.0, 1000.0))
 def test_difference_stays_within_its_limit(sequence, most):
     """To the rounding of limit over lever times lever, and of the difference of two torques of up to 2000 N m."""

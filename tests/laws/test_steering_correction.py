@@ -6,7 +6,7 @@ import math
 
 import pytest
 from differentials import FRONT, REAR, ZHILEYKIN, Differential, Motion, motions, on
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
@@ -36,7 +36,6 @@ def test_correction_is_limited():
     assert law.step(Motion(torque=100.0).steered(0.5)).drive == pytest.approx((20, 30, 25, 25), rel=1e-12)
 
 
-@settings(deadline=None, max_examples=60)
 @given(motion=motions, most=st.floats(0.0, 1.0))
 def test_no_wheel_works_against_the_others(motion, most):
     """Even at the limit of 1 the inner wheel only loses all of its torque."""

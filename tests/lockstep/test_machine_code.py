@@ -14,7 +14,10 @@ from ev_msgs_py.compiling.machine_code import forget_older
 from ev_msgs_py.compiling.part import CompiledPart
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.lockstep.configuration import configure
+from ev_msgs_py.lockstep.law import Given
+from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.lockstep.parts import part_of
+from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.commands import compile_all
 
 # The longest law, and one that calls the compiler's own helpers (logarithms).
@@ -76,3 +79,11 @@ def test_the_set_up_goes_on_when_a_law_cannot_be_compiled(monkeypatch):
     broken = SimpleNamespace(parameters=lambda: 1 / 0)
     monkeypatch.setattr(compile_all, "find_method", lambda role, name: broken)
     assert compile_all._compile(("asr", "broken")) == "asr broken: ZeroDivisionError: division by zero"
+
+
+def test_the_set_up_can_prepare_every_law():
+    """With the vehicle and the period that it takes; what it leaves out would be compiled by the first run."""
+    laws = [method for of_role in all_methods().values() for method in of_role.values() if method.law]
+    assert {job for jobs in compile_all._sharing(laws) for job in jobs} == {(law.role, law.name) for law in laws}
+    for method in laws:
+        Given(method.law, method.parameters(), Vehicle(), compile_all._PERIOD)

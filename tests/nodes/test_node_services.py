@@ -30,7 +30,7 @@ def test_pause_stops_time_and_resume_lets_it_go_on(nodes, tmp_path):
     assert nodes.call("pause") == f"paused at {nodes.time} s"
     paused_at = nodes.time
     assert 0.2 <= paused_at < DURATION
-    nodes.run_for(0.3)
+    nodes.run_rounds()
     assert nodes.time == paused_at
     nodes.call("resume")
     nodes.run()
@@ -43,7 +43,7 @@ def test_each_step_is_one_period(nodes, tmp_path):
     paused_at = nodes.time
     for _ in range(3):
         nodes.call("step")
-    nodes.run_for(0.3)
+    nodes.run_rounds()
     assert nodes.time == pytest.approx(paused_at + 3 * PERIOD, abs=1e-12)
     assert max(to_seconds(stamp) for stamp, _ in heard) == nodes.time
     nodes.call("resume")
@@ -54,20 +54,20 @@ def test_each_step_is_one_period(nodes, tmp_path):
 def test_pause_takes_back_steps_that_were_granted(nodes):
     """Granted while a node is missing, they cannot be taken yet."""
     nodes.call("pause")
-    nodes.run_for(0.1)
+    nodes.run_rounds()
     paused_at = nodes.time
     nodes.kill("asr")
     nodes.call("step")
     nodes.call("step")
     nodes.call("pause")
     nodes.start("asr")
-    nodes.run_for(0.3)
+    nodes.run_rounds()
     assert nodes.time <= paused_at + PERIOD, "the step that was under way may end, the other was taken back"
 
 
 def test_a_granted_step_waits_for_a_node_that_joins(nodes):
     nodes.call("pause")
-    nodes.run_for(0.1)
+    nodes.run_rounds()
     paused_at = nodes.time
     nodes.kill("driver")
     nodes.call("step")
@@ -95,7 +95,7 @@ def test_a_paused_run_that_is_reset_waits_at_zero(nodes, tmp_path):
     nodes.run(lambda: nodes.time >= 0.2)
     nodes.call("pause")
     nodes.call("reset")
-    nodes.run_for(0.2)
+    nodes.run_rounds()
     assert nodes.time == 0.0
     nodes.call("resume")
     nodes.run()

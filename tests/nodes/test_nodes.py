@@ -99,7 +99,7 @@ def test_equal_hashes_say_something():
 def test_everybody_waits_for_a_node_that_starts_late(late, tmp_path):
     run = shchur(0.3)
     with graph(run, tmp_path, names=[name for name in NODES if name != late]) as nodes:
-        nodes.run_for(0.3)
+        nodes.run_rounds()
         nodes.start(late)
         complete(run, tmp_path, nodes)
         assert nodes.probe.reports == []

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection, QosDurability, QosHistory, QosReliability
-from rosbags.rosbag2 import Reader
+from rosbags.rosbag2 import Reader, ReaderError
 
 from ev_sim.running.recording.durable_bag import DurableBag
 
@@ -48,6 +48,15 @@ def read_counters(directory: Path) -> list[int]:
         assert reader.message_count == len(counters)
         assert sum(topic.msgcount for topic in reader.connections) == len(counters)
     return counters
+
+
+def on_disk(directory: Path) -> bool:
+    """Whether a checkpoint has brought messages to the disk."""
+    try:
+        with Reader(directory) as reader:
+            return reader.message_count > 0
+    except (OSError, ReaderError):  # not there yet, or just being exchanged
+        return False
 
 
 def assert_every_file_opens(directory: Path) -> None:
@@ -202,7 +211,7 @@ def test_kill_loses_less_than_a_second(tmp_path: Path):
 
     directories = [tmp_path / f"run{run}" for run in range(4)]
     children = [in_child(lambda directory=directory: record(directory)) for directory in directories]
-    time.sleep(1.5)
+    wait_until(lambda: all(on_disk(directory) for directory in directories))
     for directory, child, delay in zip(directories, children, (0.1, 0.2, 0.1, 0.2), strict=True):
         time.sleep(delay)
         killed = time.time_ns()

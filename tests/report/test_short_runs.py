@@ -11,9 +11,18 @@ from ev_sim.running.scenarios.scenario import Overrides, load_scenario, scenario
 BEGIN = (("driver", "pedals.begin", True),)  # pedals from the start instead of the speed profile
 
 
+def marks_of(scenario: str) -> tuple:
+    """It has 26 runs."""
+    return (pytest.mark.slow,) if scenario == "ge_ni2005" else ()
+
+
 @pytest.mark.parametrize(
     ("name", "duration", "values"),
-    [*((name, 0.5, ()) for name in scenario_names()), ("steady_circle", 4.0, ()), ("steady_circle", None, BEGIN)],
+    [
+        *(pytest.param(name, 0.5, (), marks=marks_of(name)) for name in scenario_names()),
+        ("steady_circle", 4.0, ()),
+        ("steady_circle", None, BEGIN),
+    ],
 )
 def test_a_report_bears_any_run(name, duration, values):
     scenario = load_scenario(name, Overrides(values=values, duration=duration))

@@ -12,7 +12,7 @@ from ev_sim.running.recording.recording import signal_hash
 from ev_sim.running.scenarios.scenario import load_scenario, scenario_names
 
 PUBLISHED = published_hashes((Path(__file__).parents[2] / HASHES).read_text())
-QUICK = ("double_lane_change", "ge_ni2005", "shchur2019_steps", "step_steer", "tatar_chudzik", "zhileykin2018")
+QUICK = ("double_lane_change", "shchur2019_steps", "step_steer", "tatar_chudzik", "zhileykin2018")
 
 
 @pytest.mark.parametrize(

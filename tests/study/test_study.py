@@ -19,6 +19,7 @@ from ev_sim.study.workers import drive_cases
 
 pytestmark = pytest.mark.slow
 
+PATIENCE = 60.0  # s
 CASES = [
     Case(f"from {speed:g} m/s", "coast_down", (("plant", "initial_speed", speed),), duration=2.0)
     for speed in (10.0, 20.0, 30.0, 40.0, 50.0, 60.0)
@@ -29,8 +30,13 @@ def last_speed(recording, run) -> dict[str, float]:
     return {"speed": float(recording.channels["twist.longitudinal"][-1])}
 
 
-def slow_last_speed(recording, run) -> dict[str, float]:
-    time.sleep(0.5)
+def last_speed_once_a_worker_is_lost(recording, run) -> dict[str, float]:
+    """All but the first case take as long as it takes until a worker has been killed."""
+    lost = Path(os.environ["EV_STACK_TEST_MARK"])
+    deadline = time.monotonic() + PATIENCE
+    while run.configurations["plant"].parameters.initial_speed != 10.0 and not lost.exists():
+        assert time.monotonic() < deadline, "no worker was killed"
+        time.sleep(0.01)
     return last_speed(recording, run)
 
 
@@ -106,8 +112,16 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
-def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here):
+def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here, tmp_path, monkeypatch):
     """A real scheduler and two workers, all processes of their own; one worker is killed after the first result."""
+    lost = tmp_path / "lost"
+    monkeypatch.setenv("EV_STACK_TEST_MARK", str(lost))
+
+    def kill(result) -> None:
+        victim.kill()
+        victim.wait()
+        lost.touch()
+
     address = f"tcp://127.0.0.1:{free_port()}"
     host, port = address.removeprefix("tcp://").split(":")
     worker = ("distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
@@ -116,7 +130,7 @@ def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here):
         process(*worker),
         process(*worker) as victim,
     ):
-        results = drive_cases(CASES, slow_last_speed, lambda result: victim.kill(), scheduler=address)
+        results = drive_cases(CASES, last_speed_once_a_worker_is_lost, kill, scheduler=address)
         assert victim.wait() == -signal.SIGKILL
     assert signals(results) == driven_here
 

@@ -104,7 +104,7 @@ def refusal(topic: Topic, message: bytes) -> str:
 
 
 @WITH_NUMBERS
-@settings(max_examples=50)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_numbers_come_back_bit_for_bit(topic, data):
     """Packed by us, and filled and serialized by rclpy as a stranger would."""
@@ -115,7 +115,7 @@ def test_numbers_come_back_bit_for_bit(topic, data):
 
 
 @WITH_NUMBERS
-@settings(max_examples=50)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_packing_gives_the_bytes_of_rclpy(topic, data):
     """The same bytes, but for padding between the fields and behind them: rclpy leaves it to chance, we write zeros."""
@@ -138,7 +138,7 @@ def test_the_recorders_progress_is_nothing_but_its_stamp():
 
 
 @WITH_NUMBERS
-@settings(max_examples=25)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_a_whole_run_is_serialized_at_once_as_message_by_message(topic, data):
     rows = data.draw(st.lists(numbers_of(topic), min_size=1, max_size=4))
@@ -190,7 +190,7 @@ def test_imu_says_that_it_has_no_orientation():
 
 
 @JOINTS
-@settings(max_examples=30)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_joints_in_another_order_mean_the_same(topic, data):
     """JointState is read by name; a sender in another language may list its joints as it likes."""
@@ -298,7 +298,7 @@ def test_huge_finite_numbers_are_not_taken_for_infinite(topic):
 
 
 @WITH_NUMBERS
-@settings(max_examples=100)
+@settings(max_examples=30)
 @given(data=st.data())
 def test_what_cannot_be_read_is_refused_in_one_line(topic, data):
     """Cut off, prolonged, with other bytes in it or big-endian: a node must survive whatever a stranger sends."""

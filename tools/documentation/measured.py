@@ -10,6 +10,7 @@ import json
 import math
 import re
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,10 @@ from ev_sim.verdicts.need import StudyCases, StudyNeed
 
 FOLDER = "docs/measured"
 LONG = 40  # cases, from which on a study is too long to be driven in a test
-SAMPLE = 6  # cases of a long study that a test drives
+SAMPLE = 12  # cases of a long study that a test drives
 
 
+@cache
 def is_long(need: object) -> bool:
     """Whether tests take the numbers of a study from its file."""
     return isinstance(need, StudyNeed) and len(cases_of(need)) >= LONG

@@ -4,7 +4,7 @@ import math
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from plant.kinematic.car import (
     AUDI,
@@ -97,7 +97,6 @@ def test_brakes_hold_against_the_drives(sign):
     assert sign * Car().drive(held._replace(brake=Wheels.all(100.0)), steps=100).speed > 0.0
 
 
-@settings(max_examples=50, deadline=None)
 @given(st.floats(-40, 40), st.lists(st.floats(0, 5000), min_size=1, max_size=30), st.floats(-60, 60))
 def test_resistance_never_speeds_the_car_up_or_turns_it_round(speed, brakes, degrees):
     car = Car(initial_speed=speed)

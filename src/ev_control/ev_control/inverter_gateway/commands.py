@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import isfinite
-from typing import Any
 
 from rclpy.node import Node
+from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
 from ev_control.inverter_gateway.parameters import GatewayParameters
@@ -14,16 +14,18 @@ from ev_control.inverter_gateway.publishing import NAMES
 from ev_control.inverter_gateway.station import GatewayStation
 from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.frames import LOADS
+from ev_msgs_py.contract.bench_signals import LoadCommand
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.lockstep.stepper import WRITERS
 from ev_msgs_py.nodes.reports import Reports
-from ev_msgs_py.nodes.signal_io import SignalReader
+from ev_msgs_py.nodes.signal_io import Reader, SignalReader
+from ev_msgs_py.nodes.speaker import Speaker
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of
 
 LOAD_COMMAND = "load_command"
-_QUEUE = 10
 
 
 class Commands:
@@ -35,17 +37,16 @@ class Commands:
     ) -> None:  # fmt: skip
         self._station, self._parameters, self._reports = station, parameters, reports
         self._torques = SignalReader(node, TOPICS[WheelTorqueCommand], self._take_torques, reports.note)
-        self._loads: Any = node.create_subscription(JointState, LOAD_COMMAND, self._take_loads, _QUEUE)
+        speaker = Speaker(node, LOAD_COMMAND, WRITERS[LoadCommand], reports.note)
+        self._loads = Reader(node, JointState, LOAD_COMMAND, self._take_loads, speaker)
 
     def take(self) -> bool:
         """Take all that has come; False if there was nothing."""
         progressed = False
-        while (message := self._torques.take()) is not None:
-            self._torques.receive(message)
-            progressed = True
-        while (taken := self._loads.handle.take_message(JointState, False)) is not None:
-            self._take_loads(taken[0])
-            progressed = True
+        for reader in (self._torques, self._loads):
+            while (message := reader.take()) is not None:
+                reader.receive(message)
+                progressed = True
         return progressed
 
     def _take_torques(self, message: bytes) -> None:
@@ -59,8 +60,12 @@ class Commands:
         for name, wheel in (("Drive11", p.wheel_11), ("Drive12", p.wheel_12)):
             self._station.command(name, TORQUE_MODE, torques[WHEEL_NAMES.index(wheel)] / p.gear_ratio)
 
-    def _take_loads(self, message: JointState) -> None:
+    def _take_loads(self, serialized: bytes) -> None:
         """One array is filled: effort [N m] for torque mode, or velocity [rad/s] for speed mode, at the shaft."""
+        try:
+            message = deserialize_message(serialized, JointState)
+        except RuntimeError:
+            message = JointState(name=["unreadable"])
         mode, values = (SPEED_MODE, message.velocity) if message.velocity else (TORQUE_MODE, message.effort)
         ours = {NAMES[name]: name for name in LOADS}
         wrong = set(message.name) - set(ours) or len(values) != len(message.name) or not all(map(isfinite, values))

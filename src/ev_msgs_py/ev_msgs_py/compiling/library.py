@@ -11,7 +11,8 @@ from llvmlite.binding import ObjectFileRef
 from numba.core.errors import TypingError
 from numba.extending import register_jitable
 
-from ev_msgs_py.compiling import stack_memory  # noqa: F401, tells the compiler what `working_memory` is
+from ev_msgs_py.compiling import foreign_calls, stack_memory  # noqa: F401, what `call` and `working_memory` are
+from ev_msgs_py.compiling.callees import only_machine_code_of
 from ev_msgs_py.compiling.compilable import FUNCTIONS, INLINED
 from ev_msgs_py.compiling.machine_code import cache_folder, calls, code_file, forget_older, keep, text_file, write_whole
 
@@ -63,9 +64,10 @@ def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
     module = importlib.util.module_from_spec(spec)
     vars(module).update(names)
     sys.modules[spec.name] = module  # what numba loads from disk asks for its module by name
-    try:
-        spec.loader.exec_module(module)  # what is on disk needs no functions to be known, which takes a while
-    except TypingError:
-        register_functions()
-        spec.loader.exec_module(module)
+    with only_machine_code_of("step"):
+        try:
+            spec.loader.exec_module(module)  # what is on disk needs no functions to be known, which takes a while
+        except TypingError:
+            register_functions()
+            spec.loader.exec_module(module)
     return module.step

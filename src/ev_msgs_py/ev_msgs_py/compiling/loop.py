@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from llvmlite import ir
 from numba import njit, types
-from numba.extending import intrinsic
 
+from ev_msgs_py.compiling.foreign import call
 from ev_msgs_py.compiling.library import OPTIONS, use_cache
 from ev_msgs_py.contract.frame import SIZE, TIME
 
@@ -19,23 +16,10 @@ _EXPONENT = 0x7FF0000000000000  # of a float64: all ones in what is infinite or 
 use_cache()
 
 
-@intrinsic
-def _call(typingctx: Any, address: Any, now: Any, next: Any, state: Any, constants: Any) -> Any:
-    """Call the C function at an address with four pointers."""
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        pointer = ir.IntType(8).as_pointer()
-        kind = ir.FunctionType(ir.IntType(32), [pointer] * 4)
-        function = builder.inttoptr(arguments[0], kind.as_pointer())
-        return builder.call(function, [builder.inttoptr(argument, pointer) for argument in arguments[1:]])
-
-    return types.int32(types.intp, types.intp, types.intp, types.intp, types.intp), codegen
-
-
 @njit(cache=True, nogil=True, **OPTIONS)
 def call_part(address: int, now: int, next: int, state: int, constants: int) -> int:
     """Call a part by the addresses of its function, frames, state and constants."""
-    return _call(address, now, next, state, constants)
+    return call(address, now, next, state, constants)
 
 
 @njit(cache=True, **OPTIONS)
@@ -45,6 +29,24 @@ def _is_finite(bits: np.ndarray, at: int, begin: int, end: int) -> bool:
     for i in range(begin, end):
         found |= (bits[at, i] & _EXPONENT) == _EXPONENT
     return found == 0
+
+
+@njit(cache=True, nogil=True, **OPTIONS)
+def _drive_instant(
+    frames: np.ndarray, here: int, there: int, is_last: bool, parts: np.ndarray, answering: int, stopped: np.ndarray
+) -> int:
+    """Let the parts answer in the frame `here` and, unless it is the last one, integrate to that in `there`."""
+    width = frames.shape[1] * 8
+    base, bits = frames.ctypes.data, frames.view(np.int64)
+    for i in range(answering if is_last else parts.shape[0]):
+        at = here if i < answering else there
+        status = call(parts[i, 0], base + here * width, base + at * width, parts[i, 1], parts[i, 2])
+        stopped[0], stopped[1] = at, i
+        if status != 0:
+            return FAILED
+        if not _is_finite(bits, at, parts[i, 3], parts[i, 4]):
+            return NOT_FINITE
+    return FINISHED
 
 
 @njit(cache=True, nogil=True, **OPTIONS)
@@ -58,45 +60,34 @@ def run_instants(
     first those that answer, `answering` of them. Returns FINISHED; or NOT_FINITE or FAILED, with instant and part in
     `stopped`, and then nothing behind that has been done.
     """
-    width = frames.shape[1] * 8
-    base, bits = frames.ctypes.data, frames.view(np.int64)
     for n in range(first, last + int(final)):
-        now = base + n * width
-        for i in range(parts.shape[0]):
-            at = n if i < answering else n + 1
-            if at > last:
-                break
-            status = _call(parts[i, 0], now, base + at * width, parts[i, 1], parts[i, 2])
-            stopped[0], stopped[1] = at, i
-            if status != 0:
-                return FAILED
-            if not _is_finite(bits, at, parts[i, 3], parts[i, 4]):
-                return NOT_FINITE
+        status = _drive_instant(frames, n, n + 1, n == last, parts, answering, stopped)
+        if status != FINISHED:
+            return status
     return FINISHED
 
 
 @njit(cache=True, nogil=True, **OPTIONS)
 def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answering: int, stopped: np.ndarray) -> int:
-    """Drive a whole run from its start on two frames, that of the instant and the next one; as `run_instants`.
+    """Drive a whole run from its start on two frames, in turn that of the instant and the next one; as `run_instants`.
 
     `times` are those of the instants [s]. The third number in `stopped` says which of the frames is meant.
     """
     for i in range(answering, parts.shape[0]):
         stopped[0], stopped[1], stopped[2] = 0, i, 0
-        if _call(parts[i, 0], 0, frames.ctypes.data, parts[i, 1], parts[i, 2]) != 0:
+        if call(parts[i, 0], 0, frames.ctypes.data, parts[i, 1], parts[i, 2]) != 0:
             return FAILED
         if not _is_finite(frames.view(np.int64), 0, parts[i, 3], parts[i, 4]):
             return NOT_FINITE
     last = len(times) - 1
     for n in range(last + 1):
-        frames[0, TIME], frames[1, TIME] = times[n], times[min(n + 1, last)]
-        status = run_instants(frames, 0, min(last - n, 1), n == last, parts, answering, stopped)
+        here, there = n % 2, (n + 1) % 2
+        frames[here, TIME], frames[there, TIME] = times[n], times[min(n + 1, last)]
+        status = _drive_instant(frames, here, there, n == last, parts, answering, stopped)
         if status != FINISHED:
             stopped[2] = stopped[0]
-            stopped[0] += n
+            stopped[0] = n if stopped[2] == here else n + 1
             return status
-        for i in range(frames.shape[1]):  # not SIZE: code that is kept would not notice another one
-            frames[0, i] = frames[1, i]
     return FINISHED
 
 

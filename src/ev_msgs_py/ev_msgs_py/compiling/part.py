@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.compiling.constants import constants_row
+from ev_msgs_py.compiling.foreign import FUNCTION
 from ev_msgs_py.compiling.machine_code import code_file, function_address, text_file
 from ev_msgs_py.compiling.part_source import part_source
 from ev_msgs_py.contract import frame
@@ -16,7 +17,6 @@ from ev_msgs_py.contract.record import fill, numbers
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.lockstep.law import Given, Law
 from ev_msgs_py.lockstep.methods import Method
-from ev_msgs_py.lockstep.part import FUNCTION
 
 _ADDRESSES: dict[Any, int] = {}
 
@@ -58,8 +58,7 @@ class CompiledPart:
         self._state = np.array(numbers(self.given.values["s"]) or [0.0])
         self._notes = self.given.bound(law.notes) if law.notes else None
         self._writes = [(shape_of(signal), frame.PLACES[signal]) for signal in method.writes]
-        self._begin = min(place.start for _, place in self._writes)
-        self._end = max(place.stop for _, place in self._writes)
+        self._begin, self._end = frame.span(method.writes)
         self._call = FUNCTION(self.function)
         self._memory = (self._state.ctypes.data, self.constants.ctypes.data)
 

@@ -6,9 +6,10 @@ optional roles last, field by field, wheel by wheel: the order that messages and
 
 from __future__ import annotations
 
+import ctypes
 import struct
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import accumulate
 
 import numpy as np
@@ -32,6 +33,12 @@ SIZE = _ENDS[-1]
 def places(signal: type) -> range:
     """The places of the numbers of a signal, one by one."""
     return range(PLACES[signal].start, PLACES[signal].stop)
+
+
+def span(signals: Iterable[type]) -> tuple[int, int]:
+    """Where the first of some signals begins in the frame, and the last one ends."""
+    found = [PLACES[signal] for signal in signals]
+    return min(place.start for place in found), max(place.stop for place in found)
 
 
 def channels() -> dict[str, int]:
@@ -72,6 +79,14 @@ class Frame:
         memory = _EMPTY[:]
         self.numbers: memoryview[float] = memoryview(memory)
         self.address: int = memory.buffer_info()[0]
+
+    @classmethod
+    def at(cls, address: int) -> Frame:
+        """The frame that stands at an address."""
+        found = cls.__new__(cls)
+        found.address = address
+        found.numbers = memoryview((ctypes.c_char * (SIZE * _DOUBLE)).from_address(address)).cast("B").cast("d")
+        return found
 
     def copy(self, other: Frame, where: slice) -> None:
         """Take numbers over from another frame."""

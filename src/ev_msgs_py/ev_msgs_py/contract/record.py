@@ -133,8 +133,11 @@ def _append(found: list[float], value: Any) -> None:
     elif _is_number(value):
         found.append(float(value))
     elif isinstance(value, (list, tuple, np.ndarray)):
-        for element in value:
-            _append(found, element)
+        if len(value) and _is_number(value[0]):
+            found += map(float, value)
+        else:
+            for element in value:
+                _append(found, element)
     else:
         found += numbers(value)
 

@@ -67,7 +67,7 @@ class Role:
 
 # In the order in which they are published: first what the driver waits for, with whom every step begins.
 _BODY = (WheelStates, BodyVelocity, BodyPose, InertialMeasurement, MotorStates, BatteryCondition)
-_ELECTRICAL = (MotorElectrics, MotorTemperatures, CellCondition)  # last: whoever does not write them has no gap
+_ELECTRICAL = (MotorElectrics, MotorTemperatures, CellCondition)
 
 ROLES = {
     role.name: role
@@ -133,15 +133,15 @@ INTEGRATED = frozenset(signal for role in ROLES.values() if role.kind is RoleKin
 
 
 def _is_extra(signal: type) -> bool:
-    """Whether a signal is written, or read, by optional roles alone."""
-    writers = [role.optional for role in ROLES.values() if signal in role.writes]
-    readers = [role.optional for role in ROLES.values() if signal in role.reads]
-    return all(writers) or (any(readers) and all(readers))
+    """Whether no role that is always played writes a signal, or none reads it."""
+    always = [ROLES[name] for name in REQUIRED]
+    return not (any(signal in role.writes for role in always) and any(signal in role.reads for role in always))
 
 
 _ALL = tuple(signal for role in ROLES.values() for signal in role.writes)
 EXTRA = frozenset(filter(_is_extra, _ALL))
-# What only optional roles write or read comes last: a frame without them is as short as if there were none.
+# What only optional roles write or read, or nobody reads, comes last: a frame without it is as short as if there were
+# none of it.
 RECORDED = tuple(sorted(_ALL, key=lambda signal: signal in EXTRA))
 RECORDER = "recorder"  # a node that plays no role
 RECORDER_WRITES = RecorderProgress

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 NANOSECONDS = 1_000_000_000
+LAST_EXACT = 1 << 53  # ns; stamps above it, of more than a hundred days, are no exact float64
 
 
 def from_seconds(seconds: float) -> int:

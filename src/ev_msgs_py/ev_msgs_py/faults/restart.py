@@ -7,9 +7,9 @@ import ctypes
 from collections.abc import Sequence
 from typing import Any
 
+from ev_msgs_py.compiling.foreign import FUNCTION
 from ev_msgs_py.contract.frame import TIME
 from ev_msgs_py.faults.fault import Fault
-from ev_msgs_py.lockstep.part import FUNCTION
 
 
 class Restart:

@@ -122,7 +122,8 @@ class Configuration:
 
 
 def _method_entry(role: str, name: str) -> Entry:
-    spec = Spec(f"how the {role} works", choices=tuple(methods_of(role)), read_only=True)
+    known = dict.fromkeys((*methods_of(role), name))  # a library's path as well
+    spec = Spec(f"how the {role} works", choices=tuple(known), read_only=True)
     return Entry(_METHOD, str, False, name, spec)
 
 
@@ -145,7 +146,7 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     others.append((sensors_for(ROLES[role].writes), _SENSORS))
     for of, prefix in others:
         _take(dict(rest), of, prefix)
-    elsewhere = {name for of, prefix in others for name in flatten(of(), prefix)}
+    elsewhere = {name for of, prefix in others for name in entries_by_name(of, prefix)}
     for name in rest:
         if name not in elsewhere:
             known = [_METHOD, *flatten(common), *flatten(parameters), "faults", *(flatten(further) if further else ())]

@@ -48,7 +48,7 @@ class HoldingInbox(Inbox):
         whole = super().complete()
         if whole is not None or not (self._neutral or len(self._heard) == len(self.reads)):
             return whole
-        return max((stamp for stamp in self._pending if stamp < self._paced), default=None)
+        return max((stamp for stamp in self.pending if stamp < self._paced), default=None)
 
     def take(self, stamp: int) -> Frame:
         """The inputs of a step, held where they have not come; older ones are forgotten."""

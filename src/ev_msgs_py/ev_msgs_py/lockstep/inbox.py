@@ -46,7 +46,7 @@ class Inbox:
         self.period = period
         self.last: int | None = None
         self._may_skip = may_skip
-        self._pending: dict[int, tuple[Frame, set[type]]] = {}  # inputs by stamp, and which have come
+        self.pending: dict[int, tuple[Frame, set[type]]] = {}  # inputs by stamp, and which have come
         self._missing: tuple[type, ...] | None = None  # None where it has to be found anew
 
     def offer(self, kind: type, stamp: int, numbers: Sequence[float]) -> Arrival:
@@ -61,11 +61,11 @@ class Inbox:
                 return Arrival.OLD if ahead else Arrival.REPEATED
             elif ahead % self.period or (ahead > 2 * self.period and not self._may_skip):
                 return Arrival.GAP
-        step = self._pending.get(stamp)
+        step = self.pending.get(stamp)
         if step is None:
-            step = self._pending[stamp] = Frame(), set()
-            if len(self._pending) > _KEPT_AHEAD:
-                del self._pending[min(self._pending)]
+            step = self.pending[stamp] = Frame(), set()
+            if len(self.pending) > _KEPT_AHEAD:
+                del self.pending[min(self.pending)]
         inputs, came = step
         if kind in came:
             return Arrival.REPEATED
@@ -77,13 +77,17 @@ class Inbox:
     def expect(self, stamp: int) -> None:
         """Forget everything; the next step is the one of this stamp."""
         self.last = stamp - self.period
-        self._pending.clear()
+        self.pending.clear()
         self._missing = None
+
+    def go_on(self, last: int, pending: dict[int, tuple[Frame, set[type]]]) -> None:
+        """Steps up to `last` were taken elsewhere, and these inputs are there for the next ones."""
+        self.last, self.pending, self._missing = last, pending, None
 
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, None if there is none."""
         if self.last is None or self._may_skip:
-            whole = [stamp for stamp, (_, came) in self._pending.items() if len(came) == len(self.reads)]
+            whole = [stamp for stamp, (_, came) in self.pending.items() if len(came) == len(self.reads)]
             return max(whole, default=None)
         due = self.last + self.period
         if len(self._came(due)) < len(self.reads) or not self._followed <= self._came(due + self.period):
@@ -92,15 +96,15 @@ class Inbox:
 
     def _came(self, stamp: int) -> Set[type]:
         """The signals of a step that are there."""
-        step = self._pending.get(stamp)
+        step = self.pending.get(stamp)
         return _NONE if step is None else step[1]
 
     def take(self, stamp: int) -> Frame:
         """The inputs of a complete step; older ones are forgotten."""
-        inputs, _ = self._pending.pop(stamp)
-        if self._pending:
-            for old in [s for s in self._pending if s < stamp]:
-                del self._pending[old]
+        inputs, _ = self.pending.pop(stamp)
+        if self.pending:
+            for old in [s for s in self.pending if s < stamp]:
+                del self.pending[old]
         self.last = stamp
         self._missing = None
         return inputs
@@ -108,7 +112,7 @@ class Inbox:
     def missing(self) -> tuple[type, ...]:
         """The signal types that the next step still waits for, in order of `reads`; all before the first step."""
         if self._missing is None:
-            self._missing = self.reads if self.last is None or not self._pending else self._find_missing(self.last)
+            self._missing = self.reads if self.last is None or not self.pending else self._find_missing(self.last)
         return self._missing
 
     def _find_missing(self, last: int) -> tuple[type, ...]:

@@ -22,6 +22,7 @@ from ev_msgs_py.vehicle.layout import refusal
 T = TypeVar("T")
 
 _NODES = "ev_stack.nodes"  # of entry points, named after their roles
+LIBRARIES = (".so", ".dylib")  # what the path of a shared library ends with
 _REGISTER: dict[str, dict[str, Method]] = {}
 
 
@@ -146,7 +147,11 @@ def methods_of(role: str) -> dict[str, Method]:
 
 
 def find_method(role: str, name: str) -> Method:
-    """The method of a role with this name; ParameterError that lists the known ones if there is none."""
+    """The method of a role with this name, or in the shared library of this path; ParameterError if there is none."""
+    if isinstance(name, str) and name.endswith(LIBRARIES):
+        from ev_msgs_py.native.method import library_method
+
+        return library_method(role, name)
     known = methods_of(role)
     if not isinstance(name, str) or name not in known:
         failed = "".join(f"; not loaded: {line}" for line in load_installed_methods(role))

@@ -9,8 +9,10 @@ import ctypes
 import math
 from array import array
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any, Protocol
 
+from ev_msgs_py.compiling.foreign import FUNCTION
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
@@ -35,23 +37,45 @@ class Part(Protocol):
     def notes(self) -> tuple[str, ...]:
         """All that is worth knowing about the run so far, besides the signals."""
 
+    def addresses(self) -> tuple[int, int, int]:
+        """Of the C function, the state and the constants with which compiled code starts and steps it."""
 
-FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 4)
-_BYTES = frame.SIZE * ctypes.sizeof(ctypes.c_double)
+
+class CalledBack:
+    """A part that is stepped in Python: compiled code calls it back, and finds what it raised in `error`."""
+
+    error: BaseException | None = None
+
+    def addresses(self) -> tuple[int, int, int]:
+        """Of the function that compiled code calls; it needs no memory for state and constants."""
+        return ctypes.cast(self._function, ctypes.c_void_p).value or 0, 0, 0
+
+    @cached_property
+    def _function(self) -> Any:
+        return FUNCTION(self._called_back)
+
+    def _called_back(self: Any, here: int | None, there: int, _state: int | None, _constants: int | None) -> int:
+        try:
+            if here is None:
+                self.start(Frame.at(there))
+            else:
+                self.step(Frame.at(here), Frame.at(there))
+        except BaseException as error:  # nothing may be raised through compiled code
+            self.error = error
+            return 1
+        return 0
 
 
-class PythonPart:
-    """An object whose steps run in plain Python; compiled code calls it back, and finds what it raised in `error`."""
+class PythonPart(CalledBack):
+    """An object whose steps run in plain Python."""
 
     def __init__(self, method: Method, made: Any) -> None:
         self.made = made
-        self.error: BaseException | None = None
         self._reads = tuple(_reader(signal) for signal in method.reads)
         self._writes = tuple(_writer(signal) for signal in method.writes)
         self._answer = self._writes[0] if ROLES[method.role].kind is RoleKind.ANSWERS else None
         self._shapes = tuple((shape_of(signal), frame.PLACES[signal]) for signal in method.writes)
         self._reports = made.reports if isinstance(made, Reporting) else None
-        self._function = FUNCTION(self._called_back)
 
     @property
     def state(self) -> Any:
@@ -68,15 +92,12 @@ class PythonPart:
 
     def step(self, here: Frame, there: Frame) -> None:
         """One step of the object."""
-        self._step(here.numbers, there.numbers)
-
-    def _step(self, here: Any, there: Any) -> None:
-        signals = [read(here) for read in self._reads]
+        signals = [read(here.numbers) for read in self._reads]
         if self._answer is not None:
-            self._answer(there, self.made.step(*signals))
+            self._answer(there.numbers, self.made.step(*signals))
         else:
             self.made.advance(*signals)
-            self._write(self.made.outputs(), there)
+            self._write(self.made.outputs(), there.numbers)
 
     def _write(self, said: tuple[Any, ...], there: Any) -> None:
         for write, signal in zip(self._writes, said, strict=True):
@@ -92,26 +113,6 @@ class PythonPart:
     def notes(self) -> tuple[str, ...]:
         """What the object reports."""
         return self._reports() if self._reports else ()
-
-    def addresses(self) -> tuple[int, int, int]:
-        """Of the function that compiled code calls; it needs no memory for state and constants."""
-        return ctypes.cast(self._function, ctypes.c_void_p).value or 0, 0, 0
-
-    def _called_back(self, here: int | None, there: int, _state: int | None, _constants: int | None) -> int:
-        try:
-            place = _numbers_at(there)
-            if here is None:
-                self._write(self.made.outputs(), place)
-            else:
-                self._step(_numbers_at(here), place)
-        except BaseException as error:  # nothing may be raised through compiled code
-            self.error = error
-            return 1
-        return 0
-
-
-def _numbers_at(address: int) -> memoryview[float]:
-    return memoryview((ctypes.c_char * _BYTES).from_address(address)).cast("B").cast("d")
 
 
 def _reader(signal: type) -> Callable[[Any], Any]:

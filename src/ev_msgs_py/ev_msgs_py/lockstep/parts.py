@@ -77,7 +77,8 @@ def method_part(configuration: Configuration, compiled: bool) -> Any:
     method, common = configuration.method, configuration.common
     law = method.law
     if law is None or not law.is_compilable or not (compiled or law.heavy):
-        return PythonPart(method, configuration.create())
+        kind = getattr(method.factory, "part", PythonPart)
+        return kind(method, configuration.create())
     from ev_msgs_py.compiling.part import CompiledPart
 
     return CompiledPart(method, configuration.parameters, common.vehicle, common.control_period)

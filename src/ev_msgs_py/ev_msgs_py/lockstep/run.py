@@ -13,7 +13,6 @@ from ev_msgs_py.contract.shape import SignalError, shape_of
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.graph import step_order
 from ev_msgs_py.lockstep.graph_check import check_graph
-from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.parts import compiled_parts
 
 _CHUNK = 100  # instants between two looks at progress
@@ -25,12 +24,6 @@ def roles_in_order(played: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, .
     names = set(played)
     integrating = (role for role in ROLES if ROLES[role].kind is RoleKind.INTEGRATES)
     return tuple(role for role in step_order(ROLES) if role in names), tuple(r for r in integrating if r in names)
-
-
-def written_by(method: Method) -> tuple[int, int]:
-    """Where what a method writes begins and ends in the frame."""
-    places = [frame.PLACES[signal] for signal in method.writes]
-    return min(place.start for place in places), max(place.stop for place in places)
 
 
 def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
@@ -52,7 +45,7 @@ class GraphRun:
         self.writes = {role: configuration.method.writes for role, configuration in configurations.items()}
         roles = (*answering, *integrating)
         self.parts = [(role, part) for role in roles for part in compiled_parts(configurations[role])]
-        written = {role: written_by(configuration.method) for role, configuration in configurations.items()}
+        written = {role: frame.span(configuration.method.writes) for role, configuration in configurations.items()}
         self.frames = frame.stack(instants, period, max(end for _, end in written.values()))
         self._answering = sum(role in answering for role, _ in self.parts)
         self._rows = np.array([(*part.addresses(), *written[role]) for role, part in self.parts], np.int64)

@@ -73,10 +73,15 @@ class Stepper:
             self.inbox = Inbox(self.reads, heralds, period, followed=followed)
         self.answer: Answer | None = None
         self.period = period
-        self._before: Answer | None = None
+        self.before: Answer | None = None
         self._make = make
         self._at_rest = True
         self.part = make()
+
+    @property
+    def under_way(self) -> bool:
+        """Whether a step has been taken since the run began, and the next one is the one after it."""
+        return not self._at_rest and self.inbox.last is not None
 
     def answers_to(self, kind: type, stamp: int, arrival: Arrival) -> Sequence[Answer]:
         """What a message that has been taken in leads to: an answer, or recent answers again."""
@@ -105,7 +110,7 @@ class Stepper:
 
         An integrating object is one answer ahead, so the others may still wait for the one before.
         """
-        return tuple(answer for answer in (self._before, self.answer) if answer is not None)
+        return tuple(answer for answer in (self.before, self.answer) if answer is not None)
 
     def _start(self, stamp: int) -> Answer:
         there = _frame_at(stamp)
@@ -114,7 +119,7 @@ class Stepper:
 
     def _begin_anew(self) -> None:
         self.part = self._make()
-        self.answer = self._before = None
+        self.answer = self.before = None
         self._at_rest = True
 
     def begin_run(self) -> Answer:
@@ -142,7 +147,7 @@ class Stepper:
         here.numbers[TIME] = stamp / stamps.NANOSECONDS
         self._at_rest = False
         if self.integrates:
-            self._before = self.answer
+            self.before = self.answer
             there = _frame_at(stamp + self.period)
             self.part.step(here, there)
             self.answer = Answer(stamp + self.period, there)

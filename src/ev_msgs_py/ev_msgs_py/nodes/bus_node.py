@@ -85,6 +85,10 @@ class BusNode(Node):
         for circuit, frame in self.cycle(ticks):
             channels.send(circuit, frame)
 
+    def take_steps(self, until: float) -> bool:
+        """Its steps are cycles by the wall clock."""
+        return False
+
     def sweep(self) -> None:
         """Nothing more to take: `poll` takes everything."""
 
@@ -120,8 +124,11 @@ class BusNode(Node):
 
 
 def on_bus_or_in_graph(role: str, on_bus: Callable[[], Node]) -> Any:
-    """The node of a role: in lockstep one of the graph, where frames are signals; else one that speaks on a bus."""
+    """The node of a role: in a run, whose runner names the method, or in lockstep, frames are signals of the graph.
+
+    Else it is one that speaks on a bus, which knows neither.
+    """
     asked = Node(role, automatically_declare_parameters_from_overrides=True)
-    mode = ros_parameters.overrides(asked).get("mode")
+    told = ros_parameters.overrides(asked)
     asked.destroy_node()
-    return make_node(role) if mode == "lockstep" else on_bus()
+    return make_node(role) if "method" in told or told.get("mode") == "lockstep" else on_bus()

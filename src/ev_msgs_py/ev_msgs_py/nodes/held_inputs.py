@@ -19,7 +19,7 @@ class HeldInputs:
     """Keeps the numbers of the newest message of each kind, its stamp, and when it came."""
 
     def __init__(self, reads: tuple[type, ...]) -> None:
-        self._needed = {kind for kind in reads if kind is not WheelTorqueCommand}
+        self._reads = reads
         self.clear()
 
     def clear(self) -> None:
@@ -35,17 +35,21 @@ class HeldInputs:
         self._stamps[kind] = stamp
         self._frame.numbers[frame.PLACES[kind]] = frame.numbers_of(numbers)
         if kind is WheelTorqueCommand:
-            self._command_came = time.monotonic()
+            self.came_now()
         return True
+
+    def came_now(self) -> None:
+        """The age of the torque command by the wall clock counts from now on."""
+        self._command_came = time.monotonic()
 
     def stamp_of(self, kind: type) -> int:
         """The stamp of the message of a kind that is held, -1 if there is none."""
         return self._stamps.get(kind, -1)
 
     @property
-    def complete(self) -> bool:
-        """Whether everything but the torque command, which may be zero, has been heard once."""
-        return self._needed <= self._stamps.keys()
+    def missing(self) -> tuple[type, ...]:
+        """What has not been heard yet."""
+        return tuple(kind for kind in self._reads if kind not in self._stamps)
 
     def share(self, now: int, period: int, p: MasterParameters) -> float:
         """What is left of the held torque command [1] in the step from now on.
@@ -53,9 +57,7 @@ class HeldInputs:
         It falls to zero by a ramp. No torque acts any more when the command is `command_timeout` old, so what counts
         is its age at the end of the step, by its stamp or by the wall clock, whichever is more.
         """
-        sent = self._stamps.get(WheelTorqueCommand)
-        if sent is None:
-            return 0.0
+        sent = self._stamps[WheelTorqueCommand]
         age = max(stamps.to_seconds(now - sent), time.monotonic() - self._command_came)
         left = p.command_timeout - age - stamps.to_seconds(period)
         if left <= 0.0:

@@ -19,6 +19,7 @@ from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.nodes.schedule import Schedule
 from ev_msgs_py.nodes.silence import Silence
 from ev_msgs_py.nodes.state_publisher import StatePublisher
+from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.time_services import TimeServices
 from ev_msgs_py.nodes.timing import TIMING
@@ -73,13 +74,25 @@ class MasterNode(SteppedNode):
     def idle(self) -> None:
         """Advance if time is due, publish the state again if answers are late, and name the nodes that are silent."""
         self._go_on()
-        under_way = self.realtime and self.schedule.held.complete
-        if self.done or self._granted.rests() or under_way or self._state.silent_for < _RETRY_PERIOD:
-            return
-        if self.stepper.inbox.complete() is None or not self.schedule.recorder_keeps_up:
+        waits = not (self.done or self._granted.rests() or self.schedule.all_are_here)
+        if waits and self._state.silent_for >= _RETRY_PERIOD:
             self._state.repeat(self.stepper.answer)
             self.health.late_answers += 1
-            self._silence.name_after(self.configuration.extra.answer_timeout, self.stepper.inbox.missing(), self.now)
+            self._silence.name_after(self.configuration.extra.answer_timeout, self.schedule.missing, self.now)
+
+    def free_until(self) -> int:
+        """The last instant at which time may go on as soon as all inputs are there."""
+        return -1 if self._granted.paused else self.schedule.free_until
+
+    def ends(self) -> list[End]:
+        """The publishers of the state, and that of the clock."""
+        return self._state.ends()
+
+    def went_on(self, spoke: float) -> None:
+        """Nobody is silent."""
+        super().went_on(spoke)
+        self._state.spoke = spoke
+        self._silence.answered()
 
     def reconfigured(self) -> None:
         """Time goes on from here at its new pace."""

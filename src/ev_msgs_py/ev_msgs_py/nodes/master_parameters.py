@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ev_msgs_py.parameters.declaration import parameter
 
+LONGEST = 1e7  # simulated time of a run [s]; a stamp holds 2e9
 RECORDER_LAG = 200  # steps that the recorder may be behind; less than topics.QUEUE_DEPTH
 
 
@@ -17,7 +18,7 @@ class MasterParameters:
         0.0, unit="1", low=0.0, high=1000.0, about="simulated over wall time in lockstep, at most; 0: no limit"
     )
     duration: float = parameter(
-        0.0, unit="s", low=0.0, high=1e6, about="the node ends at this time; 0: never", read_only=True
+        0.0, unit="s", low=0.0, high=LONGEST, about="the node ends at this time; 0: never", read_only=True
     )
     command_timeout: float = parameter(
         0.1, unit="s", low=0.001, high=60.0, about="realtime: age of a torque command at which no torque is left of it"

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.nodes.signal_io import SignalReader, SubscriptionHandle
+from functools import cached_property
+
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.lockstep.stepper import Stepper
+from ev_msgs_py.nodes.ordinary_steps import OrdinarySteps
+from ev_msgs_py.nodes.reports import Reports
+from ev_msgs_py.nodes.signal_io import SignalReader, SignalWriter, SubscriptionHandle
+from ev_msgs_py.nodes.step_memory import End
 
 _LOOK_PERIOD = 0.02  # s of wall time between looks for what nobody waits for: repetitions of messages
 
@@ -11,6 +18,14 @@ class Polled:
     """Takes messages from its `readers`; `wanted` says which of them the next step waits for."""
 
     readers: dict[type, SignalReader]
+    writers: dict[type, SignalWriter]
+    reports: Reports
+    stepper: Stepper
+
+    @property
+    def realtime(self) -> bool:
+        """Whether the wall clock drives the graph, so that steps may be skipped."""
+        raise NotImplementedError
 
     def wanted(self) -> tuple[type, ...]:
         """The signals that the next step waits for, in the order of their arrival."""
@@ -26,6 +41,31 @@ class Polled:
                 reader.receive(message)
                 progressed = True
         return progressed
+
+    def take_steps(self, until: float) -> bool:
+        """Let compiled code take ordinary steps up to a time of the monotonic clock; False if it cannot."""
+        limit, ordinary = self.free_until(), self._ordinary
+        if limit < 0 or ordinary is None or not ordinary.take(until, self.wake_up_within(), limit):
+            return False
+        if ordinary.taken:
+            self.went_on(ordinary.spoke)
+        return True
+
+    @cached_property
+    def _ordinary(self) -> OrdinarySteps | None:
+        return OrdinarySteps(self, self.ends()) if OrdinarySteps.possible() else None
+
+    def free_until(self) -> int:
+        """The last stamp up to which the messages alone decide when a step is taken; -1 if there is none."""
+        return -1 if self.realtime else stamps.LAST_EXACT
+
+    def ends(self) -> list[End]:
+        """The publishers of what it says in a step."""
+        return [writer.end for writer in self.writers.values()]
+
+    def went_on(self, spoke: float) -> None:
+        """Called when steps were taken, with the time on the monotonic clock at which it spoke last."""
+        self.reports.pass_on_now_and_then(self.stepper.part)
 
     def sweep(self) -> None:
         """Take everything: what nobody waits for are repetitions, and they tell that somebody misses an answer."""

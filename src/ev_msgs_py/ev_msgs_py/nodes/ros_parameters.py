@@ -48,6 +48,11 @@ def declare(node: Node, entries: Sequence[Entry]) -> None:
         )
 
 
+def limit_of(value: float | None) -> float | None:
+    """A limit of a described range, None where `descriptor` had none to describe."""
+    return None if value is None or abs(value) in _NO_LIMIT.values() else value
+
+
 def descriptor(entry: Entry) -> ParameterDescriptor:
     """The descriptor that `ros2 param describe` shows."""
     spec = entry.spec

@@ -60,6 +60,8 @@ class Schedule:
     def note_recorded(self, stamp: int) -> None:
         """The recorder holds everything up to a stamp; one beyond now was said of the run before a reset."""
         if stamp <= self.now:
+            if self._recorded < 0:
+                self._begin_here()
             self._recorded = max(self._recorded, stamp)
 
     def held_inputs(self, now: int) -> Frame:
@@ -69,20 +71,39 @@ class Schedule:
         return self.held.at(share, self._parameters.command_loss_brake_torque)
 
     def hold(self, kind: type, stamp: int, numbers: Sequence[float]) -> None:
-        """Keep an input of realtime, which begins when the last of them has come."""
-        waited = not self.held.complete
+        """Keep an input of realtime, which begins when everybody has spoken."""
+        waited = not self.all_are_here
         # What integrates speaks of the next instant.
         if not self.held.take(kind, stamp, numbers, self.now + 2 * self._stepper.period):
             self.timing.refused[kind] += stamp != self.held.stamp_of(kind)  # repeated ones are none the worse for it
             return
         self.timing.arrival[kind].add(time.monotonic() - self._pace.due(stamp, self._factor))
         if waited:
-            self.pace_from_here()
+            self._begin_here()
+
+    def _begin_here(self) -> None:
+        """What has waited for others until now is not late."""
+        self.pace_from_here()
+        self.held.came_now()
+
+    @property
+    def missing(self) -> tuple[type, ...]:
+        """The inputs without which the next step cannot be taken."""
+        return self.held.missing if self.realtime else self._stepper.inbox.missing()
+
+    @property
+    def all_are_here(self) -> bool:
+        """Whether the next step has its inputs, and the recorder is near enough."""
+        complete = not self.held.missing if self.realtime else self._stepper.inbox.complete() is not None
+        return complete and self.recorder_keeps_up
 
     @property
     def recorder_keeps_up(self) -> bool:
-        """Whether the recorder is near enough; at the first and at the last instant it must have everything."""
-        if not self._await_recorder:
+        """Whether the recorder is near enough; at the first and at the last instant it must have everything.
+
+        Real time does not wait for it any more once it has begun.
+        """
+        if not self._await_recorder or (self.realtime and self._recorded >= 0):
             return True
         ends = self.at_end or self.now == 0
         return self._recorded >= (self.now if ends else self.now - RECORDER_LAG * self._stepper.period)
@@ -95,8 +116,15 @@ class Schedule:
     @property
     def has_inputs(self) -> bool:
         """Whether the next instant may come as soon as it is due."""
-        complete = self.held.complete if self.realtime else self._stepper.inbox.complete() is not None
-        return complete and not self.rests() and (self.realtime or self.recorder_keeps_up)
+        return self.all_are_here and not self.rests()
+
+    @property
+    def free_until(self) -> int:
+        """The last instant at which time may go on as soon as all inputs are there; -1 if the clock has a say."""
+        if self.realtime or self._factor:
+            return -1
+        end = self._end - self._stepper.period if self._end else stamps.LAST_EXACT
+        return min(end, self._recorded + RECORDER_LAG * self._stepper.period) if self._await_recorder else end
 
     @property
     def lateness(self) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -16,7 +16,8 @@ from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
 from ev_msgs_py.lockstep.stepper import WRITERS
-from ev_msgs_py.nodes.speaker import Refuse, Speaker
+from ev_msgs_py.nodes.speaker import Judge, Refuse, Speaker
+from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.wire.message_format import format_of
 
 SubscriptionHandle = rclpy_implementation.Subscription  # what rclpy's Subscription wraps
@@ -30,7 +31,7 @@ class SignalWriter:
     def __init__(self, node: Node, topic: Topic) -> None:
         format_ = format_of(topic.signal)
         self.publisher: Publisher = node.create_publisher(format_.message_class, topic.name, QUALITY)
-        self._pack = format_.pack
+        self._format, self._pack = format_, format_.pack
         self._publish = self.publisher.handle.publish_raw
         self._readers = self.publisher.handle.get_subscription_count
 
@@ -38,6 +39,11 @@ class SignalWriter:
         """Publish the signal in a frame, whose numbers are finite; without readers it costs nearly nothing."""
         if self._readers():
             self._publish(self._pack(stamp, here))
+
+    @property
+    def end(self) -> End:
+        """The publisher, as compiled code takes it."""
+        return End.of(self.publisher.handle.pointer, self._format)
 
 
 class PolledGroup(MutuallyExclusiveCallbackGroup):
@@ -62,14 +68,16 @@ class Reader:
         message_class: type,
         name: str,
         receive: Callable[[bytes], None],
-        speaker: Speaker | None,
+        speaker: Judge | None,
+        quality: QoSProfile = _HEARD,
     ) -> None:
         self.receive, self.speaker = receive, speaker
         self._subscription = node.create_subscription(
-            message_class, name, self._receive_from_executor, _HEARD, callback_group=PolledGroup(), raw=True
+            message_class, name, self._receive_from_executor, quality, callback_group=PolledGroup(), raw=True
         )
         self.handle: SubscriptionHandle = self._subscription.handle
         self._take = partial(self.handle.take_message, message_class, True)
+        self.close = partial(node.destroy_subscription, self._subscription)
 
     def take(self) -> bytes | None:
         """The next message that is admitted, None if there is none."""
@@ -79,15 +87,34 @@ class Reader:
                 return message
         return None
 
+    def judge(self, message: bytes, info: Mapping[str, Any]) -> bool:
+        """Receive a message if the publisher that the information names is admitted; whether it is."""
+        admitted = self.speaker is None or self.speaker.admits(info)
+        if admitted:
+            self.receive(message)
+        return admitted
+
     def _receive_from_executor(self, message: bytes) -> None:
         """Not every executor tells who has sent a message."""
-        if self.speaker is None or self.speaker.admits({}):
-            self.receive(message)
+        self.judge(message, {})
 
 
 class SignalReader(Reader):
     """Receives a signal from the node of the role that writes it; `refuse` is told of others who speak of it."""
 
-    def __init__(self, node: Node, topic: Topic, receive: Callable[[bytes], None], refuse: Refuse) -> None:
+    def __init__(
+        self,
+        node: Node,
+        topic: Topic,
+        receive: Callable[[bytes], None],
+        refuse: Refuse,
+        quality: QoSProfile = _HEARD,
+    ) -> None:
         speaker = Speaker(node, topic.name, WRITERS.get(topic.signal, RECORDER), refuse)
-        super().__init__(node, format_of(topic.signal).message_class, topic.name, receive, speaker)
+        self._format = format_of(topic.signal)
+        super().__init__(node, self._format.message_class, topic.name, receive, speaker, quality)
+
+    @property
+    def end(self) -> End:
+        """The subscription, as compiled code takes it."""
+        return End.of(self.handle.pointer, self._format)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 from rclpy.node import Node
 
@@ -12,6 +12,13 @@ _SOON, _LATER = 0.01, 0.2  # s of wall time between looks into the graph for a s
 _KEPT = 100  # senders of whom it is known when they were looked up
 
 Refuse = Callable[[str, str], None]  # is told the node that is refused, and a line about it
+
+
+class Judge(Protocol):
+    """Knows who may speak."""
+
+    def admits(self, info: Mapping[str, Any]) -> bool:
+        """Whether a message with this information, as rclpy gives it, is heard."""
 
 
 class Speaker:
@@ -25,14 +32,14 @@ class Speaker:
     def __init__(self, node: Node, topic: str, name: str, refuse: Refuse) -> None:
         self._node, self._topic, self._refuse = node, node.resolve_topic_name(topic), refuse
         self._allowed = f"{node.get_namespace().rstrip('/')}/{name}"
-        self._admitted: bytes | None = None
+        self.admitted: bytes | None = None
         self._next_look: dict[bytes, float] = {}  # when senders that are not admitted are looked up again
         self.refused = 0
 
     def admits(self, info: Mapping[str, Any]) -> bool:
         """Whether a message with this information, as rclpy gives it, comes from the one who may speak."""
         gid: bytes = (info.get("publisher_gid") or _UNTOLD)["data"]
-        if gid == self._admitted and gid:
+        if gid == self.admitted and gid:
             return True
         now = time.monotonic()
         if now >= self._next_look.get(gid, 0.0):
@@ -40,10 +47,10 @@ class Speaker:
                 self._next_look.clear()
             self._next_look[gid] = now + _SOON
             if self._may_speak(gid):
-                self._admitted = gid
-            elif gid == self._admitted:
-                self._admitted = None
-        if gid == self._admitted:
+                self.admitted = gid
+            elif gid == self.admitted:
+                self.admitted = None
+        if gid == self.admitted:
             return True
         self.refused += 1
         return False
@@ -63,7 +70,7 @@ class Speaker:
             if name != self._allowed and "_UNKNOWN_" not in name and (not gid or other == gid):
                 self._next_look[gid] = time.monotonic() + _LATER
                 self._refuse(name, f"{name} is refused: {self._topic} is for {self._allowed} alone")
-        if len(allowed) > 1 and self._admitted not in allowed:
+        if len(allowed) > 1 and self.admitted not in allowed:
             self._refuse(
                 self._allowed, f"{self._allowed} is refused: {len(allowed)} nodes of this name on {self._topic}"
             )

@@ -2,7 +2,8 @@
 
 rclpy's executors build a wait set of everything for every message, services included. Here a step wakes up for one
 subscription, its last input, and polls the others; services, and so parameters, are looked at now and then, and what
-there may be besides goes through an ordinary executor.
+there may be besides goes through an ordinary executor. A node that has a process to itself does that in compiled code
+for as long as nothing odd comes (`ordinary_steps`).
 """
 
 from __future__ import annotations
@@ -30,6 +31,9 @@ class Spinnable(Protocol):
 
     def poll(self) -> bool:
         """Take what is waited for; False if nothing was there."""
+
+    def take_steps(self, until: float) -> bool:
+        """Take steps up to a time of the monotonic clock, and sleep in between; False if it cannot do so by itself."""
 
     def sweep(self) -> None:
         """Take everything else too."""
@@ -65,7 +69,7 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
             executor.spin_once(timeout_sec=0.0)
             next_look = time.monotonic() + _SERVICE_PERIOD
         rested = alone or not came
-        if rested:
+        if rested and not (alone and in_order[0].take_steps(next_look)):
             rest.until_message()
         came = False
         for node in in_order:

@@ -10,6 +10,7 @@ from rosgraph_msgs.msg import Clock
 
 from ev_msgs_py.lockstep.stepper import Answer
 from ev_msgs_py.nodes.signal_io import QUALITY, SignalWriter
+from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.wire.message_format import stamp_alone
 
 
@@ -18,17 +19,16 @@ class StatePublisher:
 
     def __init__(self, node: Node, writers: Iterable[SignalWriter]) -> None:
         self._writers = list(writers)
-        clock = node.create_publisher(Clock, "/clock", QUALITY).handle
-        self._tell_time, self._clock_readers = clock.publish_raw, clock.get_subscription_count
-        self._spoke = 0.0
+        self._clock = node.create_publisher(Clock, "/clock", QUALITY).handle
+        self.spoke = 0.0
 
     def publish(self, answer: Answer) -> None:
         """Publish the signals of an answer, and then its stamp as /clock."""
         for writer in self._writers:
             writer.write(answer.stamp, answer.frame)
-        if self._clock_readers():
-            self._tell_time(stamp_alone(answer.stamp))
-        self._spoke = time.monotonic()
+        if self._clock.get_subscription_count():
+            self._clock.publish_raw(stamp_alone(answer.stamp))
+        self.spoke = time.monotonic()
 
     def repeat(self, answer: Answer | None) -> None:
         """Publish once more, and first what most nodes hear: their step goes on while the rest is being published."""
@@ -36,7 +36,11 @@ class StatePublisher:
         if answer is not None:
             self.publish(answer)
 
+    def ends(self) -> list[End]:
+        """All publishers, in the order in which they speak."""
+        return [*(writer.end for writer in self._writers), End(self._clock.pointer, stamp_alone(0))]
+
     @property
     def silent_for(self) -> float:
         """Wall time since the last message [s]."""
-        return time.monotonic() - self._spoke
+        return time.monotonic() - self.spoke

@@ -8,6 +8,16 @@ from types import FrameType, TracebackType
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
+def hold_back() -> None:
+    """Let these signals wait until `let_in`, also in a program that this process becomes: it cannot handle them yet."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+
+
+def let_in() -> None:
+    """Let in what has been held back, by us or by who has started us."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+
+
 class StopRequest:
     """Remembers, for the time of its `with` block, that SIGINT or SIGTERM came.
 
@@ -22,6 +32,7 @@ class StopRequest:
 
     def __enter__(self) -> StopRequest:
         self._before = {kind: signal.signal(kind, self._on_signal) for kind in _SIGNALS}
+        let_in()
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:

@@ -32,30 +32,30 @@ class TimeServices:
         tell: Callable[[str, str, Mapping[str, Any]], None],
     ) -> None:
         self._now, self._begin, self._moves, self._tell = now, begin, moves, tell
-        self._paused = False
+        self.paused = False
         self._granted = 0
         for name, handler in zip(TIME_SERVICES, (self._pause, self._resume, self._step, self._reset), strict=True):
             node.create_service(Trigger, f"~/{name}", handler)
 
     def rests(self) -> bool:
         """Whether time stands still."""
-        return self._paused and not self._granted
+        return self.paused and not self._granted
 
     def took_step(self) -> None:
         """One of the granted steps is taken."""
         self._granted = max(self._granted - 1, 0)
 
     def _pause(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._paused, self._granted = True, 0
+        self.paused, self._granted = True, 0
         return self._done(response, "paused")
 
     def _resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._paused = False
+        self.paused = False
         self._moves()
         return self._done(response, "running")
 
     def _step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._paused = True
+        self.paused = True
         self._granted += 1
         self._moves()
         return self._done(response, "one more step granted")

@@ -105,15 +105,19 @@ class Entry:
 
 def entries(of: type | object, prefix: str = "") -> tuple[Entry, ...]:
     """All parameters of a parameter dataclass, groups flattened to dotted names, in order of declaration."""
-    return tuple(_entries(of, prefix))
+    return _entries_by_default(of, prefix) if isinstance(of, type) else tuple(_entries(of, prefix))
+
+
+@cache
+def _entries_by_default(of: type, prefix: str) -> tuple[Entry, ...]:
+    return tuple(_entries(of(), prefix))
 
 
 def _entries(of: Any, prefix: str) -> Iterator[Entry]:
-    instance = of() if isinstance(of, type) else of
-    kind: type = type(instance)
+    kind: type = type(of)
     hints = _type_hints(kind)
-    for f in fields(instance):
-        value = getattr(instance, f.name)
+    for f in fields(of):
+        value = getattr(of, f.name)
         if is_dataclass(value):
             yield from _entries(value, f"{prefix}{f.name}.")
             continue

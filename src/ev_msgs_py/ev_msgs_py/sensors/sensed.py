@@ -8,10 +8,11 @@ from typing import Any
 from ev_msgs_py.contract.frame import TIME, Frame
 from ev_msgs_py.faults.restart import Restart
 from ev_msgs_py.faults.row import FaultRow
+from ev_msgs_py.lockstep.part import CalledBack
 from ev_msgs_py.sensors.row import SensorRow
 
 
-class Sensed:
+class Sensed(CalledBack):
     """Steps a part, and lets its sensors and then its faults put what they show into the place of the true numbers.
 
     The part never sees what they show. The state is that of the part, then those of the rows.

@@ -34,7 +34,10 @@ class Run(NamedTuple):
 
 
 class MessageFormat:
-    """`template` is a whole message, `runs` say where its numbers are, and `code` is their struct code, d or f."""
+    """`template` is a whole message, `runs` say where its numbers are, and `code` is their struct code, d or f.
+
+    `mask` has all bits set where the template is constant.
+    """
 
     def __init__(self, topic: Topic) -> None:
         self.topic = topic
@@ -51,6 +54,7 @@ class MessageFormat:
         variable = [order.index(STAMP_AT), order.index(STAMP_AT + 4), *(order.index(offset) for offset in offsets)]
         constant = [piece for piece in range(len(pieces)) if piece not in variable]
         self._layout = struct.Struct("<" + "".join(code for _, code in pieces))
+        self.mask = b"".join((b"\xff" if code[-1] == "s" else b"\0") * struct.calcsize(code) for _, code in pieces)
         self._variable, self._constant = itemgetter(*variable), itemgetter(*constant)
         self._constants = self._constant(self._layout.unpack(self.template))
         # The constants and then stamp and numbers, brought into the order of the message.

@@ -1,14 +1,14 @@
-"""Bode plot of the slip angles. Imports matplotlib: import this module only where something is drawn."""
+"""Bode plot of the slip angles."""
 
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.signal import bode
 
 from ev_sim.analysis.linearised_plant import LinearisedPlant
 from ev_sim.analysis.side_slip_model import SideSlipModel
-from ev_sim.report.figures.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.figure import Figure, new_figure
 
 FREQUENCIES = np.logspace(-1.0, 1.5, 200)  # [Hz]; a driver steers with up to about 3 Hz
 WIDTH, HEIGHT = 9.2, 4.6  # [inch]
@@ -24,7 +24,7 @@ def bode_figure(model: SideSlipModel, plant: LinearisedPlant) -> Figure:
     if model.excitation:  # a car that steers neutrally has no W12 to draw
         _, *w12 = bode(model.transfer_function(), omega)
         curves = {"W12": tuple(w12), **curves}
-    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI, layout="constrained")
+    figure = new_figure(WIDTH, HEIGHT, layout="constrained")
     magnitude, phase = figure.subplots(2, 1, sharex=True)
     for number, (label, (decibels, degrees)) in enumerate(curves.items()):
         colour, dashes = STROKES[number]

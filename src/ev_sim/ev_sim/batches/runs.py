@@ -13,7 +13,7 @@ from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.parts import method_part, row_parts
-from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order, written_by
+from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.sensors import part as sensors
 from ev_sim.batches import observer
@@ -96,7 +96,7 @@ class Runs:
         state = self._initial_states[role][run] if role in self._initial_states else part.state
         if any(text.split()[0] == "restarted" for text in configuration.faults):
             raise ParameterError(f"{role} faults: restarted is refused in a batch, allowed are all other kinds")
-        writes = written_by(configuration.method)
+        writes = frame.span(configuration.method.writes)
         placed = [_Placed(role, writes, part, state.copy())]
         return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in row_parts(configuration))]
 

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
+from typing import Any
 
 from ev_msgs_py.lockstep.methods import Method, all_methods, find_method
 from ev_msgs_py.vehicle.description import Vehicle
 
-_PERIOD = 0.01  # [s]; compiled code is the same for all periods
+_PERIOD = 0.005  # [s], that all methods allow; compiled code is the same for all periods
 _STEPPING = ("", "")  # in the place of role and method: the loops, sensors and observers
 
 
@@ -22,11 +24,26 @@ def main() -> None:
     """Compile on all cores; exit status 1, and one line for each, if something cannot be compiled."""
     methods = [method for of_role in all_methods().values() for method in of_role.values()]
     compilable = [method for method in methods if method.law and method.law.is_compilable]
-    longest_first = sorted(compilable, key=lambda method: not method.law.heavy)
     with ProcessPoolExecutor(os.cpu_count()) as workers:
-        jobs = [(method.role, method.name) for method in longest_first]
-        errors = [error for error in workers.map(_compile, [*jobs, _STEPPING]) if error]
+        errors = [
+            error for found in workers.map(_compile_jobs, [*_sharing(compilable), [_STEPPING]]) for error in found
+        ]
     sys.exit("\n".join(errors) or None)
+
+
+def _sharing(methods: Iterable[Method]) -> list[list[tuple[str, str]]]:
+    """Role and name of methods, those together that share functions of one type; what takes long comes first."""
+    groups: dict[Any, list[Method]] = {}
+    for method in methods:
+        kind = (method.law.parameters, method.law.state) if method.law.heavy else method.law.function
+        groups.setdefault(kind, []).append(method)
+    longest_first = sorted(groups.values(), key=len, reverse=True)
+    longest_first.sort(key=lambda group: not group[0].law.heavy)
+    return [[(method.role, method.name) for method in group] for group in longest_first]
+
+
+def _compile_jobs(jobs: Iterable[tuple[str, str]]) -> list[str]:
+    return [error for error in map(_compile, jobs) if error]
 
 
 def _compile(job: tuple[str, str]) -> str:
@@ -48,11 +65,13 @@ def _compile_method(method: Method) -> None:
 
 
 def _compile_stepping() -> None:
+    from ev_msgs_py.compiling import node_loop
     from ev_msgs_py.compiling.loop import compile_loops
     from ev_msgs_py.sensors import part as sensors
     from ev_sim.batches import observer
 
     compile_loops()
+    node_loop.address()
     sensors.function()
     sensors.fault_function()
     observer.function()

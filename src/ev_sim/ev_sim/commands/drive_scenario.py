@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import shutil
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -19,6 +21,8 @@ from ev_sim.running.recording.recording import save
 from ev_sim.running.scenarios.configured_file import is_path
 from ev_sim.running.scenarios.scenario import Run, load_scenario, scenario_names
 from ev_sim.study.study import STUDIES
+
+_SHARED_MEMORY, _ROOM = "/dev/shm", 65536  # bytes; where there are fewer, LTTng of ROS 2 ends the process by SIGBUS
 
 
 def drive_scenario(given: argparse.Namespace) -> None:
@@ -49,9 +53,11 @@ def drive_scenario(given: argparse.Namespace) -> None:
 
 
 def _refuse_without_ros(given: argparse.Namespace) -> None:
-    """RunFailed, before anything is made, if ROS 2 is needed and not installed."""
+    """RunFailed, before anything is made, if ROS 2 is needed and not installed or cannot start."""
     if not given.offline and find_spec("rclpy") is None:
         raise RunFailed("nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs none")
+    if not given.offline and os.access(_SHARED_MEMORY, os.W_OK) and shutil.disk_usage(_SHARED_MEMORY).free < _ROOM:
+        raise RunFailed(f"{_SHARED_MEMORY} is full: the libraries of ROS 2 need {_ROOM} bytes there")
     if not given.no_record and None in (find_spec("rosbags"), find_spec("sensor_msgs")):
         raise RunFailed("a bag needs rosbags and the messages of ROS 2, which are not installed here: add --no-record")
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from importlib import import_module
 
+from ev_msgs_py.nodes.stop_request import let_in
+
 _INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
 
 COMMANDS = {  # name -> module with main(words), words put in front, what it does
@@ -16,6 +18,8 @@ COMMANDS = {  # name -> module with main(words), words put in front, what it doe
     "list": ("run_scenario", ("--list",), "scenarios, studies and methods, one line each"),
     "security_policies": ("security_policies", (), "policies for DDS security, and the running graph against them"),
     "schema": ("schema", (), "JSON Schema of scenario, vehicle and parameter files, for editors"),
+    "dashboard": ("dashboard", (), "a local page: live signals, the car from above, parameters, time"),
+    "header": ("header", (), "ev_laws.h, the interface of laws in C and C++"),
     "inspect": ("inspect_graph", (), "show the running graph: nodes, topics, rates"),
 }
 
@@ -33,7 +37,10 @@ def main(argv: list[str] | None = None) -> None:
         sys.exit(2)
     module, first, _ = COMMANDS[words[0]]
     try:
+        let_in()  # scripts/run.sh holds signals back until here, where they are one line
         import_module(f"ev_sim.commands.{module}").main([*first, *words[1:]])
     except KeyboardInterrupt:  # while it is loaded as well, which takes half a second
         print("stopped", file=sys.stderr)
         sys.exit(_INTERRUPTED)
+    except OSError as error:  # such as too many open files while it is loaded
+        sys.exit(f"error: {': '.join(str(said) for said in (error.filename, error.strerror or error) if said)}")

@@ -56,9 +56,9 @@ class Simulation:
         for role in without:
             if role not in of.configurations:
                 raise unknown_name("role", role, of.configurations)
-        self._configurations, self._without, self._record = of.configurations, tuple(without), record
+        self.configurations, self._without, self._record = of.configurations, tuple(without), record
         self._writes = {role: each.method.writes for role, each in of.configurations.items()}
-        answering, integrating = roles_in_order(self._configurations)
+        answering, integrating = roles_in_order(self.configurations)
         first = min((answering.index(role) for role in without if role in answering), default=len(answering))
         if any(role in integrating for role in without):
             first = 0
@@ -74,17 +74,19 @@ class Simulation:
             for signal in signals
             for name in TOPICS[signal].channels
         }
-        self.period = of.period
+        self.period, self.duration = of.period, of.duration
         self.reset()
 
     def _kept(self, roles: Sequence[str]) -> tuple[str, ...]:
-        return tuple(role for role in roles if role in self._configurations and role not in self._without)
+        return tuple(role for role in roles if role in self.configurations and role not in self._without)
 
-    def reset(self) -> Mapping[str, float]:
-        """Begin again, at rest; the frame of the first instant comes back."""
+    def reset(self, seed: int | None = None) -> Mapping[str, float]:
+        """Begin again, at rest, with another seed of everything random if one is given; the first frame comes back."""
+        if seed is not None:
+            self.configurations = {role: each.changed({"seed": seed}) for role, each in self.configurations.items()}
         self._parts = {
             role: compiled_parts(configuration)
-            for role, configuration in self._configurations.items()
+            for role, configuration in self.configurations.items()
             if role not in self._without
         }
         self._here, self._next = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
@@ -147,7 +149,7 @@ class Simulation:
     @property
     def recording(self) -> Recording:
         """The instants that are complete: all but the present one."""
-        written = {signal for role in self._configurations for signal in self._writes[role]}
+        written = {signal for role in self.configurations for signal in self._writes[role]}
         written |= {signal for role in self._without for signal in ROLES[role].writes}
         frames = np.array(self._frames).reshape(-1, frame.SIZE)
         return recording_of(frames, [topic for signal, topic in TOPICS.items() if signal in written])

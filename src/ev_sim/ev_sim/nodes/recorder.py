@@ -49,6 +49,10 @@ class RecorderNode(Node):
         self._input.take_all()
         return False
 
+    def take_steps(self, until: float) -> bool:
+        """It only listens."""
+        return False
+
     def sweep(self) -> None:
         """Nothing more to take: `poll` takes everything."""
 
@@ -65,7 +69,7 @@ class RecorderNode(Node):
         recorder.took_all()
         held = recorder.held
         if held != self._told or recorder.asked:
-            if held >= 0:
+            if recorder.all_spoke:
                 self._progress.write(held, _NOTHING)
             self._told, recorder.asked = held, False
         if recorder.loss:

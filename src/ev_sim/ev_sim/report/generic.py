@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import derived
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def metrics(runs: Runs) -> dict[str, Metric]:
@@ -28,8 +25,6 @@ def metrics(runs: Runs) -> dict[str, Metric]:
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """One sheet for each run."""
-    from ev_sim.report.figures.drawing import sheet
-
     return {
         f"overview_{name}" if len(runs) > 1 else "overview": sheet(_panels(run), "time [s]")
         for name, run in runs.items()

@@ -7,9 +7,7 @@ import io
 from collections.abc import Mapping
 from html import escape
 
-from matplotlib.figure import Figure
-
-from ev_sim.report.figures.drawing import DPI
+from ev_sim.report.figures.figure import DPI, Figure
 from ev_sim.report.metric import Metric
 from ev_sim.report.metric_table import metric_table
 

@@ -7,17 +7,15 @@ import pkgutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ev_msgs_py.parameters.values import unknown_name
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report import scenarios
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.metric import Metric
 from ev_sim.report.own_metrics import parsed
 from ev_sim.report.samples import Parameters, Runs
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 OWN_REPORTS = tuple(module.name for module in pkgutil.iter_modules(scenarios.__path__))
 GIVEN = ("runs", "vehicle", "parameters")

@@ -12,6 +12,9 @@ import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.report.figures.figure import Figure
+from ev_sim.report.figures.saving import save_figures
+from ev_sim.report.figures.timing import timing_sheet
 from ev_sim.report.metric import Metric
 from ev_sim.report.own_metrics import own_metrics
 from ev_sim.report.reports import report_for
@@ -23,7 +26,6 @@ from ev_sim.running.scenarios.differences import COMMAND_LINE, Difference, diffe
 from ev_sim.running.scenarios.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from pandas import DataFrame
 
 
@@ -86,8 +88,6 @@ class Result:
         """Figures by name, drawn anew."""
         figures: dict[str, Figure] = dict(self._of_report("figures"))
         if self._timing:
-            from ev_sim.report.figures.timing import timing_sheet
-
             figures["timing"] = timing_sheet(self._timing)
         return figures
 
@@ -152,8 +152,6 @@ class Result:
 
     def write_report(self, folder: Path, page: bool = True, formats: Sequence[str] = ()) -> dict[str, Any]:
         """Write figures, report.html if it is wanted, and summary.json, whose content comes back."""
-        from ev_sim.report.figures.saving import save_figures
-
         figures, summary = self.figures(), self.summary()
         save_figures(figures, folder, formats)
         content = summary.as_json()

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 
-from rclpy.subscription import Subscription
-
 from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
-from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS
+from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.graph import step_order
 from ev_msgs_py.lockstep.stepper import WRITERS
+from ev_msgs_py.nodes.signal_io import SignalReader
 from ev_msgs_py.wire.layout import MessageError
-from ev_msgs_py.wire.message_classes import message_class
 from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.running.observer import Observer
 
@@ -34,7 +31,7 @@ class Hanging:
         self._wait = max(patience - _HEARKEN - 0.2, 0.1)
         self._since = self._hearkens = time.monotonic()
         self._time = observer.time
-        self._ears: dict[type, Subscription] = {}
+        self._ears: dict[type, SignalReader] = {}
         self._heard: dict[str, int] = {}  # newest stamp by role
         self._named = False
 
@@ -63,19 +60,16 @@ class Hanging:
     def _begin(self) -> None:
         for signal, topic in TOPICS.items():
             if WRITERS.get(signal) in self._pids:
-                kind = message_class(topic.message_type)
-                self._ears[signal] = self._observer.create_subscription(
-                    kind, topic.name, lambda _: None, QUEUE_DEPTH, raw=True
-                )
+                self._ears[signal] = SignalReader(self._observer, topic, lambda _: None, lambda *_: None)
 
     def _stop(self) -> None:
         for ear in self._ears.values():
-            self._observer.destroy_subscription(ear)
+            ear.close()
         self._ears, self._heard = {}, {}
 
     def _take(self) -> None:
         for signal, ear in self._ears.items():
-            for message, _ in iter(partial(ear.handle.take_message, ear.msg_type, True), None):
+            for message in iter(ear.take, None):
                 try:
                     stamp = stamp_of(message)
                 except MessageError:

@@ -25,7 +25,7 @@ def node_parameters(run: Run, directory: Path, bag: bool) -> dict[str, dict[str,
         role: {name: _plain(value) for name, value in configuration.values().items() if value != ()}
         for role, configuration in run.configurations.items()
     }
-    nodes[MASTER]["await_recorder"] = not run.realtime
+    nodes[MASTER]["await_recorder"] = True
     common = run.configurations[MASTER].common
     nodes[RECORDER] = {
         "directory": str(directory),

@@ -4,33 +4,33 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
-from std_msgs.msg import Header
+from rclpy.serialization import deserialize_message
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import RECORDER, RECORDER_WRITES, ROLES
-from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS
+from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes.health import HEALTH
 from ev_msgs_py.nodes.reports import NOTED
-from ev_msgs_py.nodes.speaker import Speaker
+from ev_msgs_py.nodes.signal_io import Reader, SignalReader
 from ev_msgs_py.nodes.time_services import TIME
 from ev_msgs_py.nodes.timing import TIMING
+from ev_msgs_py.wire.layout import MessageError
+from ev_msgs_py.wire.message_format import stamp_of
 
 OBSERVER = "run_scenario"  # its name in the graph
-# The last word of the recorder says that the run is complete: it shall not be lost among those of strangers.
-_QUALITY = QoSProfile(depth=20 * QUEUE_DEPTH)
 
 
 class Observer(Node):
     """Follows the recorder, which speaks seldom, so that looking costs the run next to nothing."""
 
-    def __init__(self, context: Context, namespace: str) -> None:
-        super().__init__(OBSERVER, context=context, namespace=namespace, start_parameter_services=False)
+    def __init__(self, context: Context, namespace: str, name: str = OBSERVER) -> None:
+        super().__init__(name, context=context, namespace=namespace, start_parameter_services=False)
         self.time = 0.0
         self.warnings: list[str] = []
         self.timing: dict[str, Any] = {}  # how well real time was kept, as the master says at its end
@@ -38,10 +38,9 @@ class Observer(Node):
         self._words: list[str] = []
         self._noted: list[str] = []
         self._once: dict[str, str] = {}
-        self._progress = self.create_subscription(Header, TOPICS[RECORDER_WRITES].name, lambda message: None, _QUALITY)
-        self._recorder = Speaker(self, TOPICS[RECORDER_WRITES].name, RECORDER, lambda *_: None)
+        self._progress = SignalReader(self, TOPICS[RECORDER_WRITES], self._note_progress, lambda *_: None)
         self._nodes: dict[bytes, tuple[str, str]] = {}  # namespace and name by publisher of /diagnostics
-        self._diagnostics = self.create_subscription(DiagnosticArray, "/diagnostics", lambda message: None, _QUALITY)
+        self._diagnostics = Reader(self, DiagnosticArray, "/diagnostics", self._note_report, self)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -55,15 +54,20 @@ class Observer(Node):
 
     def look(self) -> None:
         """Take what has come since the last look."""
-        while (taken := self._progress.handle.take_message(Header, False)) is not None:
-            if self._recorder.admits(taken[1]):
-                self.time = stamps.to_seconds(stamps.read(taken[0].stamp))
-        while (taken := self._diagnostics.handle.take_message(DiagnosticArray, False)) is not None:
-            if self._speaks_for_the_run(taken[1]):
-                for status in taken[0].status:
-                    self._note(status)
+        for reader in (self._progress, self._diagnostics):
+            while (message := reader.take()) is not None:
+                reader.receive(message)
 
-    def _speaks_for_the_run(self, info: Mapping[str, Any]) -> bool:
+    def _note_progress(self, message: bytes) -> None:
+        with suppress(MessageError):
+            self.time = stamps.to_seconds(stamp_of(message))
+
+    def _note_report(self, message: bytes) -> None:
+        with suppress(RuntimeError):  # what cannot be read
+            for status in deserialize_message(message, DiagnosticArray).status:
+                self._note(status)
+
+    def admits(self, info: Mapping[str, Any]) -> bool:
         """Whether a report is none of a node that has nothing to do with the run; its last word may have left alone."""
         gid = (info.get("publisher_gid") or {}).get("data")
         if gid not in self._nodes:

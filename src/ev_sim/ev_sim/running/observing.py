@@ -15,14 +15,14 @@ from ev_sim.running.outcome import RunFailed
 
 
 @contextmanager
-def observing(namespace: str, domain: int) -> Iterator[Observer]:
+def observing(namespace: str, domain: int, name: str = OBSERVER) -> Iterator[Observer]:
     """An observer of the graph in a domain; RunFailed where ROS 2 refuses it, as for keys that are missing."""
     context = rclpy.Context()
     try:
         try:
             refuse_weak_security(os.environ)
-            rclpy.init(args=enclave(OBSERVER, namespace), context=context, domain_id=domain)
-            observer = Observer(context, namespace)
+            rclpy.init(args=enclave(name, namespace), context=context, domain_id=domain)
+            observer = Observer(context, namespace, name)
         except RuntimeError as error:
             raise RunFailed(one_line(error)) from None
         yield observer

@@ -10,47 +10,25 @@ import subprocess
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER
 from ev_msgs_py.lockstep.methods import node_package
 from ev_msgs_py.nodes.stop_request import StopRequest
-from ev_sim.running.children import ends_with_us
 from ev_sim.running.domain import free_domain
 from ev_sim.running.hanging import Hanging
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
+from ev_sim.running.node_process import NodeProcess, start_node
 from ev_sim.running.observer import Observer
-from ev_sim.running.observing import enclave, observing
+from ev_sim.running.observing import observing
 from ev_sim.running.outcome import Outcome, Progress, RunFailed, not_reproducible
 from ev_sim.running.progress_bar import announce
 from ev_sim.running.recording.recording import load
-from ev_sim.running.same_addresses import same_addresses
 from ev_sim.running.scenarios.scenario import Run
 
 _LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
-_ROOM = 65536  # bytes; who has less cannot even say what went wrong
 _PATIENCE = 2.0  # s for a process to stop when it is asked to, and for a last word to arrive
-
-
-@dataclass
-class NodeProcess:
-    """One node, its process and the file with what it printed."""
-
-    name: str
-    process: subprocess.Popen
-    log: Path
-
-    def failure(self) -> str:
-        """One line on how the process ended."""
-        code = self.process.returncode
-        how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with status {code}"
-        lines = self.log.read_text(errors="replace").strip().splitlines()
-        said = f": {lines[-1]}" if lines and code > 0 else ""
-        if shutil.disk_usage(self.log.parent).free < _ROOM:
-            said = f": no space left on device, {self.log.parent}"
-        return f"node {self.name} {how}{said}"
 
 
 def run_in_processes(
@@ -75,8 +53,8 @@ def run_in_processes(
         nodes: list[NodeProcess] = []
         try:
             for name in parameters:
-                words = (own_nodes or {}).get(name) or command(name)
-                nodes.append(_start(name, words, run, file, directory / "log", domain))
+                own = (own_nodes or {}).get(name)
+                nodes.append(start_node(name, own or command(name), not own, run, file, domain))
             return _watch(run, nodes, observer, directory, progress, stop)
         finally:
             _stop(nodes)
@@ -103,29 +81,6 @@ def command(name: str) -> list[str]:
         if path.exists():
             return [str(path)]
     raise RunFailed(f"executable {package} {name} is not found: source install/local_setup.bash of the workspace")
-
-
-def _start(name: str, words: Sequence[str], run: Run, parameters: Path, logs: Path, domain: int) -> NodeProcess:
-    logs.mkdir(exist_ok=True)
-    log = logs / f"{name}.log"
-    arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
-    arguments += enclave(name, run.namespace)
-    environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
-    with log.open("wb") as output:
-        try:
-            with same_addresses():
-                process = subprocess.Popen(
-                    [*words, *arguments],
-                    stdin=subprocess.DEVNULL,
-                    stdout=output,
-                    stderr=subprocess.STDOUT,
-                    env=environment,
-                    preexec_fn=ends_with_us(),
-                    start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
-                )
-        except OSError as error:
-            raise RunFailed(f"node {name} cannot be started: {words[0]}: {error.strerror}") from None
-    return NodeProcess(name, process, log)
 
 
 def _watch(
@@ -157,7 +112,7 @@ def _watch(
                 ending.discard(node.name)
                 patience = min(patience, time.monotonic() + _PATIENCE)
                 if observer.time < last and time.monotonic() > patience:
-                    raise RunFailed(f"node {node.name} was stopped at {observer.time:g} s of simulated time")
+                    raise RunFailed(f"{node.failure()} at {observer.time:g} s of simulated time")
             elif code is not None:
                 raise RunFailed(f"{node.failure()}, at {observer.time:g} s of simulated time")
     now = time.monotonic()
@@ -171,16 +126,11 @@ def _stop(nodes: list[NodeProcess]) -> None:
     """Ask all processes to stop, then make them, with whatever they have started."""
     for node in nodes:
         if node.process.poll() is None:
-            _signal(node, signal.SIGINT)
+            node.send(signal.SIGINT)
     deadline = time.monotonic() + _PATIENCE
     for node in nodes:
         with suppress(subprocess.TimeoutExpired):
             node.process.wait(max(deadline - time.monotonic(), 0.0))
     for node in nodes:
-        _signal(node, signal.SIGKILL)
+        node.send(signal.SIGKILL)
         node.process.wait()
-
-
-def _signal(node: NodeProcess, kind: signal.Signals) -> None:
-    with suppress(ProcessLookupError):
-        os.killpg(node.process.pid, kind)

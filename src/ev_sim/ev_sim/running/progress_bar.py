@@ -32,7 +32,6 @@ def progress_bar(name: str, duration: float) -> Iterator[Progress]:
         bar_format=_FORMAT,
         unit="-",  # the place where the format has room for the real-time factor
         mininterval=0.1 if interactive else 5.0,
-        delay=0.2,
         leave=True,
         ascii=not interactive,
     )

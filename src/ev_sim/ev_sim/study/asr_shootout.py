@@ -5,11 +5,13 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ev_msgs_py.lockstep.methods import methods_of, node_package
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.text_table import text_table
@@ -18,9 +20,6 @@ from ev_sim.study.asr_measured import measure as measure
 from ev_sim.study.asr_situations import SITUATIONS
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = "All traction controls pulling away on ice, snow, wet and dry roads, split friction, jumps of friction, a hill"
 SCENARIO, RUN = "launch_split_mu", "steered"
@@ -123,8 +122,6 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """The slip of the front left wheel over time on some roads, with some controls."""
-    from ev_sim.report.figures.drawing import sheet
-
     roads, names = _chosen(given)
     panels = []
     for road in [road for road in TRACED if road in roads] or roads[:1]:

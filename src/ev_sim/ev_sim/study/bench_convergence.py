@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.metric import Metric
 from ev_sim.report.text_table import text_table
 from ev_sim.study import bench_cases, urban_cases
@@ -14,9 +14,6 @@ from ev_sim.study.bench_cases import apart, ideal
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 from ev_sim.study.urban_cases import BENCH, DRIVERS, SCENARIO, Values
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = "The urban cycle on the bench beside the virtual run - difference against each parameter of the bench"
 COLUMNS = ("parameter", "value", "unit", "torque [%]", "transducer [%]", "wheel speed [%]", "distance [%]")

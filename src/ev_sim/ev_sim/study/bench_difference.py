@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
+from ev_sim.report.figures.panels import Curve, Panel
 from ev_sim.report.metric import Metric
 from ev_sim.report.text_table import text_table
 from ev_sim.study import bench_cases, urban_cases
@@ -15,9 +18,6 @@ from ev_sim.study.bench_cases import IDEAL, SAMPLING, apart, ideal
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 from ev_sim.study.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, Values
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = "Dissertation, figure 5.26 - torque of model and bench for five methods, and what their difference comes from"
 COLUMNS = (
@@ -109,9 +109,6 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Figure 5.26 for each method: model and bench, over some seconds of the first window of traction."""
-    from ev_sim.report.figures.drawing import sheet
-    from ev_sim.report.figures.panels import Curve, Panel
-
     shown = {}
     for driver in given.drivers:
         panels = []

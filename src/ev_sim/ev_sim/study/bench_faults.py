@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.text_table import text_table
 from ev_sim.running.recording.recording import Recording
@@ -15,9 +16,6 @@ from ev_sim.study import bench_fault_trial
 from ev_sim.study.bench_fault_trial import CYCLE, FAULTS, trial
 from ev_sim.study.case import Case, CaseResult
 from ev_sim.study.study import Results
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = "Faults of bus, inverters and bench in the loop: zero torque in time, latched, named, reset (--seeds N)"
 SEEDS = 100

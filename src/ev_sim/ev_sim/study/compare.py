@@ -5,14 +5,17 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.lockstep.methods import methods_of
 from ev_msgs_py.parameters.values import unknown_name
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, panel
+from ev_sim.report.figures.plan_view import plan_view
 from ev_sim.report.metric import Metric, NotMeasured
 from ev_sim.report.quantities import derived, handling, motion
 from ev_sim.report.samples import channel
@@ -21,9 +24,6 @@ from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"
 ROLE = "electronic_differential"
@@ -107,9 +107,6 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Paths, and yaw rate, sideslip angle, speed and torque difference over time, of all methods one over the other."""
-    from ev_sim.report.figures.drawing import sheet
-    from ev_sim.report.figures.plan_view import plan_view
-
     driven = {name: result.measured for name, result in results.items() if not result.refused}
 
     def over_time(title: str, ylabel: str, quantity: str):

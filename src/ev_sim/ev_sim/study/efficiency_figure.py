@@ -1,12 +1,11 @@
-"""Efficiencies of methods over many roads beside the printed ones. Imports matplotlib."""
+"""Efficiencies of methods over many roads beside the printed ones."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from matplotlib.figure import Figure
-
-from ev_sim.report.figures.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.figure import Figure, new_figure
 
 _OURS, _PRINTED = STROKES[0][0], STROKES[1][0]
 
@@ -15,7 +14,7 @@ def efficiency_figure(
     points: Mapping[str, Mapping[int, Sequence[float]]], printed: Mapping[int, float], titles: Mapping[int, str]
 ) -> Figure:
     """One panel for each driver: the seeds as dots, their mean and the printed value as lines, by method."""
-    figure = Figure(figsize=(3.6 * len(points), 3.0), dpi=DPI, layout="constrained")
+    figure = new_figure(3.6 * len(points), 3.0, layout="constrained")
     panels = figure.subplots(1, len(points), sharey=True, squeeze=False)[0]
     for axes, (driver, by_method) in zip(panels, points.items(), strict=True):
         for method, values in by_method.items():

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ev_msgs_py.lockstep.methods import methods_of, node_package
 from ev_sim.driver.path import nearest, path_of
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import motion
@@ -20,9 +22,6 @@ from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case
 from ev_sim.study.fault_cases import BEGIN, DURATION, FAULTS, OF_MOTORS, POWERED, ROADS, SCENARIO, SOUND, values_of
 from ev_sim.study.study import Results
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = (
     "Every electronic differential with every fault in mid-turn, on dry and wet roads: path, yaw rate, sideslip, safe?"
@@ -144,8 +143,6 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Deviation from the path, yaw rate error and hand torque over time: power steering with a dead motor."""
-    from ev_sim.report.figures.drawing import sheet
-
     panels = []
     for law, road in ((law, road) for law in (DRAWN, DRAWN + POWERED) for road in ROADS):
         for quantity, title, unit in (

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.metric import Metric, mean_over_seeds
 from ev_sim.report.text_table import text_table
 from ev_sim.study import dissertation_tables as printed
@@ -14,9 +15,6 @@ from ev_sim.study.case import Case
 from ev_sim.study.dissertation_gains import gains
 from ev_sim.study.study import Results
 from ev_sim.study.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, SIDES, case_name, roads
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = "Dissertation, tables 3.1 to 3.6 and 5.1 to 5.6 - five methods, three drivers, many roads (--seeds N)"
 COLUMNS = (

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities.two_rear_motors import chatter
 from ev_sim.report.text_table import text_table
@@ -13,9 +14,6 @@ from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = "Ge & Ni 2005: chatter of the torques with boundary layer by control period, for two readings of eq 8"
 SCENARIO = "ge_ni2005"

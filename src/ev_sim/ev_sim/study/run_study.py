@@ -11,6 +11,7 @@ from typing import Any
 
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import add_outputs, add_overrides, command_of, overrides
+from ev_sim.report.figures.saving import save_figures
 from ev_sim.report.metric import Metric
 from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.summary import versions, write_summary
@@ -67,7 +68,6 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     if all(result.refused for result in driven):
         raise RunFailed(f"none of {len(driven)} runs was driven; {driven[0].name}: {driven[0].refused}")
     metrics = study.metrics(given, results)
-    from ev_sim.report.figures.saving import save_figures  # what draws is not loaded into every worker
 
     figures = study.figures(given, results)
     save_figures(figures, folder.directory, given.figures)

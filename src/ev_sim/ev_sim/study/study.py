@@ -5,16 +5,14 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping, Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from ev_msgs_py.parameters.values import unknown_name
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.metric import Metric
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 STUDIES = (
     "asr_shootout",

@@ -5,13 +5,15 @@ from __future__ import annotations
 import argparse
 import itertools
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
+from ev_sim.report.figures.figure import Figure
+from ev_sim.report.figures.over_values import lines_with_bands, maps
 from ev_sim.report.metric import Metric
 from ev_sim.report.own_metrics import own_metrics
 from ev_sim.report.reports import report_for
@@ -22,9 +24,6 @@ from ev_sim.running.scenarios.scenario import Run, load_scenario
 from ev_sim.running.scenarios.yaml_text import read_yaml
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"
 SEED = "seed"
@@ -131,8 +130,6 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """Over one varied number lines with bands of the seeds, over two maps of the means; nothing over more or texts."""
-    from ev_sim.report.figures.over_values import lines_with_bands, maps
-
     varied = variations(given)
     seeds = len(varied.pop(SEED, [0]))
     axes = {name: np.array(values, float) for name, values in varied.items() if _are_numbers(values)}

@@ -6,8 +6,8 @@ import argparse
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.metric import Metric, mean_over_seeds
 from ev_sim.report.text_table import text_table
 from ev_sim.study import urban_cases
@@ -16,9 +16,6 @@ from ev_sim.study.five_methods import judged_quantity
 from ev_sim.study.study import Results
 from ev_sim.study.urban_cases import DRIVERS, METHODS, Values, roads
 from ev_sim.surfaces.table import SURFACES
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = "Dissertation, five methods - what the wheel efficiencies hang on, one assumption changed at a time"
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ev_sim.report.figures.figure import Figure
+from ev_sim.report.figures.heat_map import HeatMap, heat_maps
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.papers.zhileykin2018 import LIMIT
 from ev_sim.report.quantities.torque_shares import SHARES
@@ -17,9 +18,6 @@ from ev_sim.study import zhileykin2018_grid as grid
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 from ev_sim.study.zhileykin2018_grid import ANGLES, BY_LAW, CONTROLS, FORCES, REAR_DRIVE
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = "Zhileykin 2018: drive force by steering angle on ice with snow, who spins with which control"
 COLUMNS = ("force [N]", "angle [deg]", *CONTROLS)
@@ -79,8 +77,6 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """A map of the largest sideslip angle for each control."""
-    from ev_sim.report.figures.heat_map import HeatMap, heat_maps
-
     maps = [HeatMap(control.replace("_", " "), np.degrees(grid.of_all(results, control))) for control in CONTROLS]
     return {
         "who_spins": heat_maps(

@@ -5,17 +5,14 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.text_table import text_table
 from ev_sim.study import zhileykin2018_grid as grid
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 from ev_sim.study.zhileykin2018_grid import BY_LAW, CONTROLS, REAR_DRIVE, Values
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ABOUT = "Zhileykin 2018: the sweep with other tyres, cars and readings of the source, where the law holds"
 COLUMNS = ("variant", "rear drive spins in", *(f"{name} holds" for name in CONTROLS if name != REAR_DRIVE))

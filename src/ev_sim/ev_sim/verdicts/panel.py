@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Panel
 from ev_sim.verdicts.need import Need
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 WIDTH = 6.2  # of a panel with its labels [inch]
 Draw = Callable[..., "Figure"]  # takes what was driven, one argument for each of the needs
@@ -55,8 +53,6 @@ def over_time(
     """
 
     def draw(*driven: object) -> Figure:
-        from ev_sim.report.figures.drawing import sheet
-
         figure = sheet([panel(*driven)], xlabel, columns=1, start=start, panel_width=WIDTH)
         if ends:
             figure.axes[0].set_ylim(*ends)

@@ -8,6 +8,7 @@ from importlib import import_module
 from itertools import groupby
 from pathlib import Path
 
+from ev_sim.report.figures.saving import save_figures
 from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.verdicts.need import Driven, Need
 from ev_sim.verdicts.panel import PublishedPanel
@@ -42,8 +43,6 @@ def draw_panels(
     source: str, shown: Sequence[PublishedPanel], driven: Mapping[Need, Driven], folder: Path
 ) -> list[Path]:
     """Draw those panels of a source that can be drawn."""
-    from ev_sim.report.figures.saving import save_figures
-
     paths = []
     for panel in shown:
         if panel.draw:

@@ -2,49 +2,29 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import working_memory
-from ev_msgs_py.contract.signals import (
-    BatteryCondition,
-    BodyPose,
-    BodyVelocity,
-    CellCondition,
-    InertialMeasurement,
-    MotorElectrics,
-    MotorStates,
-    MotorTemperatures,
-    TireForces,
-    WheelStates,
-)
+from ev_msgs_py.contract.signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.driveline.couplings import shaft_speeds
 from ev_sim.drives.field_weakening import phase_values
 from ev_sim.drives.temperatures import coolant_outlet_temperature
 from ev_sim.plant.planar.energy import drive_loss, terminal_voltage
 from ev_sim.plant.planar.memory import STEP, Step
-from ev_sim.plant.planar.outputs import SIGNALS, outputs, wheels_from
+from ev_sim.plant.planar.outputs import SIGNALS, Seen, outputs, wheels_from
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.prepare import PlanarConstants
 from ev_sim.plant.planar.state import WHEEL_SPEED, PlanarState
 
-ELECTRICAL_SIGNALS = (*SIGNALS, MotorElectrics, MotorTemperatures, CellCondition)
+Electrics = tuple[MotorElectrics, MotorTemperatures, CellCondition]
+SeenWithElectrics = tuple[*Seen, *Electrics]
+ELECTRICAL_SIGNALS = (*SIGNALS, *get_args(Electrics))
 
 
 @compilable
-def electrical_outputs(
-    p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState
-) -> tuple[
-    WheelStates,
-    MotorStates,
-    InertialMeasurement,
-    BodyVelocity,
-    BodyPose,
-    BatteryCondition,
-    TireForces,
-    MotorElectrics,
-    MotorTemperatures,
-    CellCondition,
-]:
+def electrical_outputs(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState) -> SeenWithElectrics:
     """Those of `planar`, and of motors, inverters and cells at the instant of the state; voltages in steady state."""
     return _with_electrics(p, car, c, s, working_memory(STEP))
 
@@ -52,18 +32,7 @@ def electrical_outputs(
 @compilable
 def _with_electrics(
     p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, steps: list[Step]
-) -> tuple[
-    WheelStates,
-    MotorStates,
-    InertialMeasurement,
-    BodyVelocity,
-    BodyPose,
-    BatteryCondition,
-    TireForces,
-    MotorElectrics,
-    MotorTemperatures,
-    CellCondition,
-]:
+) -> SeenWithElectrics:
     wheels, motors, imu, velocity, pose, battery, tires = outputs(p, car, c, s)
     step, motor, thermal, cells = steps[0], car.motor, car.motor.thermal, car.battery.cells
     step.voltage = terminal_voltage(s, c.power)

@@ -11,17 +11,7 @@ from ev_msgs_py.can.conventions import SPEED_MODE
 from ev_msgs_py.compiling.compilable import compilable, inlined
 from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchShafts, LoadCommand
 from ev_msgs_py.contract.record import entry, per_wheel, working_memory
-from ev_msgs_py.contract.signals import (
-    BatteryCondition,
-    BodyPose,
-    BodyVelocity,
-    InertialMeasurement,
-    MotorStates,
-    SteeringColumnState,
-    TireForces,
-    WheelStates,
-    WheelTorqueCommand,
-)
+from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import parameter
 from ev_msgs_py.vehicle.car import Car
@@ -32,7 +22,7 @@ from ev_sim.plant.planar.drive_torques import Lags, behind_gear
 from ev_sim.plant.planar.energy import PowerConstants, source_voltage
 from ev_sim.plant.planar.lift import notes
 from ev_sim.plant.planar.memory import STAGES, STEP, Step
-from ev_sim.plant.planar.outputs import SIGNALS, seen, wheels_from
+from ev_sim.plant.planar.outputs import SIGNALS, Seen, seen, wheels_from
 from ev_sim.plant.planar.parameters import PlanarParameters, load_files
 from ev_sim.plant.planar.plant import advance
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare
@@ -99,16 +89,7 @@ def individual_machines(_parameters: PlanarOnBenchParameters, vehicle: Vehicle) 
 @compilable
 def outputs(
     p: PlanarOnBenchParameters, car: Car, c: PlanarConstants, s: PlanarOnBenchState
-) -> tuple[
-    WheelStates,
-    MotorStates,
-    InertialMeasurement,
-    BodyVelocity,
-    BodyPose,
-    BatteryCondition,
-    TireForces,
-    LoadCommand,
-]:
+) -> tuple[*Seen, LoadCommand]:
     """All signals at the instant of the state; torque and speed of the motors are those that were measured."""
     steps = working_memory(STEP)
     said = seen(p, car, c, s, steps, working_memory(STAGES))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import working_memory
 from ev_msgs_py.contract.signals import (
@@ -29,13 +31,12 @@ from ev_sim.plant.planar.road_under_wheels import find_road
 from ev_sim.plant.planar.state import HEADING, VX, VY, WHEEL_ANGLE, WHEEL_SPEED, YAW_RATE, PlanarState
 from ev_sim.plant.planar.steering import steer
 
-SIGNALS = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces)
+Seen = tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]
+SIGNALS: tuple[type, ...] = get_args(Seen)
 
 
 @compilable
-def outputs(
-    p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState
-) -> tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]:
+def outputs(p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState) -> Seen:
     """All signals at the instant of the state; drive torques are means over the period before it."""
     return seen(p, car, c, s, working_memory(STEP), working_memory(STAGES))
 
@@ -43,7 +44,7 @@ def outputs(
 @compilable
 def seen(
     p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState, steps: list[Step], stages: list[Stages]
-) -> tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]:
+) -> Seen:
     """The same, with what acts in memory that is handed over, of one record each."""
     y, step = s.motion, steps[0]
     step.imposed_acceleration = s.imposed_acceleration

@@ -1,11 +1,10 @@
-"""A figure laid out anew for one column of a paper. Imports matplotlib: import it only where something is drawn."""
+"""A figure laid out anew for one column of a paper."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from ev_sim.report.figures.figure import Axes, Figure
 
 WIDTH = 3.5  # of a column [inch]
 LEFT, RIGHT, BOTTOM = 0.58, 0.08, 0.4  # margins [inch]

@@ -1,13 +1,13 @@
-"""A quantity over two others as contour lines. Imports matplotlib: import it only where something is drawn."""
+"""A quantity over two others as contour lines."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from ev_sim.report.figures.drawing import DPI, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.drawing import TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.figure import Figure, new_figure
 
 WIDTH, HEIGHT = 4.6, 3.0  # [inch]
 
@@ -20,7 +20,7 @@ def contours(
     levels: Sequence[float],
 ) -> Figure:
     """Lines of equal `values` (rows, columns), NaN where there are none; `x` and `y` are label and places of them."""
-    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI)
+    figure = new_figure(WIDTH, HEIGHT)
     figure.subplots_adjust(left=0.13, right=0.97, bottom=0.15, top=0.92)
     axes = figure.add_subplot()
     lines = axes.contour(x[1], y[1], values, levels=levels, cmap="viridis", linewidths=1.0)

@@ -1,4 +1,4 @@
-"""Stretches of a cycle as coloured bands. Imports matplotlib: import this module only where something is drawn."""
+"""Stretches of a cycle as coloured bands."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ev_sim.profiles.cycle_modes import MODES, TRACTION
+from ev_sim.report.figures.figure import Axes, Figure
 
 # The surfaces that are mixed most often, snow and wet asphalt, differ in lightness, so they do in print.
 SURFACE_COLOURS = {

@@ -1,4 +1,4 @@
-"""Sheets of time series. Imports matplotlib: import this module only where something is drawn."""
+"""Sheets of time series."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ from itertools import cycle
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ev_sim.report.figures.chatter import chatter
+from ev_sim.report.figures.figure import DPI, Axes, Figure, new_figure
 from ev_sim.report.figures.panels import Curve, Panel
 
-DPI = 110
 PANEL_WIDTH, PANEL_HEIGHT = 4.6, 1.9  # of a panel with its labels [inch]
 TITLE_SIZE, TEXT_SIZE = 9.0, 8.0  # [pt]
 
@@ -58,7 +56,7 @@ def sheet(
     abreast = _legend_columns(apart, width)
     above = LEGEND_ROW * -(-len(apart) // abreast) + 0.1 if apart else 0.0
     height = PANEL_HEIGHT * rows + 0.35 + above
-    figure = Figure(figsize=(width, height), dpi=DPI)
+    figure = new_figure(width, height)
     # Fixed margins: matplotlib's layout engines draw everything twice to find them.
     figure.subplots_adjust(
         left=0.72 / width,

@@ -1,4 +1,4 @@
-"""Values over two quantities as coloured cells. Imports matplotlib: import it only where something is drawn."""
+"""Values over two quantities as coloured cells."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from ev_sim.report.figures.drawing import DPI, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.drawing import TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.figure import Figure, new_figure
 
 WIDTH, HEIGHT = 4.6, 2.5  # of a map with its labels [inch]
 FINE, BEYOND = "#CFE3F0", "#E8A27C"  # below and from the limit on; the number in the cell says how far
@@ -31,7 +31,7 @@ def heat_maps(
 ) -> Figure:
     """A figure of maps, two abreast, with label and ticks of columns and rows; cells from the limit on stand out."""
     lines = -(-len(maps) // 2)
-    figure = Figure(figsize=(2 * WIDTH, lines * HEIGHT), dpi=DPI, layout="constrained")
+    figure = new_figure(2 * WIDTH, lines * HEIGHT, layout="constrained")
     for number, heat_map in enumerate(maps):
         axes = figure.add_subplot(lines, 2, number + 1)
         values = heat_map.values

@@ -1,13 +1,12 @@
-"""Currents, voltages, powers and temperatures of motors, inverters and cells. Imports matplotlib."""
+"""Currents, voltages, powers and temperatures of motors, inverters and cells."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from matplotlib.figure import Figure
-
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.figures.urban_sheets import both_sides, each_side, left_and_right, sheet_over_cycle
 from ev_sim.report.samples import channel

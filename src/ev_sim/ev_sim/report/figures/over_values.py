@@ -1,13 +1,13 @@
-"""Metrics over one or two parameters. Imports matplotlib: import this module only where something is drawn."""
+"""Metrics over one or two parameters."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from ev_sim.report.figures.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.figure import Figure, new_figure
 
 WIDTH, HEIGHT = 4.6, 2.5  # of a panel with its labels [inch]
 
@@ -40,7 +40,7 @@ def maps(xlabel: str, x: np.ndarray, ylabel: str, y: np.ndarray, metrics: Sequen
 
 def _panels(count: int):
     lines = -(-count // 2)
-    figure = Figure(figsize=(2 * WIDTH, lines * HEIGHT), dpi=DPI, layout="constrained")
+    figure = new_figure(2 * WIDTH, lines * HEIGHT, layout="constrained")
     return figure, [figure.add_subplot(lines, 2, number + 1) for number in range(count)]
 
 

@@ -1,13 +1,13 @@
-"""Paths seen from above as a figure. Imports matplotlib: import this module only where something is drawn."""
+"""Paths seen from above as a figure."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from ev_sim.report.figures.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.figure import Figure, new_figure
 from ev_sim.report.figures.panels import Curve
 
 WIDTH = 9.2  # of the figure, and of the margins around what is drawn [inch]
@@ -25,7 +25,7 @@ def plan_view(
     A course that would be too narrow to be seen is drawn larger across, and its title says how much. `cones` (n, 2)
     [m] are drawn as rings, filled where `hit` (n,) says so.
     """
-    figure = Figure(dpi=DPI)
+    figure = new_figure(WIDTH, WIDTH)  # until it is known what is drawn
     axes = figure.add_subplot()
     for number, track in enumerate(tracks):
         colour, dashes = STROKES[number % len(STROKES)]

@@ -1,15 +1,12 @@
-"""Figures as files. Imports matplotlib: import this module only where something is drawn."""
+"""Figures as files."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from matplotlib import rc_context
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-
 from ev_sim.report.figures.column import as_column
+from ev_sim.report.figures.figure import Figure
 from ev_sim.running.recording.atomic import atomic_file
 
 FORMATS = ("pdf", "svg")  # for print, beside PNG for the screen
@@ -20,6 +17,9 @@ _NO_DATE = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
 def save_figures(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = ()) -> list[Path]:
     """Write each figure as NAME.png, and in some of FORMATS as wide as a column of a paper; return the paths."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     paths = []
     for name, figure in figures.items():
         paths.append(Path(folder) / f"{name}.png")

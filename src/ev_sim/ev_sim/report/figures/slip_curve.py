@@ -1,13 +1,12 @@
-"""Figure 2.8 of the dissertation from signals. Imports matplotlib: import this module only where something is drawn."""
+"""Figure 2.8 of the dissertation from signals."""
 
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.figures.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.figure import Axes, Figure, new_figure
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities.slip_curve import SlipCurve, first_passed_peak, slip_and_road_torque
 from ev_sim.report.quantities.surfaces_under import surfaces_under
@@ -22,7 +21,7 @@ _ALLOWED, _BEYOND = "#E3F1E6", "#FBE3DC"
 
 def slip_curve_figure(run: Recording, vehicle: Vehicle) -> Figure:
     """Road torque over slip where the left driven wheel first passes its peak: samples, fit and its two zones."""
-    figure = Figure(figsize=(6.4, 4.2), dpi=DPI)
+    figure = new_figure(6.4, 4.2)
     figure.subplots_adjust(left=0.11, right=0.98, bottom=0.12, top=0.92)
     axes = figure.add_subplot()
     axes.set_title("Slip curve by least squares", loc="left", fontsize=TITLE_SIZE)

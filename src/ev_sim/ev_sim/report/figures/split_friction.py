@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, panel
+from ev_sim.report.figures.plan_view import plan_view
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.samples import Runs, channel, run_named
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequence[str]) -> dict[str, Figure]:
@@ -22,8 +21,6 @@ def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequ
 
     The sheet is called `name`, the plan view `path`.
     """
-    from ev_sim.report.figures.drawing import sheet
-    from ev_sim.report.figures.plan_view import plan_view
 
     def degrees(quantity):
         return lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(quantity(run)))

@@ -1,14 +1,13 @@
-"""Channels of the test bench over the cycle. Imports matplotlib."""
+"""Channels of the test bench over the cycle."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from matplotlib.figure import Figure
-
 from ev_msgs_py.contract.bench_signals import BenchEnergy
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.figures.urban_sheets import left_and_right, sheet_over_cycle
 from ev_sim.report.samples import channel

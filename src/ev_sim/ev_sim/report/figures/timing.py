@@ -1,19 +1,17 @@
-"""Histograms of how well real time was kept. Imports matplotlib."""
+"""Histograms of how well real time was kept."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-
-from ev_sim.report.figures.drawing import DPI, PANEL_HEIGHT, PANEL_WIDTH, STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.drawing import PANEL_HEIGHT, PANEL_WIDTH, STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.report.figures.figure import Axes, Figure, new_figure
 
 
 def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Figure:
     """Period, lateness of the steps, and arrival of every input, a column for each run (`nodes/timing.py`)."""
-    figure = Figure(figsize=(PANEL_WIDTH * len(timings), 3 * PANEL_HEIGHT), dpi=DPI, layout="constrained")
+    figure = new_figure(PANEL_WIDTH * len(timings), 3 * PANEL_HEIGHT, layout="constrained")
     for column, (name, timing) in enumerate(timings.items()):
         parts = (
             ("period", {"": timing["period"]}),

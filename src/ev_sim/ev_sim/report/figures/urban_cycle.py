@@ -1,7 +1,4 @@
-"""The urban cycle over time with what lies under the wheels, counterpart of the dissertation's figure 2.13.
-
-Imports matplotlib: import this module only where something is drawn.
-"""
+"""The urban cycle over time with what lies under the wheels, counterpart of the dissertation's figure 2.13."""
 
 from __future__ import annotations
 
@@ -9,13 +6,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.cycle_bands import MODE_COLOURS, SURFACE_COLOURS, draw_strip, stretches
-from ev_sim.report.figures.drawing import DPI, STROKES, TEXT_SIZE, TITLE_SIZE, thinned
+from ev_sim.report.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE, thinned
+from ev_sim.report.figures.figure import DPI, Axes, Figure, new_figure
 from ev_sim.report.figures.urban_sheets import TIME, WIDTH, left_and_right
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import derived
@@ -26,7 +21,7 @@ from ev_sim.running.recording.recording import Recording
 
 def cycle_figure(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
     """Figure 2.13: the cycle over time, what lies under the wheels, and the windows."""
-    figure = Figure(figsize=(WIDTH, 4.2), dpi=DPI)
+    figure = new_figure(WIDTH, 4.2)
     rows = figure.subplots(4, 1, sharex=True, height_ratios=(8, 1, 1, 1))
     figure.subplots_adjust(left=0.085, right=0.985, bottom=0.2, top=0.94, hspace=0.16)
     speed, *strips = rows
@@ -40,6 +35,8 @@ def cycle_figure(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) ->
         axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
     strips[2].set_xlabel(TIME, fontsize=TEXT_SIZE)
     strips[2].set_xlim(run.time[0], run.time[-1])
+    from matplotlib.patches import Patch
+
     patches = [Patch(facecolor=colour, edgecolor="0.6", linewidth=0.5, label=name) for name, colour in shown.items()]
     if patches:
         figure.legend(handles=patches, loc="lower center", ncols=len(patches), fontsize=TEXT_SIZE, frameon=False)

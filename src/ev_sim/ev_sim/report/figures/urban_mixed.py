@@ -1,19 +1,14 @@
-"""Figures of the urban cycle on mixed surfaces, counterparts of the dissertation's 2.13, 3.1 to 3.10 and 5.1 to 5.25.
-
-Imports matplotlib: import this module only where something is drawn.
-"""
+"""Figures of the urban cycle on mixed surfaces, like the dissertation's 2.13, 3.1 to 3.10 and 5.1 to 5.25."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.circuit_curves import circuit_current, running_drive_efficiency, running_wheel_efficiency
 from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Axes, Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.figures.urban_sheets import (
     TIME,

@@ -1,15 +1,14 @@
-"""Sheets over a whole urban cycle, left and right wheels side by side. Imports matplotlib."""
+"""Sheets over a whole urban cycle, left and right wheels side by side."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from matplotlib.figure import Figure
-
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.cycle_bands import shade_traction, stretches
 from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import traction_windows as cycle

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.page.writing import Image
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def images_of(figures: Mapping[str, Figure], folder: Path) -> dict[str, Image]:

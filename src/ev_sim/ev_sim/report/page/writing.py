@@ -45,10 +45,8 @@ class Page:
 
 def write_page(page: Page, path: Path) -> None:
     """Write the page, as a whole or not at all."""
-    environment = Environment(loader=FunctionLoader(_file), autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["number"] = _number
-    environment.globals["file"] = _file
-    text = environment.get_template("templates/report.html").render(
+    text = filled(
+        "report.html",
         page=page,
         metrics=by_result(page.summaries),
         data=signal_data(page.signals),
@@ -56,6 +54,14 @@ def write_page(page: Page, path: Path) -> None:
     )
     with atomic_file(path) as file:
         file.write(text.encode())
+
+
+def filled(template: str, **values: Any) -> str:
+    """The text of a template with these values, with all styles and scripts that it names."""
+    environment = Environment(loader=FunctionLoader(_file), autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters["number"] = _number
+    environment.globals["file"] = _file
+    return environment.get_template(f"templates/{template}").render(**values)
 
 
 def _file(name: str) -> str:

@@ -6,19 +6,16 @@ intervals of one second.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.samples import Runs
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 GRAVITY = 9.81  # [m/s^2]
 INTERVAL = 1.0  # [s]
@@ -72,7 +69,6 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Speed over time, and deceleration over speed with the fitted road load."""
-    from ev_sim.report.figures.drawing import sheet
 
     def loads() -> list[Curve]:
         run = next(iter(runs.values()))

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, panel
+from ev_sim.report.figures.plan_view import plan_view
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.quantities import lane_change_course as course
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
@@ -42,9 +40,6 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """The course with its cones and the car's path, and the motion over time."""
-    from ev_sim.report.figures.drawing import sheet
-    from ev_sim.report.figures.plan_view import plan_view
-
     run = next(iter(runs.values()))
     tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), "centre of mass")]
     tracks += [

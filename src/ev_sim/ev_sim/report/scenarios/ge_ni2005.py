@@ -9,11 +9,12 @@ the law estimates the speed, `_rear_steered` where the rear wheels turn, too.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, level, panel
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.papers import ge_ni2005 as paper
@@ -25,9 +26,6 @@ from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.sources.ge_ni2005 import claims, law
 from ev_sim.verdicts.sources.ge_ni2005.runs import BASELINE, CASES, FREE_SPEED, READINGS
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 CHATTER_ALONE = (law.SWITCHED, "_lower_target")  # runs that differ from others in this only
 CHATTERING = ("rate_lower_target", "offset_lower_target", "increment")  # runs that come to their target slip
@@ -50,8 +48,6 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Figs 3 and 4 for both cars, with u held and free, and the torques with and without boundary layer."""
-    from ev_sim.report.figures.drawing import sheet
-
     torques = [
         panel(
             f"{name.replace('_', ' ')}: torque, rear {side}",

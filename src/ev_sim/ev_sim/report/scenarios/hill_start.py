@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ROLLING = 0.1  # [m/s], above it the car has pulled away and slip is more than the first turn of a wheel
 DISTANCE = 1.0  # [m], the pull-away is timed over it
@@ -37,7 +34,6 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Pedals, travelled distance, speed and slip around the pull-away."""
-    from ev_sim.report.figures.drawing import sheet
 
     def pedals() -> list[Curve]:
         run = next(iter(runs.values()))

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.split_friction import split_friction_figures
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SPEED = 5.0  # [m/s], the launch is timed up to it
 ROLLING = 0.1  # [m/s], above it slip is more than the first turn of a wheel

@@ -7,11 +7,12 @@ it as the paper computes it, a plant with tyres does not.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, level, panel
 from ev_sim.report.metric import Metric
 from ev_sim.report.papers import shchur2019 as paper
@@ -20,9 +21,6 @@ from ev_sim.report.samples import Parameters, Runs, channel, run_named
 from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 RUN = "shchur2019"
 END = 50.0  # of the cycle [s]
@@ -98,6 +96,4 @@ def _published() -> dict[str, list[Curve]]:
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Fig. 4 as one sheet, with the panels of the paper."""
-    from ev_sim.report.figures.drawing import sheet
-
     return {"fig4": sheet(list(panels(runs, vehicle).values()), "time [s]")}

@@ -7,11 +7,12 @@ Runs: `object` (column alone, step of 5 N m by hand), `closed_loop` (power steer
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Metric
 from ev_sim.report.papers import shchur2019 as paper
@@ -20,9 +21,6 @@ from ev_sim.report.samples import Parameters, Runs, channel, run_named
 from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SHOWN = 5.0  # of the published curves [s after the step]
 SINCE_STEP = "time after the step [s]"
@@ -82,8 +80,6 @@ def _torque(time: float) -> float:
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """Fig. 1 as one sheet."""
-    from ev_sim.report.figures.drawing import sheet
-
     return {"fig1": sheet(list(panels(runs).values()), SINCE_STEP, columns=1, start=0.0)}
 
 

@@ -6,18 +6,15 @@ of steer is the last instant at zero angle before the sine, its completion the f
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import motion
 from ev_sim.report.samples import Runs, channel, run_named
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SLOW = "slowly_increasing_steer"
 SHOWN_SIDESLIP = 30.0  # [deg], beyond which a car has spun and would flatten the others' curves
@@ -49,8 +46,6 @@ def metrics(runs: Runs) -> dict[str, Metric]:
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """Steering-wheel angle, yaw rate, sideslip angle and lateral displacement of all sines."""
-    from ev_sim.report.figures.drawing import sheet
-
     sines = {_times(name): run for name, run in _sines(runs).items()}
 
     def of(quantity):

@@ -9,19 +9,18 @@ for the angle is that of rolling at this curvature; so both methods give one und
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
+from ev_sim.report.figures.plan_view import plan_view
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 CONSTANT_RADIUS = "constant_radius_"  # how the names of the runs on a circle begin
 LINEAR = ("linear", "constant_radius_linear")
@@ -74,9 +73,6 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Steering angle beyond rolling, sideslip angle, yaw rate, speed over lateral acceleration by method, and paths."""
-    from ev_sim.report.figures.drawing import sheet
-    from ev_sim.report.figures.plan_view import plan_view
-
     at_radius = {name: run for name, run in runs.items() if name.startswith(CONSTANT_RADIUS)}
     methods = {
         "steady_circle": {name: run for name, run in runs.items() if name not in at_radius},

@@ -7,18 +7,16 @@ over the last second of the run.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import panel
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import motion
 from ev_sim.report.samples import Runs, channel, last, mean_between
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 WINDOW = 1.0  # [s]
 STEADY = 0.03  # steady values change by less than this fraction from one window to the next
@@ -70,7 +68,6 @@ def metrics(runs: Runs) -> dict[str, Metric]:
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """Steering-wheel angle, yaw rate, lateral acceleration and sideslip angle of all runs."""
-    from ev_sim.report.figures.drawing import sheet
 
     def degrees(name: str):
         return lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(channel(run, name)))

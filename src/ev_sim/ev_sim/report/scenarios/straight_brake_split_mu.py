@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.split_friction import split_friction_figures
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 STANDING = 0.1  # [m/s], the car counts as stopped
 LOCKED_SPEED = 2.0  # [m/s], below it every braked wheel is about to stand

@@ -8,12 +8,13 @@ have the same speed in the bend: at the same time the corrected car is faster, a
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import derived
@@ -31,9 +32,6 @@ from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.sources.tatar_chudzik.runs import CONTROLS, CORRECTED, EQUAL, LAYOUTS
 from ev_sim.verdicts.sources.tatar_chudzik.sums import SPEED
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Values = Callable[[Recording], np.ndarray]
 
@@ -54,7 +52,6 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     """Figs 3 to 14 over time, and what the correction does to the lateral forces over the speed, in both axes."""
-    from ev_sim.report.figures.drawing import sheet
 
     def over_speed(kind: str) -> list[Panel]:
         return [_over_speed(runs, wheel, _forces(wheel, vehicle)[kind]) for wheel in WHEEL_NAMES]

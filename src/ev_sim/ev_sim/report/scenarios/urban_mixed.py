@@ -7,11 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.figure import Figure
+from ev_sim.report.figures.motors_and_cells import motors_and_cells
+from ev_sim.report.figures.slip_curve import slip_curve_figure
+from ev_sim.report.figures.urban_cycle import cycle_figure
+from ev_sim.report.figures.urban_mixed import detail, electrical, torques_and_speeds, wheel_efficiency
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import circuits, derived, motion
 from ev_sim.report.quantities import traction_windows as cycle
@@ -20,9 +25,6 @@ from ev_sim.report.quantities.motors_and_cells import electrical_metrics, is_mod
 from ev_sim.report.quantities.surfaces_under import share_of
 from ev_sim.report.samples import Parameters, Runs, channel
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ROLLING = 1.0  # [m/s], above it slip is more than the first turn of a wheel
 SNOW = "packed_snow"  # begins the names of the surfaces that count as snow
@@ -38,11 +40,6 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
 def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Counterparts of figures 2.8, 2.13, 3.1 to 3.10 and 5.1 to 5.25, of the first run."""
-    from ev_sim.report.figures.motors_and_cells import motors_and_cells
-    from ev_sim.report.figures.slip_curve import slip_curve_figure
-    from ev_sim.report.figures.urban_cycle import cycle_figure
-    from ev_sim.report.figures.urban_mixed import detail, electrical, torques_and_speeds, wheel_efficiency
-
     run = next(iter(runs.values()))
     driver = parameters.get("driver", {})
     figures = {

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.figure import Figure
+from ev_sim.report.figures.test_bench import bench_channels
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import motion, test_bench
 from ev_sim.report.samples import Parameters, Runs
 from ev_sim.report.scenarios import urban_mixed
 from ev_sim.running.recording.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
@@ -33,8 +30,6 @@ def _metrics(run: Recording) -> dict[str, Metric]:
 
 def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
     """Those of the cycle; torques, speeds, temperatures and energies of the bench."""
-    from ev_sim.report.figures.test_bench import bench_channels
-
     run = next(iter(runs.values()))
     driver = parameters.get("driver", {})
     return {**urban_mixed.figures(runs, vehicle, parameters), "bench": bench_channels(run, vehicle, driver)}

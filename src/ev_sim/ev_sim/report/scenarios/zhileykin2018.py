@@ -8,12 +8,14 @@ of knowing them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.report.figures.drawing import sheet
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
+from ev_sim.report.figures.plan_view import plan_view
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.papers.zhileykin2018 import LIMIT, SWING
 from ev_sim.report.quantities import derived, motion
@@ -23,9 +25,6 @@ from ev_sim.report.samples import Parameters, Runs, channel, run_named
 from ev_sim.running.recording.recording import Recording
 from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SCENARIO = "zhileykin2018"
 BY_LAW = ("k05", "k1", "equality", "k1_estimated")
@@ -69,9 +68,6 @@ def track(runs: Runs, name: str) -> Curve:
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """Paths (figs 3 and 4), shares (fig. 5), sideslip angle, yaw rate and speed."""
-    from ev_sim.report.figures.drawing import sheet
-    from ev_sim.report.figures.plan_view import plan_view
-
     shown = {name: run for name, run in runs.items() if name != "k1_estimated"}
 
     def of_each(title: str, ylabel: str, values: Callable[[Recording], np.ndarray]) -> Panel:

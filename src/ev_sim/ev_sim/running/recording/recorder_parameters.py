@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.nodes.master_parameters import LONGEST
 from ev_msgs_py.parameters.declaration import parameter
 
 _ALL_TOPICS = tuple(TOPICS[signal].name for signal in RECORDED)
@@ -30,5 +31,5 @@ class RecorderParameters:
         read_only=True,
     )
     duration: float = parameter(
-        0.0, unit="s", low=0.0, high=1e6, about="the node ends when it holds this time; 0: never", read_only=True
+        0.0, unit="s", low=0.0, high=LONGEST, about="the node ends when it holds this time; 0: never", read_only=True
     )

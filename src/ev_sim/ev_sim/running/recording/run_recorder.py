@@ -114,6 +114,11 @@ class RunRecorder:
         """Stamp up to which the run is held, in nanoseconds; negative before the first step is complete."""
         return (min(map(len, self._pacing)) - 1) * self._period
 
+    @property
+    def all_spoke(self) -> bool:
+        """Whether every topic has been heard: what real time waits for before it begins."""
+        return all(self._messages)
+
     def checkpoint(self) -> None:
         """Bring what was written so far to the disk, for times when no message comes."""
         if self._bag is not None:

@@ -10,7 +10,7 @@ from typing import Any
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.lockstep.configuration import Configuration, chosen_method, configure
 from ev_msgs_py.lockstep.graph_check import check_graph
-from ev_msgs_py.nodes.master_parameters import MasterParameters
+from ev_msgs_py.nodes.master_parameters import LONGEST, MasterParameters
 from ev_msgs_py.parameters.config_folders import files_in_config
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
 from ev_msgs_py.parameters.values import build, unknown_name
@@ -32,7 +32,7 @@ class ScenarioParameters:
 
     about: str = parameter("", about="one line for --list")
     vehicle: str = parameter("audi_a2", about="name of a file in config/vehicles, or path of your own")
-    duration: float = parameter(10.0, unit="s", low=0.01, high=1e5, about="simulated time of every run")
+    duration: float = parameter(10.0, unit="s", low=0.01, high=LONGEST, about="simulated time of every run")
     runs: tuple[str, ...] = parameter((), about="names of the runs, if there are several")
     report: str = parameter("", about="scenario whose metrics and figures it gets; empty for that of its own name")
     metrics: tuple[str, ...] = parameter(
@@ -109,8 +109,8 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
         _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, _SCENARIO_NODE) if file is car else tuple(ROLES))
     _refuse_unknown_overrides(overrides)
     duration = about.duration if overrides.duration is None else overrides.duration
-    if not 0 < duration < 1e5:
-        raise ParameterError(f"duration: {duration!r} is refused, allowed is more than 0 and less than 100000 s")
+    if not 0 < duration <= LONGEST:
+        raise ParameterError(f"duration: {duration!r} is refused, allowed is more than 0 and at most {LONGEST:.0f} s")
     for run in only:
         if run not in namespaces:
             raise unknown_name(f"run of {name}", run, namespaces)

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Panel
+from ev_sim.report.figures.plan_view import plan_view
 from ev_sim.report.scenarios.zhileykin2018 import panels, track
 from ev_sim.study.zhileykin2018_grid import REAR_DRIVE
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.panel import PublishedPanel, cannot_be_drawn, over_time
 from ev_sim.verdicts.sources.zhileykin2018.inputs import BEND
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 _4X4 = ("k05", "k1", "equality")  # factors of the law, and eq 4 as an equality: the source names neither
 
 
 def _paths(title: str, names: tuple[str, ...]) -> Callable[[ScenarioRuns], Figure]:
     def draw(driven: ScenarioRuns) -> Figure:
-        from ev_sim.report.figures.plan_view import plan_view
-
         return plan_view(title, [track(driven.runs, name) for name in names])
 
     return draw

@@ -8,6 +8,7 @@ const clock = {
   range: [0, 1],
   speed: 1,
   playing: false,
+  follows: false, // whether what comes sets the instant, and no hand
   onTime: new Set(),
   onRange: new Set(),
 

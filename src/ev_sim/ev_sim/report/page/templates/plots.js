@@ -75,6 +75,11 @@ class Plot {
     this.chart.setCursor(seen ? { left: this.chart.valToPos(clock.now, "x"), top: 1 } : { left: -10, top: -10 });
   }
 
+  /** Draw what has come to the series, which are the ones that it has. */
+  grow() {
+    this.chart.setData([this.times[0], ...this.series], false);
+  }
+
   followRange() {
     this.chart.setScale("x", { min: clock.range[0], max: clock.range[1] });
     queueMicrotask(() => this.followTime());
@@ -124,7 +129,9 @@ function zoomTo(chart) {
 
 /** Let the pointer over one plot set the instant of all; two clicks show all of the time. */
 function obeyHand(chart) {
-  chart.over.addEventListener("mousemove", (event) => clock.set(chart.posToVal(event.offsetX, "x")));
+  chart.over.addEventListener("mousemove", (event) => {
+    if (!clock.follows) clock.set(chart.posToVal(event.offsetX, "x"));
+  });
   chart.over.addEventListener("dblclick", () => clock.all());
 }
 

@@ -18,7 +18,7 @@ let views = [];
 
 class CarView {
   constructor(run, holder) {
-    Object.assign(this, { run, car: run.car, path: new Path2D(), bounds: [0, 0, 0, 0], ready: false });
+    Object.assign(this, { run, car: run.car, path: new Path2D(), bounds: [Infinity, -Infinity, Infinity, -Infinity], ready: false });
     const box = element("div", "", { class: "car" });
     this.title = element("h3", nameOf(run));
     this.canvas = element("canvas", "", { role: "img", "aria-label": `The car of ${nameOf(run)} from above` });
@@ -82,14 +82,16 @@ class CarView {
 
   trace() {
     const every = Math.max(1, Math.floor(this.x.length / TRAIL));
-    let [left, right, bottom, top] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (let n = 0; n < this.x.length; n += every) {
-      const [x, y] = [this.x[n], this.y[n]];
-      if (x == null || y == null) continue;
-      this.path.lineTo(x, y);
-      [left, right, bottom, top] = [Math.min(left, x), Math.max(right, x), Math.min(bottom, y), Math.max(top, y)];
-    }
-    this.bounds = [left, right, bottom, top];
+    for (let n = 0; n < this.x.length; n += every) this.pass(n);
+  }
+
+  /** Let the path go on to the place of a sample. */
+  pass(n) {
+    const [x, y] = [this.x[n], this.y[n]];
+    if (x == null || y == null) return;
+    this.path.lineTo(x, y);
+    const [left, right, bottom, top] = this.bounds;
+    this.bounds = [Math.min(left, x), Math.max(right, x), Math.min(bottom, y), Math.max(top, y)];
   }
 
   column(channel, n) {

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, panel
+from ev_sim.report.figures.urban_sheets import sheet_over_cycle
 from ev_sim.report.samples import channel
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.panel import PublishedPanel
 from ev_sim.verdicts.panels.dissertation.over_cycle import drive_efficiency, over_friction, recorded
 from ev_sim.verdicts.panels.dissertation.runs import CYCLES, ON_BENCH, driver_of, of_each_method, run_of
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _FIGURES_OF_A_METHOD = 5
 _TORQUES = recorded("Torques at the transducers", "torque [N m]", "bench.shafts.torque")
@@ -28,7 +26,6 @@ def _figure(place: int) -> Callable[[int], str]:
 
 def _model_and_bench(model: ScenarioRuns, bench: ScenarioRuns) -> Figure:
     """Right torque of both runs of method 1."""
-    from ev_sim.report.figures.urban_sheets import sheet_over_cycle
 
     def curves() -> list[Curve]:
         one, other = run_of(model), run_of(bench)

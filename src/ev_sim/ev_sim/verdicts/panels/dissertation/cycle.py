@@ -3,33 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ev_sim.profiles.profile_file import with_profile_from_file
 from ev_sim.profiles.speed_profile import SpeedProfileParameters
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
+from ev_sim.report.figures.slip_curve import slip_curve_figure
+from ev_sim.report.figures.urban_cycle import cycle_figure
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.panel import PublishedPanel, cannot_be_drawn, over_time
 from ev_sim.verdicts.panels.dissertation.runs import CYCLES, driver_of, run_of
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _CYCLES = "Speed over time of urban cycles"
 _NO_DATA = "the source draws it from a catalogue, no data are in the text"
 
 
 def _slip_curve(driven: ScenarioRuns) -> Figure:
-    from ev_sim.report.figures.slip_curve import slip_curve_figure
-
     return slip_curve_figure(run_of(driven), driven.vehicle)
 
 
 def _road(driven: ScenarioRuns) -> Figure:
-    from ev_sim.report.figures.urban_cycle import cycle_figure
-
     return cycle_figure(run_of(driven), driven.vehicle, driver_of(driven))
 
 

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ev_sim.drives.field_weakening import voltage_limited_torque
 from ev_sim.drives.losses import loss_power
+from ev_sim.report.figures.contours import contours
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_sim.verdicts.panel import PublishedPanel, cannot_be_drawn, over_time
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _ROW = "Characteristics of the YASA-400; limits as printed; losses, winding and voltages assumed"
 _CAR = ScenarioNeed("urban_mixed", duration=0.01)  # for the car alone
@@ -46,8 +44,6 @@ def _limits(driven: ScenarioRuns) -> Panel:
 
 
 def _efficiency(driven: ScenarioRuns) -> Figure:
-    from ev_sim.report.figures.contours import contours
-
     motor = driven.vehicle.motor
     speed, torque = np.meshgrid(_speeds(driven), np.linspace(5.0, motor.peak_torque, 100))
     power = speed * torque

@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from ev_sim.report.figures.circuit_curves import running_drive_efficiency, running_wheel_efficiency
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, panel
+from ev_sim.report.figures.urban_mixed import lay_over_friction
+from ev_sim.report.figures.urban_sheets import sheet_over_cycle
 from ev_sim.report.samples import channel
 from ev_sim.verdicts.need import ScenarioRuns
 from ev_sim.verdicts.panels.dissertation.runs import SIDES, driver_of, run_of
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _OfSide = Callable[[ScenarioRuns, str], Curve]
 
 
 def _draw(title: str, ylabel: str, sides: tuple[str, ...], curve: _OfSide) -> Callable[[ScenarioRuns], Figure]:
     def draw(driven: ScenarioRuns) -> Figure:
-        from ev_sim.report.figures.urban_sheets import sheet_over_cycle
-
         shown = panel(title, ylabel, lambda: [curve(driven, side) for side in sides])
         return sheet_over_cycle([shown], run_of(driven), driver_of(driven))
 
@@ -86,8 +83,6 @@ def _over_friction(draw: Callable[[ScenarioRuns], Figure], side: str) -> Callabl
     """The same figure with the largest friction of the road under a front wheel behind it, in grey."""
 
     def both(driven: ScenarioRuns) -> Figure:
-        from ev_sim.report.figures.urban_mixed import lay_over_friction
-
         figure = draw(driven)
         lay_over_friction(figure.axes[0], run_of(driven), f"front_{side}")
         return figure

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ev_sim.report.figures.figure import Figure
 from ev_sim.running.recording.recording import Recording
 from ev_sim.study.urban_cases import BENCH, FIVE, METHODS, SCENARIO, case
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_sim.verdicts.panel import PublishedPanel
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SIDES = ("right", "left")
 CYCLES, ON_BENCH = (

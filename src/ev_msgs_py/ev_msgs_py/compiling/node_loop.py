@@ -1,0 +1,67 @@
+"""The records that `node_steps.take_steps` is told of and tells by, and its machine code as a C function."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from ev_msgs_py.compiling.machine_code import code_file, function_address, text_file
+from ev_msgs_py.compiling.message_memory import RUN, TOPIC, Memory, integers
+from ev_msgs_py.compiling.node_steps import take_steps
+
+HEAD = np.dtype(
+    [
+        *integers("inputs", "outputs", "runs", "senders", "width", "size"),  # how many there are
+        *integers("due", "period", "limit", "integrates", "row", "until", "patience"),  # stamps and times in ns
+        *integers("taken", "said", "spoke", "odd"),  # steps, the row of the last answer, when it was given; an input
+        *integers("function", "state", "constants", "begin", "end"),  # of the part
+        *integers("rcl_take", "rcl_publish", "rcl_count", "rcl_clear", "rcl_add", "rcl_wait"),  # addresses
+        *integers("clock_gettime", "memcpy", "wait_set"),
+        *integers("message", "info", "clock", "count"),  # words of the memory which these functions fill in
+        *integers("heard"),  # byte of the memory to which the message is copied
+    ]
+)
+INPUT = np.dtype([*TOPIC, *integers("subscription", "followed", "came", "came_next", "refused")])
+OUTPUT = np.dtype([*TOPIC, *integers("publisher", "message")])
+
+_TEXT = '''"""The ordinary steps of nodes: generated, do not edit."""
+
+import numpy as np
+from numba import carray, cfunc, types
+
+P = types.voidptr
+
+
+@cfunc(types.int32(P, P, P, P, P, P, P), cache=True, error_model="numpy")
+def step(head, inputs, outputs, runs, senders, frames, block):
+    h = carray(head, 1, HEAD)[0]
+    memory = Memory(
+        carray(block, h.size, np.uint8),
+        carray(block, h.size // 8, np.int64),
+        carray(block, h.size // 4, np.int32),
+        carray(block, h.size // 8, np.float64),
+        carray(block, h.size // 4, np.float32),
+    )
+    return take_steps(
+        h,
+        carray(inputs, h.inputs, INPUT),
+        carray(outputs, h.outputs, OUTPUT),
+        carray(runs, h.runs, RUN),
+        carray(senders, (h.inputs, h.senders, 2), np.int64),
+        carray(frames, (4, h.width), np.float64),
+        memory,
+    )
+'''
+_NAMES = {"HEAD": HEAD, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN, "Memory": Memory, "take_steps": take_steps}
+
+
+def is_kept() -> bool:
+    """Whether the machine code is on disk, so that nobody has to wait for the compiler."""
+    return code_file(text_file("node_steps", _TEXT, _NAMES)).exists()
+
+
+@cache
+def address() -> int:
+    """Of the loop as a C function."""
+    return function_address("node_steps", _TEXT, _NAMES)

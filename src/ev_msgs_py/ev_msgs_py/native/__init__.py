@@ -1,0 +1,1 @@
+"""Laws in C or C++, as shared libraries behind a C interface without ROS (docs/embedding.md)."""

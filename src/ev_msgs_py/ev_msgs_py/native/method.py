@@ -1,0 +1,133 @@
+"""A law of a shared library as a method: `asr=build/liblimit.so`, in plain Python and in the compiled loop."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.compiling.foreign import FUNCTION
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.contract.shape import SignalError, shape_of
+from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.lockstep.methods import Method
+from ev_msgs_py.lockstep.part import PythonPart
+from ev_msgs_py.native.interface import LAW_ROLES, car_row, reads_of, size_of
+from ev_msgs_py.native.library import GIVEN, Library
+from ev_msgs_py.parameters.declaration import ParameterError, number_tree
+from ev_msgs_py.vehicle.car import car_numbers
+
+STATUS = 1  # place of what the last step returned; before it stands the address of the function, behind it the inputs
+INPUTS = 2
+
+
+@cache
+def library_method(role: str, name: str) -> Method:
+    """The method of a role that a library brings; ParameterError, in one line, if it cannot."""
+    if role not in LAW_ROLES:
+        raise ParameterError(f"{role} method {name}: a library plays one of {', '.join(LAW_ROLES)}", "method")
+    factory = NativeMethod(Library(role, name))
+    return Method(role, name, factory, (Instant, *factory.library.reads), factory.parameters)
+
+
+class NativeMethod:
+    """Makes the objects of a law in a library."""
+
+    def __init__(self, library: Library) -> None:
+        self.library, self.parameters, self.__doc__ = library, library.parameters, library.about
+
+    def __call__(self, parameters: Any, vehicle: Any, period: float) -> NativeLaw:
+        """A new object, at rest."""
+        return NativeLaw(self.library, parameters, car_row(car_numbers(vehicle)), period)
+
+    def part(self, method: Method, made: NativeLaw) -> NativePart:
+        """What plays a role by such an object."""
+        return NativePart(method, made)
+
+
+class NativeLaw:
+    """One object of a law: its state, and in one row what the functions are given, as ev_laws.h has it."""
+
+    def __init__(self, library: Library, parameters: Any, car: Sequence[float], period: float) -> None:
+        role = library.role
+        self.library = library
+        self.places: dict[type, int] = {Instant: INPUTS}
+        place = INPUTS + 1
+        for signal in reads_of(role):
+            self.places[signal] = place
+            place += size_of((signal,))
+        (self._said,) = ROLES[role].writes
+        self.outputs = place
+        self.given = self.outputs + size_of((self._said,))
+        values = list(number_tree(parameters).values())
+        self.row = np.array([*[0.0] * self.given, period, 0.0, *car, *values])
+        words = self.row.view(np.int64)
+        words[0] = library.step
+        words[self.given + 1] = self.address(self.given + GIVEN)
+        self._memory = np.zeros(max(library.state_size, 1))
+        self._step = FUNCTION(library.step)
+        if library.start:
+            start = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(library.start)
+            start(self._memory.ctypes.data, self.address(self.given))
+
+    def address(self, place: int) -> int:
+        """Of a number of the row."""
+        return self.row.ctypes.data + 8 * place
+
+    def step(self, instant: Instant, *signals: Any) -> Any:
+        """The answer to the signals that the law reads; SignalError if the function returns anything else than 0."""
+        self.row[INPUTS] = instant.time
+        for kind, signal in zip(self.library.reads, signals, strict=True):
+            shape = shape_of(kind)
+            self.row[self.places[kind] : self.places[kind] + shape.size] = shape.flat(signal)
+        addresses = (self.address(INPUTS), self.address(self.outputs), self._memory.ctypes.data)
+        self.row[STATUS] = self._step(*addresses, self.address(self.given))
+        if self.row[STATUS]:
+            raise self.error
+        return shape_of(self._said).signal_of(self.row[self.outputs : self.given].tolist())
+
+    @property
+    def error(self) -> SignalError:
+        """What to say of a function that has not returned 0."""
+        return SignalError(f"{self.library.name}: step returned {self.row[STATUS]:g}, allowed is 0")
+
+    @property
+    def state(self) -> list[float]:
+        """All that lasts between steps; may be set to that of another object."""
+        numbers: list[float] = self._memory[: self.library.state_size].tolist()
+        return numbers
+
+    @state.setter
+    def state(self, row: Sequence[float]) -> None:
+        self._memory[: self.library.state_size] = row
+
+    @property
+    def memory(self) -> int:
+        """The address of the state."""
+        return self._memory.ctypes.data
+
+
+class NativePart(PythonPart):
+    """Plays a role by a law of a library; the compiled loop calls it without Python in between."""
+
+    def __init__(self, method: Method, made: NativeLaw) -> None:
+        super().__init__(method, made)
+        self._law = made
+
+    @property
+    def error(self) -> BaseException | None:
+        """What the compiled loop raises where a step failed."""
+        return self._law.error
+
+    @error.setter
+    def error(self, error: BaseException | None) -> None:
+        """It follows from what the function returned."""
+
+    def addresses(self) -> tuple[int, int, int]:
+        """Of the compiled step between frame and library, of state and row."""
+        from ev_msgs_py.native.adapter import adapter_address
+
+        return adapter_address(self._law), self._law.memory, self._law.address(0)

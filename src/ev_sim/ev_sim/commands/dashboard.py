@@ -1,0 +1,104 @@
+"""scripts/dashboard.sh: a local page with the signals, parameters and time of a running graph."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from importlib.util import find_spec
+
+from ev_sim.running.children import ends_with_us
+from ev_sim.running.domain import free_domain, reserved_domains
+from ev_sim.running.outcome import RunFailed
+from ev_sim.study.study import STUDIES
+
+_INTERRUPTED = 130
+_NO_DDS = ("--offline", "--list", "--help", "-h")
+
+
+def main(argv: list[str] | None = None) -> None:
+    """scripts/dashboard.sh [SCENARIO [options of scripts/run.sh]]"""
+    given, words = _arguments(argv)
+    for package, what in (("rclpy", "ROS 2 (rclpy)"), ("tornado", "tornado")):
+        if find_spec(package) is None:
+            sys.exit(f"error: a dashboard needs {what}, which is not installed here")
+    from ev_sim.dashboard.attached import attached
+
+    try:
+        with _domain(bool(words)) as domain, _run_of(words, domain) as run:
+            ended = asyncio.run(attached(given.namespace, domain, given.port, run))
+            if run is not None and ended is None:  # Ctrl-C: the run says so itself
+                run.send_signal(signal.SIGINT)
+    except RunFailed as error:
+        sys.exit(f"error: {error}")
+    if run is not None and run.returncode:
+        sys.exit(run.returncode)
+    if ended is None:
+        print("stopped", file=sys.stderr)
+        sys.exit(_INTERRUPTED)
+    print(f"dashboard: {ended}")
+
+
+def _arguments(argv: list[str] | None) -> tuple[argparse.Namespace, list[str]]:
+    parser = argparse.ArgumentParser(
+        prog="dashboard.sh",
+        usage="dashboard.sh [--port N] [--namespace /NAME] [SCENARIO [options of run.sh]]",
+        description="A page on this machine with live signals, the car from above, parameters and time. Without a "
+        "SCENARIO it attaches to the run that is under way (of several: ROS_DOMAIN_ID=N); with one it drives that, "
+        "in real time unless --set plant.real_time_factor says otherwise.",
+        allow_abbrev=False,
+    )
+    parser.add_argument("--port", type=int, default=8050, metavar="N", help="of the page, 0 for any; default 8050")
+    parser.add_argument("--namespace", default="/ev", metavar="/NAME", help="of the graph; default: %(default)s")
+    given, words = parser.parse_known_args(argv)
+    if words and words[0].startswith("-"):
+        parser.error(f"{words[0]!r} is not known; options of a run stand behind its SCENARIO")
+    if words and words[0] in STUDIES:
+        parser.error(f"{words[0]} is a study, whose runs are not on DDS: name a scenario")
+    for word in _NO_DDS:
+        if word in words:
+            parser.error(f"{word} is refused: the page hears a run over DDS")
+    return given, words
+
+
+@contextmanager
+def _domain(own: bool) -> Iterator[int]:
+    """The domain for a run of our own, or that of the run under way; RunFailed if there are none or several."""
+    if own or os.environ.get("ROS_DOMAIN_ID"):
+        with free_domain() as domain:
+            yield domain
+        return
+    found = reserved_domains()
+    if len(found) != 1:
+        there = f"runs are under way in the domains {', '.join(map(str, found))}" if found else "no run is under way"
+        raise RunFailed(f"{there}: {'ROS_DOMAIN_ID=N says which' if found else 'name a SCENARIO to drive one'}")
+    yield found[0]
+
+
+@contextmanager
+def _run_of(words: Sequence[str], domain: int) -> Iterator[subprocess.Popen | None]:
+    """A run of our own as a child, which ends with the block; none without words."""
+    if not words:
+        yield None
+        return
+    scenario, *others = words
+    command = [sys.executable, "-c", "from ev_sim.commands.ev_stack import main; main()", "run", scenario]
+    run = subprocess.Popen(
+        [*command, "--set", "plant.real_time_factor=1", *others],
+        env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
+        preexec_fn=ends_with_us(),
+        start_new_session=True,  # Ctrl-C is for us, and we pass it on once
+    )
+    try:
+        yield run
+    except BaseException:
+        run.send_signal(signal.SIGINT)
+        raise
+    finally:
+        with suppress(KeyboardInterrupt):
+            run.wait()

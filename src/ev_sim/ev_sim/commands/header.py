@@ -1,0 +1,10 @@
+"""ev-stack header: the C interface of laws."""
+
+from __future__ import annotations
+
+from ev_msgs_py.native.header import header
+
+
+def main(argv: list[str] | None = None) -> None:
+    """ev-stack header"""
+    print(header(), end="")

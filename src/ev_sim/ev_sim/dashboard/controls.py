@@ -1,0 +1,180 @@
+"""Parameters and time of the nodes of a running graph, by the services that every node has."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.nodes import ros_parameters
+from ev_msgs_py.nodes.time_services import TIME_SERVICES
+from ev_sim.running.scenarios.yaml_text import read_yaml
+
+_PATIENCE = 3.0  # s of wall time for a node to answer
+_GRAPH_PERIOD = 1.0  # s between looks at which nodes there are
+_AT_ONCE = 20  # answers that are taken in one look
+_KINDS = {
+    Parameter.Type.DOUBLE: float,
+    Parameter.Type.INTEGER: int,
+    Parameter.Type.BOOL: bool,
+    Parameter.Type.STRING: str,
+}
+
+Tell = Callable[[dict[str, Any]], None]
+
+
+class Controls:
+    """Knows the nodes with roles and asks them; `tell` gets their parameters, answers and refusals as they come."""
+
+    def __init__(self, context: Context, namespace: str, name: str, tell: Tell) -> None:
+        # A node of its own: the executor, which only services need, would take the messages of another one.
+        node = Node(name, context=context, namespace=namespace, start_parameter_services=False, enable_rosout=False)
+        self.nodes: dict[str, dict[str, Any]] = {}  # by name, what was told of the parameters of the present nodes
+        self._node, self._tell = node, tell
+        self._executor = SingleThreadedExecutor(context=context)
+        self._executor.add_node(node)
+        self._of: dict[str, AsyncParameterClient] = {}
+        self._asked: set[str] = set()  # nodes whose parameters are known, or were asked for a moment ago
+        self._present: set[str] = set()
+        self._types: dict[tuple[str, str], Parameter.Type] = {}
+        self._time = {name: node.create_client(Trigger, f"{MASTER}/{name}") for name in TIME_SERVICES}
+        self._waiting: list[tuple[Future, Callable[[Any], None], Callable[[], None], float]] = []
+        self._next_look = 0.0
+
+    @property
+    def has_master(self) -> bool:
+        """Whether the graph has a master of time, as far as was looked."""
+        return MASTER in self._present
+
+    def look(self) -> None:
+        """Take answers, give up those that do not come, and see which nodes there are."""
+        for _ in range(_AT_ONCE if self._waiting else 0):
+            self._executor.spin_once(timeout_sec=0.0)
+        now = time.monotonic()
+        waiting, self._waiting = self._waiting, []
+        for future, then, otherwise, deadline in waiting:
+            if future.done():
+                then(future.result())
+            elif now < deadline:
+                self._waiting.append((future, then, otherwise, deadline))
+            else:
+                otherwise()
+        if now >= self._next_look:
+            self._next_look = now + _GRAPH_PERIOD
+            self._find_nodes()
+
+    def obey(self, wish: Mapping[str, Any]) -> None:
+        """Do what a page asks for: set a parameter, or call a service of time; ValueError for anything else."""
+        try:
+            if wish["kind"] == "time":
+                self._call(wish["service"])
+            elif wish["kind"] == "set":
+                self._set(wish["node"], wish["name"], wish["value"])
+            else:
+                raise ValueError(f"wish {wish['kind']!r} is refused, allowed is set or time")
+        except (KeyError, TypeError) as error:
+            raise ValueError(f"a wish of a page is refused: {error!r}") from None
+
+    def say(self, text: str, refused: bool = True) -> None:
+        """Have the pages show a line."""
+        self._tell({"kind": "word", "text": text, "refused": refused})
+
+    def _find_nodes(self) -> None:
+        here = self._node.get_namespace()
+        there = self._node.get_node_names_and_namespaces()
+        present = {name for name, space in there if space == here and name in ROLES}
+        for name in self._present - present:
+            self._asked.discard(name)
+            self.nodes.pop(name, None)
+            self._tell({"kind": "gone", "node": name})
+        self._present = present
+        for name in sorted(present - self._asked):
+            client = self._of.setdefault(name, AsyncParameterClient(self._node, name))
+            if client.services_are_ready():
+                self._asked.add(name)
+                self._ask(client.list_parameters(), partial(self._listed, name), partial(self._asked.discard, name))
+
+    def _listed(self, name: str, response: Any) -> None:
+        names = [each for each in response.result.names if not ros_parameters.is_ros_own(each)]
+        client, again = self._of[name], partial(self._asked.discard, name)
+
+        def described(answer: Any) -> None:
+            self._ask(client.get_parameters(names), partial(self._described, name, answer.descriptors), again)
+
+        self._ask(client.describe_parameters(names), described, again)
+
+    def _described(self, name: str, descriptors: list[ParameterDescriptor], response: Any) -> None:
+        parameters = []
+        for descriptor, value in zip(descriptors, response.values, strict=True):
+            self._types[name, descriptor.name] = Parameter.Type(value.type)
+            parameters.append({**_about(descriptor), "value": _plain(parameter_value_to_python(value))})
+        self.nodes[name] = {"kind": "node", "node": name, "parameters": parameters}
+        self._tell(self.nodes[name])
+
+    def _set(self, node: str, name: str, value: Any) -> None:
+        kind = self._types.get((node, name))
+        if kind is None:
+            raise ValueError(f"{node}.{name} is refused: no such parameter in this graph")
+        try:
+            given = read_yaml(value) if isinstance(value, str) and kind != Parameter.Type.STRING else value
+            parameter = Parameter(name, kind, _KINDS[kind](given) if kind in _KINDS else given)
+        except (TypeError, ValueError):
+            raise ValueError(f"{node}.{name}: {value!r} is refused, allowed is {kind.name.lower()}") from None
+        self._ask(
+            self._of[node].set_parameters_atomically([parameter]),
+            lambda answer: self._was_set(node, name, _plain(parameter.value), answer.result),
+            lambda: self.say(f"{node} does not answer; whether {name} was set is not known"),
+        )
+
+    def _was_set(self, node: str, name: str, value: Any, result: Any) -> None:
+        for known in self.nodes.get(node, {}).get("parameters", ()):
+            if known["name"] == name:
+                known["value"] = value if result.successful else known["value"]
+                self._tell({"kind": "parameter", "node": node, "name": name, "value": known["value"]})
+        if result.successful:
+            self.say(f"{node}.{name} = {value}", refused=False)
+        else:
+            self.say(f"{node} refuses: {' '.join(result.reason.split())}")
+
+    def _call(self, service: str) -> None:
+        if service not in self._time:
+            raise ValueError(f"service {service!r} is refused, allowed is {', '.join(self._time)}")
+        if not self._time[service].service_is_ready():
+            raise ValueError(f"{service}: {MASTER} is not there")
+        self._ask(
+            self._time[service].call_async(Trigger.Request()),
+            lambda answer: None if answer.success else self.say(answer.message),  # success comes as a report
+            lambda: self.say(f"{MASTER} does not answer; whether it did {service} is not known"),
+        )
+
+    def _ask(self, future: Future, then: Callable[[Any], None], otherwise: Callable[[], None]) -> None:
+        """Call `then` with the answer, or `otherwise` without one: what a graph has just found is lost at times."""
+        self._waiting.append((future, then, otherwise, time.monotonic() + _PATIENCE))
+
+
+def _about(descriptor: ParameterDescriptor) -> dict[str, Any]:
+    ranges = [*descriptor.floating_point_range, *descriptor.integer_range]
+    low, high = (ranges[0].from_value, ranges[0].to_value) if ranges else (None, None)
+    return {
+        "name": descriptor.name,
+        "about": descriptor.description,
+        "allowed": descriptor.additional_constraints,
+        "fixed": descriptor.read_only,
+        "low": ros_parameters.limit_of(low),
+        "high": ros_parameters.limit_of(high),
+    }
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if value is not None and not isinstance(value, (str, bool, int, float)) else value

@@ -1,0 +1,95 @@
+"""The newest numbers of all topics of a running graph, as one row."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.frame import PLACES, SIZE, TIME
+from ev_msgs_py.contract.signals import BodyVelocity
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.nodes.signal_io import SignalReader
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.wire.layout import MessageError
+from ev_msgs_py.wire.message_format import format_of
+from ev_sim.report.page.quantities import groups_of
+from ev_sim.report.page.top_view import PREFIX, car_of, view_channels
+from ev_sim.running.recording.recording import Recording, recording_of
+
+# Of the messages between two looks only the last one counts, and no writer waits for a page or sends to it again.
+_NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+_TELLS_TIME = BodyVelocity  # of the master, at every instant: one topic never goes back, several overtake each other
+
+
+class LiveFrames:
+    """Hears all topics; `refuse` is told, with a key that names the cause, of messages that are not taken.
+
+    With the `vehicle` of the plant the rows also hold what the car seen from above needs.
+    """
+
+    def __init__(self, node: Node, refuse: Callable[[str, str], None]) -> None:
+        self.vehicle: Vehicle | None = None
+        self._refuse = refuse
+        self._readers = {
+            signal: SignalReader(node, TOPICS[signal], lambda message: None, refuse, quality=_NEWEST)
+            for signal in PLACES
+        }
+        self._numbers = np.zeros((1, SIZE))
+        self._heard: list[type] = []
+        self._shown: dict[str, np.ndarray] = {}
+
+    @property
+    def time(self) -> float:
+        """The newest instant [s]."""
+        return float(self._numbers[0, TIME])
+
+    def look(self) -> bool:
+        """Take what has come; whether there is another instant than at the last look."""
+        newest: int | None = None
+        for signal, reader in self._readers.items():
+            message = None
+            while (taken := reader.take()) is not None:
+                message = taken
+            if message is None:
+                continue
+            try:
+                stamp, numbers = format_of(signal).read(message)
+            except MessageError as error:
+                self._refuse(TOPICS[signal].name, f"{TOPICS[signal].name} is refused: {error}")
+                continue
+            self._numbers[0, PLACES[signal]] = numbers
+            if signal is _TELLS_TIME:
+                newest = stamp
+            if signal not in self._heard:
+                self._heard = [each for each in PLACES if each in self._heard or each is signal]
+        if newest is None or stamps.to_seconds(newest) == self.time:
+            return False
+        self._numbers[0, TIME] = stamps.to_seconds(newest)
+        self._shown = self._channels()
+        return True
+
+    @property
+    def columns(self) -> list[str]:
+        """The channels of a row, after the time."""
+        return [*self._shown]
+
+    def layout(self) -> dict[str, Any]:
+        """The columns of the rows after the time, how they are plotted together, and the car."""
+        plotted = [name for name in self.columns if not name.startswith(PREFIX)]
+        car = None if self.vehicle is None else car_of(self.vehicle)
+        return {"kind": "layout", "channels": self.columns, "groups": groups_of(plotted), "car": car}
+
+    def row(self) -> bytes:
+        """Time and channels as float64 in the order of this machine, which is that of its browsers."""
+        return array("d", [self.time, *(float(value[0]) for value in self._shown.values())]).tobytes()
+
+    def _channels(self) -> dict[str, np.ndarray]:
+        run: Recording = recording_of(self._numbers, [TOPICS[signal] for signal in self._heard])
+        return {**run.channels, **(view_channels(run, self.vehicle) if self.vehicle else {})}

@@ -1,0 +1,14 @@
+"""Gymnasium environments; importing it registers their ids (docs/embedding.md)."""
+
+from ev_sim.interface.extras import extra
+
+IDS = {  # -> what Environment is told
+    "ev_sim/TorqueSplit-v0": {"scenario": "double_lane_change", "action": "torque_split"},
+    "ev_sim/TractionControl-v0": {
+        "scenario": "launch_split_mu", "run": "fixed_steering", "action": "traction_control"
+    },
+    "ev_sim/Steering-v0": {"scenario": "double_lane_change", "action": "steering"},
+}  # fmt: skip
+
+for _id, _told in IDS.items():
+    extra("gymnasium", "gymnasium").register(_id, "ev_sim.learning.environment:Environment", kwargs=_told)

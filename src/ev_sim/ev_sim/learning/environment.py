@@ -1,0 +1,106 @@
+"""A Gymnasium environment around `ev_sim.Simulation`: any scenario, one role of it played by a learner."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.parameters.values import unknown_name
+from ev_sim.interface.law import SteppedLaw
+from ev_sim.interface.simulation import Simulation
+from ev_sim.learning.actions import ACTIONS
+from ev_sim.learning.rewards import Reward, calm_yaw, like_the_driver, quick_without_slip
+
+OBSERVED = ("driver.command", "steering_column.state", "twist", "imu", "wheel_states.velocity")
+
+
+class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
+    """A scenario in which the action takes the place of a law, or of the driver's hands (`actions.ACTIONS`).
+
+    - `action`: torque_split, traction_control or steering; in SI units, by driven wheel where it is one of wheels,
+    - `observe`: channels such as imu.yaw_rate, or topics for all their channels; in SI units, float64,
+    - `reward`: of the frame after the step, the action and what the scenario's own law would have done (`rewards`),
+    - `ends`: of the frame, whether the episode is over; without it, it lasts as long as the scenario, `duration`.
+
+    `run` and `changed` are those of `ev_sim.Simulation`. The scenario's own law goes along: `info["own"]` is the action
+    that stands for what it says, and what no action says (brakes, pedals) is what it says. `info["frame"]` has all
+    channels of the instant. Everything random follows from the seed of `reset`; without one each episode has another.
+
+    ParameterError, in one line, if something is refused; SignalError if a number becomes not finite.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012, as the base class has it
+
+    def __init__(
+        self,
+        scenario: str | PathLike[str] = "double_lane_change",
+        action: str = "torque_split",
+        observe: Sequence[str] = OBSERVED,
+        reward: Reward | None = None,
+        ends: Callable[[Mapping[str, float]], bool] = lambda frame: False,
+        run: str = "",
+        record: bool = False,
+        **changed: Any,
+    ) -> None:
+        if action not in ACTIONS:
+            raise unknown_name("action", action, ACTIONS)
+        self._action, self._ends = ACTIONS[action], ends
+        self.simulation = Simulation(scenario, (self._action.role,), run, record, **changed)
+        vehicle = self.simulation.configurations[MASTER].common.vehicle
+        self.observed = _observed(observe, self.simulation.frame)
+        self.channels = self._action.channels(vehicle)
+        low, high = self._action.bounds(vehicle)
+        self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (len(self.observed),), np.float64)
+        defaults: dict[str, Reward] = {
+            "torque_split": calm_yaw(vehicle.wheelbase, vehicle.steering_ratio),
+            "traction_control": quick_without_slip,
+            "steering": like_the_driver,
+        }
+        self._reward = reward or defaults[action]
+        self._law = self._own_law()
+
+    def _own_law(self) -> SteppedLaw:
+        return SteppedLaw(self.simulation.configurations[self._action.role])
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin again at rest; `seed` is that of the scenario, too: with it the signals are those of `ev_sim.run`."""
+        super().reset(seed=seed)
+        frame = self.simulation.reset(int(self.np_random.integers(2**31 - 1)) if seed is None else seed)
+        self._law = self._own_law()
+        return self._seen(frame), self._info(frame)
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Go on by one control period; `truncated` where the scenario ends."""
+        means = self._action.means(self._frame, self.channels, np.asarray(action, np.float64))
+        own = self._own
+        frame = self.simulation.step({**self._answer, **means})
+        seen, info = self._seen(frame), self._info(frame)
+        over = self.simulation.time > self.simulation.duration
+        return seen, float(self._reward(frame, action, own)), self._ends(frame), over, info
+
+    def _seen(self, frame: Mapping[str, float]) -> np.ndarray:
+        return np.array([frame[name] for name in self.observed])
+
+    def _info(self, frame: Mapping[str, float]) -> dict[str, Any]:
+        self._frame = frame
+        self._answer = self._law.answer(self.simulation.time, frame)
+        self._own = self._action.of_law(np.array([self._answer[name] for name in self.channels]))
+        return {"own": self._own, "frame": frame, "time": self.simulation.time}
+
+
+def _observed(names: Sequence[str], known: Mapping[str, float]) -> tuple[str, ...]:
+    found: list[str] = []
+    for name in names:
+        of_topic = [channel for channel in known if channel == name or channel.startswith(f"{name}.")]
+        if not of_topic:
+            raise unknown_name("channel", name, known)
+        found += of_topic
+    return tuple(dict.fromkeys(found))

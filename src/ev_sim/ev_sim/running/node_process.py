@@ -1,0 +1,88 @@
+"""One node of a run as a process of its own."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from ev_msgs_py.nodes.stop_request import hold_back
+from ev_sim.running.children import ends_with_us
+from ev_sim.running.observing import enclave
+from ev_sim.running.outcome import RunFailed
+from ev_sim.running.same_addresses import same_addresses
+from ev_sim.running.scenarios.scenario import Run
+
+_ROOM = 65536  # bytes; who has less cannot even say what went wrong
+
+
+@dataclass
+class NodeProcess:
+    """One node, its process and the file with what it printed."""
+
+    name: str
+    process: subprocess.Popen
+    log: Path
+
+    def failure(self) -> str:
+        """One line on how the process ended."""
+        code = self.process.returncode
+        if code == 0:  # as a node ends that is told to
+            return f"node {self.name} was stopped"
+        how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with status {code}"
+        lines = self.log.read_text(errors="replace").strip().splitlines()
+        said = f": {lines[-1]}" if lines and code > 0 else ""
+        if shutil.disk_usage(self.log.parent).free < _ROOM:
+            said = f": no space left on device, {self.log.parent}"
+        return f"node {self.name} {how}{said}"
+
+    def send(self, kind: signal.Signals) -> None:
+        """Send a signal to the process and whatever it has started."""
+        with suppress(ProcessLookupError):
+            os.killpg(self.process.pid, kind)
+
+
+def start_node(name: str, words: Sequence[str], ours: bool, run: Run, parameters: Path, domain: int) -> NodeProcess:
+    """Start the node of a role by a command, with the parameters of a file and its log beside; RunFailed if it cannot.
+
+    Of `ours`, Ctrl-C and SIGTERM wait until the node can stop in order, which takes a second of loading; the nodes of
+    others may never let them in.
+    """
+    logs = parameters.parent / "log"
+    logs.mkdir(exist_ok=True)
+    log = logs / f"{name}.log"
+    arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
+    arguments += enclave(name, run.namespace)
+    environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    with log.open("wb") as output:
+        try:
+            with same_addresses():
+                process = subprocess.Popen(
+                    [*words, *arguments],
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=subprocess.STDOUT,
+                    env=environment,
+                    preexec_fn=_before_exec(ours),
+                    start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
+                )
+        except OSError as error:
+            raise RunFailed(f"node {name} cannot be started: {words[0]}: {error.strerror}") from None
+    return NodeProcess(name, process, log)
+
+
+def _before_exec(ours: bool) -> Callable[[], None]:
+    dies_with_us = ends_with_us()
+
+    def before() -> None:
+        if ours:
+            hold_back()
+        if dies_with_us is not None:
+            dies_with_us()
+
+    return before

@@ -1,0 +1,201 @@
+"""The dashboard beside a run, in a headless Chromium: what it shows, what it asks for, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from browser import CONTROLS_WITHOUT_NAME, FOUND, TEXT_OF_POOR_CONTRAST, Browser
+from run_script import ENVIRONMENT, ROOT
+
+from ev_sim.commands import dashboard as command
+from ev_sim.running.outcome import RunFailed
+
+WORDS = "[...document.querySelectorAll('#words li')].map((line) => line.textContent)"
+PERIOD = 0.01  # s, of control in shchur2019
+
+
+class Dashboard(NamedTuple):
+    """A dashboard with its run: process, address of the page, and the file with what both print beside the address."""
+
+    process: subprocess.Popen
+    url: str
+    said: Path
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dashboard]:
+    """A long run with its dashboard."""
+    folder = tmp_path_factory.mktemp("dashboard")
+    words = ["--port", "0", "shchur2019", "--duration", "1000", "--no-record", "--no-report", "--out", str(folder)]
+    with (folder / "said.txt").open("w") as said:
+        process = subprocess.Popen(
+            [ROOT / "scripts" / "dashboard.sh", *words],
+            env=ENVIRONMENT,
+            stdout=subprocess.PIPE,
+            stderr=said,
+            text=True,
+            start_new_session=True,
+        )
+    assert process.stdout is not None
+    try:
+        yield Dashboard(process, process.stdout.readline().removeprefix("dashboard: ").strip(), folder / "said.txt")
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+        process.communicate(timeout=30)
+
+
+@pytest.fixture(scope="module")
+def page(run: Dashboard) -> Iterator[Browser]:
+    browser = Browser(1300, 1000)
+    try:
+        browser.open(run.url)
+        browser.wait_for("document.body && document.body.dataset.rows > 3 && rows.has('plant.real_time_factor')")
+        browser.wait_for("rows.has('electronic_differential.gamma')")
+        yield browser
+    finally:
+        browser.close()
+
+
+def asked(page: Browser, wish: dict, answer: str) -> str:
+    """The line that answers a wish; what it holds tells it from others."""
+    page.run(f"byId('words').replaceChildren(); wish({json.dumps(wish)})")
+    said = f"{WORDS}.find((line) => line.includes({json.dumps(answer)}))"
+    page.wait_for(said)
+    return page.run(said)
+
+
+def set_to(value: object, node: str = "electronic_differential", name: str = "gamma") -> dict:
+    return {"kind": "set", "node": node, "name": name, "value": value}
+
+
+def needs_browser(test):
+    return pytest.mark.slow(pytest.mark.skipif(FOUND is None, reason="no Chromium on this machine")(test))
+
+
+@needs_browser
+def test_signals_car_and_parameters_are_seen(page):
+    assert page.run("drawn().length") > 1  # plots that are in sight
+    assert page.run("drawn().every((plot) => plot.chart.data[0].length > 3)")
+    page.wait_for("document.querySelector('#cars canvas') && views[0].ready")
+    assert page.run("document.querySelectorAll('#cars tbody tr, #cars table tr').length") == 1 + 4
+    slider = "document.querySelector('[data-name=gamma] input[type=range]')"
+    assert page.run(f"[{slider}.min, {slider}.max].join()") == "0,50"
+    assert page.run(f"({TEXT_OF_POOR_CONTRAST})()") == []
+    assert page.run(f"({CONTROLS_WITHOUT_NAME})()") == []
+    assert all(url.startswith(("http://127.0.0.1:", "ws://127.0.0.1:", "data:")) for url in page.requests)
+
+
+@needs_browser
+def test_a_slider_sets_the_parameter_of_the_node(page):
+    page.run(
+        "{ const slider = document.querySelector('[data-name=gamma] input[type=range]'); slider.value = 12;"
+        " slider.dispatchEvent(new Event('input')); slider.dispatchEvent(new Event('change')); }"
+    )
+    page.wait_for(f"{WORDS}.includes('electronic_differential.gamma = 12.0')")
+
+
+@needs_browser
+@pytest.mark.parametrize(
+    ("wish", "said"),
+    [
+        (set_to("-5"), "electronic_differential refuses: Parameter gamma out of range Min: 0.0, Max: 50.0"),
+        (set_to("nan"), "nan"),
+        (set_to("much"), "electronic_differential.gamma: 'much' is refused, allowed is double"),
+        (set_to("1", name="delta"), "electronic_differential.delta is refused: no such parameter in this graph"),
+        ({"kind": "time", "service": "stop"}, "service 'stop' is refused, allowed is pause, resume, step, reset"),
+        ({"kind": "drive"}, "wish 'drive' is refused, allowed is set or time"),
+        ({"kind": "set"}, "a wish of a page is refused: KeyError('node')"),
+        ([], "a wish of a page is refused, allowed is an object"),
+    ],
+)
+def test_a_refusal_is_one_line_and_changes_nothing(page, wish, said):
+    before = page.run("document.getElementById('electronic_differential.gamma').value")
+    assert "\n" not in asked(page, wish, said)
+    assert page.run("document.getElementById('electronic_differential.gamma').value") == before
+
+
+@needs_browser
+def test_time_stops_steps_and_begins_again(page):
+    asked(page, {"kind": "time", "service": "pause"}, "paused at")
+    page.wait_for("document.getElementById('state').textContent.startsWith('no new instant')")
+    last = page.run("live.times.at(-1)")
+    page.run("document.querySelector('[data-service=step]').click()")
+    page.wait_for(f"live.times.at(-1) > {last}")
+    assert page.run("live.times.at(-1)") == pytest.approx(last + PERIOD, abs=1e-9)
+    page.run("document.querySelector('[data-service=reset]').click()")
+    page.wait_for("live.times.at(-1) === 0")
+    page.run("document.querySelector('[data-service=resume]').click()")
+    page.wait_for("live.times.at(-1) > 0.1")
+    assert page.run("Math.max(...live.times)") < last  # of the run before nothing is left
+
+
+@needs_browser
+def test_only_this_machine_under_its_own_name_may_ask(run):
+    for path in ("", "live"):
+        request = urllib.request.Request(run.url + path, headers={"Host": "elsewhere.example"})
+        with pytest.raises(urllib.error.HTTPError, match="403"):
+            urllib.request.urlopen(request)
+
+
+@needs_browser
+def test_interrupted_it_ends_in_one_line_with_the_run_and_the_page_says_so(run, page):
+    assert page.complaints == []
+    run.process.send_signal(signal.SIGINT)
+    assert run.process.wait(20) == 130
+    said = run.said.read_text()
+    assert said.rstrip().splitlines()[-1] == "stopped"
+    assert said.count("stopped") == 1
+    page.wait_for("document.getElementById('state').textContent.startsWith('no connection')")
+    with pytest.raises(ProcessLookupError):
+        os.killpg(run.process.pid, 0)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["sweep"], "sweep is a study, whose runs are not on DDS: name a scenario"),
+        (["shchur2019", "--offline"], "--offline is refused: the page hears a run over DDS"),
+        (["--seed", "2"], "'--seed' is not known; options of a run stand behind its SCENARIO"),
+    ],
+)
+def test_words_without_sense_are_one_line(words, said, capsys):
+    with pytest.raises(SystemExit) as ended:
+        command.main(words)
+    assert ended.value.code == 2
+    assert capsys.readouterr().err.splitlines()[-1] == f"dashboard.sh: error: {said}"
+
+
+@pytest.mark.parametrize(
+    ("domains", "said"),
+    [
+        ([], "no run is under way: name a SCENARIO to drive one"),
+        ([3, 4], "runs are under way in the domains 3, 4: ROS_DOMAIN_ID=N says which"),
+    ],
+)
+def test_without_scenario_there_must_be_one_run(domains, said, monkeypatch):
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    monkeypatch.setattr(command, "reserved_domains", lambda: domains)
+    with pytest.raises(SystemExit) as ended:
+        command.main([])
+    assert ended.value.code == f"error: {said}"
+
+
+def test_a_port_that_is_taken_is_refused_in_one_line():
+    from ev_sim.dashboard.server import Pages
+
+    first = Pages("first", 0, lambda wish: None, list)
+    try:
+        with pytest.raises(RunFailed, match=f"--port {first.port} is refused: Address already in use"):
+            Pages("second", first.port, lambda wish: None, list)
+    finally:
+        first.close()

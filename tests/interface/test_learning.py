@@ -1,0 +1,106 @@
+"""The Gymnasium environments: the checker's rules, the plain run's bits, and what a random agent gets."""
+
+from __future__ import annotations
+
+import runpy
+import sys
+from pathlib import Path
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import ev_sim
+import ev_sim.learning
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.learning.environment import Environment
+from ev_sim.running.recording.recording import signal_hash
+
+EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "random_agent.py"
+NOISE = {"plant.sensors.imu_yaw_rate.noise": 0.01}
+DURATION = 0.4
+
+
+@pytest.mark.parametrize("name", ev_sim.learning.IDS)
+@pytest.mark.filterwarnings("ignore:.*(Box (action|observation) space|render|no `spec`)")
+def test_environments_keep_the_rules_of_gymnasium(name):
+    """Bounds in N m are not -1 to 1, and a car's state has none: that is all that the checker remarks."""
+    check_env(gymnasium.make(name, duration=DURATION).unwrapped)
+
+
+@pytest.mark.parametrize(
+    ("action", "role", "method"),
+    [
+        ("torque_split", "electronic_differential", "power_steering"),
+        ("traction_control", "asr", "pi_slip"),
+        ("steering", "driver", None),
+    ],
+)
+def test_who_acts_like_the_law_gets_the_bits_of_the_plain_run(action, role, method):
+    changed = {"set": NOISE, "duration": DURATION, "method": {role: method} if method else {}, "seed": 3}
+    environment = Environment("double_lane_change", action, record=True, **{**changed, "seed": None})
+    _, info = environment.reset(seed=3)
+    over = False
+    while not over:
+        _, _, _, over, info = environment.step(info["own"])
+    plain = ev_sim.run("double_lane_change", **changed)
+    assert signal_hash(environment.simulation.recording) == signal_hash(next(iter(plain.runs.values())))
+
+
+def test_what_is_observed_rewarded_and_ended_is_the_users():
+    environment = Environment(
+        "double_lane_change",
+        observe=("imu", "twist.longitudinal"),
+        reward=lambda frame, action, own: frame["twist.longitudinal"] + action[0],
+        ends=lambda frame: frame["pose.x"] > 0.5,
+        set=NOISE,
+    )
+    first, _ = environment.reset(seed=1)
+    seen, reward, ended, over, info = environment.step(np.array([7.0, 0.0]))
+    assert environment.observed[-1] == "twist.longitudinal"
+    assert seen.tolist() == [info["frame"][name] for name in environment.observed]
+    assert reward == seen[-1] + 7.0
+    assert (ended, over) == (info["frame"]["pose.x"] > 0.5, False)
+    again, _ = environment.reset(seed=1)
+    other, _ = environment.reset()
+    assert first.tolist() == again.tolist() != other.tolist()
+
+
+def test_what_an_action_means():
+    """Traction control lets through what is asked for up to its limit, either way."""
+    environment = Environment("launch_split_mu", "traction_control", run="fixed_steering")
+    environment.reset(seed=1)
+    for _ in range(100):
+        environment.step(np.array([200.0, 1e4]))
+    frame = environment.step(np.array([200.0, 1e4]))[4]["frame"]
+    left, right = (frame[f"torque_request.drive.front_{side}"] for side in ("left", "right"))
+    assert left > 300.0
+    shown = [frame[f"wheel_states.effort.front_{side}"] for side in ("left", "right")]
+    assert shown == pytest.approx([200.0, right], rel=0.05)  # the motors lag by some milliseconds
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        ({"action": "brakes"}, "unknown action 'brakes'; known: steering, torque_split, traction_control"),
+        ({"observe": ("imu.yaw",)}, "unknown channel 'imu.yaw'; known: imu.yaw_rate"),
+    ],
+)
+def test_wrong_words_get_one_line(told, said):
+    with pytest.raises(ParameterError) as error:
+        Environment(**told)
+    assert str(error.value).startswith(said)
+
+
+def test_without_gymnasium_one_line_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "gymnasium", None)
+    monkeypatch.delitem(sys.modules, "ev_sim.learning")
+    with pytest.raises(ImportError, match=r"^gymnasium cannot be imported .*: pip install 'ev_sim\[gymnasium\]'$"):
+        __import__("ev_sim.learning")
+
+
+def test_the_example_runs(capsys):
+    runpy.run_path(str(EXAMPLE))
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.partition(",")[0] for line in lines] == ["seed 1: 2.01 s", "seed 2: 2.01 s"]

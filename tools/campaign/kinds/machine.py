@@ -1,0 +1,108 @@
+"""What the machine does to a run: no time, no room, no memory to share, no descriptors, other clocks, another run."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+
+from campaign.moments import MOVING, Moment
+from campaign.trial import RUNNER, Skipped, Trial
+from campaign.under_way import ROOT, UnderWay
+
+_OWN_MOUNTS = "EV_CAMPAIGN_OWN_MOUNTS"  # set by scripts/campaign.sh inside a name space of its own
+_BUSY_AT_MOST = 30.0  # s
+
+
+def busy(trial: Trial) -> None:
+    """As many processes as cores that do nothing but compute."""
+
+    def disturb(run: UnderWay) -> None:
+        text = f"import time; end = time.monotonic() + {_BUSY_AT_MOST}\nwhile time.monotonic() < end: pass"
+        hogs = [subprocess.Popen([sys.executable, "-c", text], env=run.environment) for _ in range(os.cpu_count() or 1)]
+        run.wait_until(lambda: False, _BUSY_AT_MOST)
+        for hog in hogs:
+            hog.kill()
+            hog.wait()
+
+    trial.disturb = disturb
+    trial.about = f"{os.cpu_count()} cores"
+
+
+def full_disk(trial: Trial) -> None:
+    """The output folder on a disk of few kilobytes."""
+    if _OWN_MOUNTS not in os.environ:
+        raise Skipped("no name space for mounts is granted: no small disk")
+    size = int(10 ** trial.chance.uniform(0.7, 3.5))
+    trial.about = f"{size} kB"
+    trial.out.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}k", "none", trial.out], capture_output=True)
+    if mounted.returncode:
+        raise Skipped("mount of a tmpfs is not granted: no small disk")
+    trial.clean_up.callback(subprocess.run, ["umount", "--lazy", trial.out], check=False)
+    trial.names = "No space left on device|no space left on device|Disk quota"
+
+
+def file_size(trial: Trial) -> None:
+    """No file may grow beyond some kilobytes."""
+    size = int(10 ** trial.chance.uniform(0.3, 3.3))
+    trial.about = f"{size} kB"
+    trial.limits[resource.RLIMIT_FSIZE] = size * 1024
+    trial.environment["PYTHONDONTWRITEBYTECODE"] = "1"
+    trial.names = "File too large|file size"
+
+
+def few_descriptors(trial: Trial) -> None:
+    """So few open files that something cannot be opened."""
+    most = trial.chance.randrange(20, 80)
+    trial.about = str(most)
+    trial.limits[resource.RLIMIT_NOFILE] = most
+
+
+def no_shared_memory(trial: Trial) -> None:
+    """A /dev/shm that cannot be written, or that is full."""
+    if _OWN_MOUNTS not in os.environ:
+        raise Skipped("no name space for mounts is granted: /dev/shm stays")
+    how = trial.chance.choice(("ro,size=4k", "size=4k"))
+    trial.about = how
+    trial.names = "/dev/shm is full"
+    trial.before = ["unshare", "--mount", "sh", "-c", f'mount -t tmpfs -o {how} none /dev/shm && exec "$0" "$@"']
+
+
+def other_clock(trial: Trial) -> None:
+    """The monotonic clock of the whole run, or of one node, is days or years away from that of the machine."""
+    seconds = trial.chance.choice((100_000, 10**7, 10**9))
+    clock = ["unshare", "--time", "--fork", "--kill-child", "--monotonic", str(seconds), "--boottime", str(seconds)]
+    if subprocess.run([*clock, "true"], capture_output=True).returncode:
+        raise Skipped("no name space for time is granted: the monotonic clock stays")
+    if trial.way == "in one process" or trial.chance.random() < 0.5:
+        trial.before = clock
+        trial.about = f"the run is {seconds} s ahead"
+        return
+    role = trial.chance.choice(list(trial.run.configurations))
+    own = next((ROOT / "install").glob(f"*/lib/*/{role}"))
+    trial.words += ["--node", f"{role}={' '.join(clock)} {own}"]
+    trial.about = f"{role} is {seconds} s ahead"
+
+
+def wall_clock(trial: Trial) -> None:
+    """The time of day jumps: no name space has one of its own, and to set it would set that of the machine."""
+    raise Skipped("the time of day cannot be set for one run alone")
+
+
+def rival(trial: Trial) -> None:
+    """A second run wants the same folder, and gets a line; the first one goes on."""
+    moment = Moment(MOVING, trial.chance.uniform(0.0, 0.2))
+    trial.about = f"{moment}"
+
+    def disturb(run: UnderWay) -> None:
+        if moment.wait(run, RUNNER) is None:
+            return
+        words = [ROOT / "scripts" / "run.sh", "coast_down", "--offline", "--duration", "0.1", "--out", trial.out]
+        second = subprocess.run(words, env=run.environment, capture_output=True, text=True, timeout=60)
+        refused = second.returncode == 1 and "another run is writing there" in second.stderr
+        if not refused and run.process.poll() is None:
+            run.remark = f"the second run was not refused: {second.returncode} {second.stderr.strip()[-200:]}"
+
+    trial.disturb = disturb
