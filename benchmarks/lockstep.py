@@ -4,9 +4,9 @@
 
 The rings have as many processes as the graph has nodes, and nothing is computed. In a ring each relay waits for one
 message and sends one of the next type of the graph's chain. `ring` is a node as rclpy offers it, typed messages on its
-fastest executor, and `raw_ring` the least that is possible over this middleware, serialized messages and one wait set.
-The relays of `raw_pattern` hear and send what the nodes of the graph do, message for message: what it has ahead of the
-graph is what the nodes themselves take, judging messages and stepping their parts. All start as the nodes of a run do.
+fastest executor, and `raw_ring` the least that rclpy offers, serialized messages and one wait set. The relays of
+`raw_pattern` hear and send what the nodes of the graph do, message for message; they run in Python, whereas nodes take
+their ordinary steps in compiled code. All start as the nodes of a run do.
 """
 
 from __future__ import annotations

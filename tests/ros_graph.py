@@ -126,13 +126,15 @@ class Probe(Node):
         self.create_subscription(kind, topic.name, hear, QUALITY, raw=True)
         return heard
 
+    def packed(self, seconds: float, signal: Any) -> bytes:
+        """A message as nodes publish it."""
+        here = Frame()
+        here.numbers[PLACES[type(signal)]] = numbers_of(shape_of(type(signal)).flat(signal))
+        return format_of(type(signal)).pack(from_seconds(seconds), here)
+
     def message(self, seconds: float, signal: Any) -> Any:
         """A message object, for tests that spoil it."""
-        topic = TOPICS[type(signal)]
-        here = Frame()
-        here.numbers[PLACES[topic.signal]] = numbers_of(topic.shape.flat(signal))
-        packed = format_of(topic.signal).pack(from_seconds(seconds), here)
-        return deserialize_message(packed, message_class(topic.message_type))
+        return deserialize_message(self.packed(seconds, signal), message_class(TOPICS[type(signal)].message_type))
 
     def publisher_of(self, signal: type) -> Any:
         """A publisher of a signal, of a node with the name of the role that writes it."""

@@ -52,6 +52,7 @@ setup(
         "fmu": ["pythonfmu==0.7.*"],
         "frame": ["pandas"],
         "gymnasium": ["gymnasium>=1.0"],
+        "parquet": ["pyarrow"],
     },
     zip_safe=False,  # config is read as files
     entry_points={

@@ -15,9 +15,10 @@ CAR = Vehicle(driven_wheels=("front_left", "front_right"))
 SPEEDS = Wheels(50.0, 50.0, 50.0, 50.0)
 
 
-def law():
+def law(keep_difference=False):
     method = find_method("asr", "limp_home")
-    return create(method, build(method.parameters, {}), CAR, PERIOD)
+    changed = {"plausibility.keep_difference": keep_difference}
+    return create(method, build(method.parameters, changed), CAR, PERIOD)
 
 
 def driven(asked, gives, steps=100, of=None):
@@ -41,7 +42,7 @@ def test_sound_motors_get_the_request_to_the_bit():
 
 @pytest.mark.parametrize("dead", [0, 1])
 def test_a_dead_motor_takes_its_partner_with_it(dead):
-    """After the allowed 50 ms: at most ten periods, the lag of what is expected included."""
+    """After the allowed 20 ms: at most ten periods, the lag of what is expected included."""
     commands = driven((200.0, 250.0), lambda left, right: (0.0, right) if dead == 0 else (left, 0.0))
     assert commands[0] == Wheels.front(200.0, 250.0)
     assert all(command[1 - dead] == 0.0 for command in commands[10:])
@@ -56,6 +57,15 @@ def test_a_weak_motor_is_mirrored():
 def test_a_stuck_motor_is_mirrored_up_to_the_request_and_never_against_it():
     assert driven((50.0, 50.0), lambda left, right: (300.0, right))[-1] == Wheels.front(50.0, 50.0)
     assert driven((-80.0, -80.0), lambda left, right: (300.0, right))[-1] == Wheels.front(-80.0, 0.0)
+
+
+@pytest.mark.parametrize("dead", [0, 1])
+def test_the_difference_that_was_asked_for_is_kept(dead):
+    """It steers or turns the car: 50 N m more on the right are 50 N m of the motor that is left, of either sign."""
+    gives = (lambda left, right: (0.0, right)) if dead == 0 else (lambda left, right: (left, 0.0))
+    command = driven((200.0, 250.0), gives, of=law(keep_difference=True))[-1]
+    assert command[1 - dead] == (50.0, -50.0)[dead]
+    assert command[dead] == (200.0, 250.0)[dead]
 
 
 def test_a_motor_that_comes_back_is_believed_after_a_while():

@@ -9,6 +9,9 @@ from typing import Any
 import pytest
 from ros_graph import PATIENCE, Probe, node_of, ros_domain
 
+from ev_msgs_py.compiling import node_loop
+from ev_msgs_py.contract.frame import TIME, Frame
+from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.contract.signals import (
     DriverCommand,
     SteeringColumnState,
@@ -19,6 +22,7 @@ from ev_msgs_py.contract.signals import (
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.methods import create, find_method
+from ev_msgs_py.lockstep.part import CalledBack
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.vehicle.description import Vehicle
 
@@ -54,6 +58,11 @@ class Bench:
         message = self.probe.message(seconds, signal)
         spoil(message)
         self.probe.publisher_of(type(signal)).publish(message)
+
+    def say_packed(self, seconds: float, *signals: Any) -> None:
+        """As our nodes do."""
+        for signal in signals:
+            self.probe.publisher_of(type(signal)).publish(self.probe.packed(seconds, signal))
 
 
 @pytest.fixture
@@ -158,6 +167,42 @@ def test_joints_in_another_order_are_read_by_name(law):
     law.run(lambda: len(law.heard) == 2)
     assert [signal for _, signal in law.heard] == expected(2)
     assert law.probe.reports == []
+
+
+class Stopping(CalledBack):
+    """A part that fails at an instant."""
+
+    def __init__(self, part: Any, instant: float) -> None:
+        self.part, self.instant, self.state, self.notes = part, instant, None, part.notes
+
+    def step(self, here: Frame, there: Frame) -> None:
+        """That of the part, up to the instant."""
+        if here.numbers[TIME] >= self.instant:
+            raise SignalError("no further")
+        self.part.step(here, there)
+
+
+def test_ordinary_steps_are_taken_in_compiled_code_and_others_in_python(law, monkeypatch):
+    """With the same numbers; what a part raises there is raised by the node."""
+    assert node_loop.address()  # compiled if nobody has yet
+    judged = []
+    for reader in law.node.readers.values():
+        judge = reader.judge
+        monkeypatch.setattr(reader, "judge", lambda *told, judge=judge: judged.append(told) or judge(*told))
+    for step in range(1, 4):
+        law.say_packed(step * PERIOD, DRIVER, TURNED)
+        law.run(lambda step=step: len(law.heard) == step + 1)
+    assert not judged
+    law.say_packed(3 * PERIOD, DRIVER)  # once more: it asks for the answer
+    law.run(lambda: len(law.heard) == 5)
+    law.node.stepper.part = Stopping(law.node.stepper.part, 5 * PERIOD)
+    law.say_packed(4 * PERIOD, DRIVER, TURNED)
+    law.run(lambda: len(law.heard) == 6)
+    answers = expected(5)
+    assert [signal for _, signal in law.heard] == [*answers[:4], answers[3], answers[4]]
+    law.say_packed(5 * PERIOD, DRIVER, TURNED)
+    with pytest.raises(SignalError, match="no further"):
+        law.run(lambda: False)
 
 
 def test_an_answered_stamp_cannot_be_rewritten(law):

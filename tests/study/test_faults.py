@@ -50,12 +50,15 @@ def test_all_are_driven_and_the_limp_mode_does_nothing_to_a_sound_car(results):
 @pytest.mark.parametrize("road", ["dry", "wet"])
 @pytest.mark.parametrize("fault", DEAD)
 def test_power_steering_keeps_its_lane_with_a_dead_motor(results, fault, road):
-    """On a column without a lever for the drives, and better with the limp mode; on that of the source it does not."""
+    """On a column without a lever for the drives; better with the limp mode; on that of the source with it alone."""
     off, limp = (measured(results, fault, "power_steering", asr, road) for asr in ("off", "limp_home"))
     assert faults.is_safe(GIVEN, off) and faults.is_safe(GIVEN, limp)
     assert limp["path_error"] < off["path_error"]
     assert limp["end_speed"] < off["end_speed"]  # it coasts
     assert not faults.is_safe(GIVEN, measured(results, fault, POWERED, "off", road))
+    powered = measured(results, fault, POWERED, "limp_home", road)
+    assert faults.is_safe(GIVEN, powered)
+    assert powered["end_speed"] < measured(results, "none", POWERED, "limp_home", road)["end_speed"] - 3.0  # it coasts
 
 
 def test_table_metrics_and_figure(results):

@@ -4,25 +4,35 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import ev_sim
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.report.table_files import write_tables
+from ev_sim.running.recording.recording import load, signal_hash
+from ev_sim.running.scenarios.scenario import load_scenario
 from ev_sim.study import sweep
+from ev_sim.study.case import Case, CaseResult
+from ev_sim.study.kept_rows import KeptRows
 from ev_sim.study.run_study import arguments
 
 WORDS = ("shchur2019", "--vary", "electronic_differential.gamma=0:10:3", "--vary", "plant.initial_speed=2.0,4.0")
 
 
+def sweep_into(out: Path, *more: str) -> Path:
+    words = ["--seeds", "2", "--duration", "0.1", "--workers", "1", "--no-report", "--out", str(out), *more]
+    main(["sweep", *WORDS, *words])
+    return out
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    out = tmp_path_factory.mktemp("sweep")
-    main(["sweep", *WORDS, "--seeds", "2", "--duration", "0.1", "--workers", "1", "--no-report", "--out", str(out)])
-    return out
+    return sweep_into(tmp_path_factory.mktemp("sweep"))
 
 
 def rows(folder: Path) -> list[dict[str, str]]:
@@ -51,6 +61,49 @@ def test_what_a_sweep_leaves_behind(folder):
     assert len(summary["cases"]) == 12
     assert "electronic_differential.gamma=0, plant.initial_speed=2, seed=0" in summary["cases"]
     assert (folder / "table.md").read_text().count("\n") == 2 + 12
+
+
+@pytest.mark.slow
+def test_a_sweep_that_was_killed_goes_on_where_it_was(folder, capsys):
+    table, driven = (folder / "table.csv").read_bytes(), folder / "driven.jsonl"
+    lines = driven.read_text().splitlines(keepends=True)
+    driven.write_text("".join(lines[:5]) + lines[5][:100])  # killed while it wrote the sixth line
+    sweep_into(folder)
+    assert "12 runs, 1.2 s in" in (said := capsys.readouterr().out)
+    assert "5 of them driven before" in said
+    assert (folder / "table.csv").read_bytes() == table
+    assert len(driven.read_text().splitlines()) == 12
+
+
+@pytest.mark.slow
+def test_signals_are_kept_where_they_are_asked_for(folder):
+    hashes = {
+        name: case["signal_hash"] for name, case in json.loads((folder / "summary.json").read_text())["cases"].items()
+    }
+    sweep_into(folder, "--signals")
+    cases = json.loads((folder / "summary.json").read_text())["cases"]
+    assert {name: signal_hash(load(folder / case["signals"])) for name, case in cases.items()} == hashes
+
+
+def test_what_was_driven_with_other_sources_or_files_is_not_taken(tmp_path):
+    own = tmp_path / "cycle.csv"
+    own.write_text("t_s,v_mps\n0,1\n")
+    case = Case("first", "shchur2019", (("driver", "speed_profile.file", str(own)),), duration=0.1)
+    run = load_scenario("shchur2019").runs[0]
+    measured = {"a": 1 / 3, "nan": float("nan"), "b": np.arange(3.0), "c": ("x", None, [True])}
+    KeptRows(tmp_path, "sweep", [case], run).keep(case, CaseResult("first", measured, "hash", 0.1, 0.2, "", ("note",)))
+    found = KeptRows(tmp_path, "sweep", [case], run).of(replace(case, name="second"))
+    assert (found.name, found.signal_hash, found.notes, found.measured["c"]) == (
+        "second",
+        "hash",
+        ("note",),
+        measured["c"],
+    )
+    assert found.measured["a"] == measured["a"]
+    assert np.array_equal(found.measured["b"], measured["b"])
+    assert KeptRows(tmp_path, "sweep", [case], run).of(replace(case, duration=0.2)) is None
+    own.write_text("t_s,v_mps\n0,2\n")
+    assert KeptRows(tmp_path, "sweep", [case], run).of(case) is None
 
 
 @pytest.mark.parametrize(

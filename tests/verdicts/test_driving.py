@@ -93,14 +93,14 @@ def test_what_other_sources_have_left_is_removed(tmp_path: Path):
 
 
 def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    from ev_sim.verdicts import kept
+    from ev_sim.study import depends
 
     Kept(tmp_path)
     before = {path.name for path in tmp_path.iterdir()}
-    files = [*kept._files(())]
+    files = [*depends._files(())]
     other = tmp_path / "other.yaml"
     other.write_text("x: 1\n")
-    monkeypatch.setattr(kept, "_files", lambda without: [*files, ("config/other.yaml", other)])
+    monkeypatch.setattr(depends, "_files", lambda without: [*files, ("config/other.yaml", other)])
     Kept(tmp_path)
     assert before.isdisjoint(path.name for path in tmp_path.iterdir())
 

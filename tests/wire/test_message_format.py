@@ -11,6 +11,15 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 
+from ev_msgs_py.compiling.message_memory import (
+    RUN,
+    TOPIC,
+    Memory,
+    is_laid_out_like,
+    read_numbers,
+    stamp_in,
+    write_message,
+)
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.signals import (
@@ -315,3 +324,35 @@ def test_garbage_carries_no_stamp():
     for garbage in (b"", b"\x00\x01\x00\x00", b"\x00\x00\x00\x00" + bytes(40), b"\xff" * 60):
         with pytest.raises(MessageError, match="carry no stamp"):
             stamp_of(garbage)
+
+
+@WITH_NUMBERS
+def test_compiled_code_reads_and_writes_the_same_bytes(topic):
+    """In its block of memory: the numbers, the stamp, and what is no message of ours; here run as plain Python."""
+    of, block = format_of(topic.signal), np.zeros(512, np.int64)
+    memory = Memory(*(block.view(kind) for kind in (np.uint8, np.int64, np.int32, np.float64, np.float32)))
+    there = np.zeros(1, np.dtype(TOPIC)).view(np.recarray)[0]
+    there.template, there.mask, at = 4, 1004, 2004  # numbers stand at whole ones behind the four bytes of encapsulation
+    there.length, there.last, there.single = len(of.template), len(of.runs), of.code == "f"
+    memory.bytes[4 : 4 + len(of.template)] = list(of.template)
+    memory.bytes[1004 : 1004 + len(of.mask)] = list(of.mask)
+    runs = np.array([tuple(run) for run in of.runs], RUN).view(np.recarray)
+    stamp, given = 12_345_678_901, framed(topic, ordinary(topic))
+    write_message(memory, there, runs, stamp, given.numbers)
+    message = bytes(memory.bytes[4 : 4 + len(of.template)])
+    assert message == of.pack(stamp, given)
+    memory.bytes[at : at + len(message)] = list(message)
+    found = Frame()
+    assert is_laid_out_like(memory, at, there)
+    assert read_numbers(memory, at, there, runs, found.numbers)
+    assert stamp_in(memory, at) == stamp
+    assert bytes(found.numbers) == bytes(given.numbers)
+    for place in (n for n, constant in enumerate(of.mask) if constant):
+        memory.bytes[at + place] ^= 1
+        assert not is_laid_out_like(memory, at, there)
+        memory.bytes[at + place] ^= 1
+    last = of.runs[-1]
+    numbers = memory.singles if there.single else memory.doubles
+    for wrong in (math.nan, math.inf, -math.inf):
+        numbers[(at + last.offset) // numbers.itemsize + last.length - 1] = wrong
+        assert not read_numbers(memory, at, there, runs, found.numbers)

@@ -9,6 +9,7 @@ from ev_control.estimation.friction_learning import FrictionLearningParameters, 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.wheel_loads import wheel_load
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, slip_of
@@ -31,6 +32,7 @@ class AdhesionLimitParameters(FrictionLearningParameters):
         source="assumption",
     )
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+    limp: LimpModeParameters = group(LimpModeParameters)
 
 
 @dataclass(slots=True)

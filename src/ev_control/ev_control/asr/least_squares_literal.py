@@ -7,6 +7,7 @@ from math import inf
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_curve_fit import SlipCurveFit, add_sample, fitted_curve, forget_samples, is_full
+from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion
@@ -25,6 +26,7 @@ class LeastSquaresLiteralParameters:
         25, unit="1", low=2, high=1000, about="samples in the window of the fit, n", source="assumption"
     )
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+    limp: LimpModeParameters = group(LimpModeParameters)
 
 
 @dataclass(slots=True)

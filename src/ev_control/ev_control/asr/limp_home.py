@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.shared.torque_plausibility import (
-    PlausibilityParameters,
-    PlausibilityState,
-    expect,
-    mirrored,
-    watch_torques,
-)
+from ev_control.shared.limp_mode import without_yaw
+from ev_control.shared.torque_plausibility import PlausibilityParameters, PlausibilityState
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import part
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand, WheelTorqueRequest
@@ -48,7 +43,4 @@ def limp_home(
     The car keeps the drive of its other axle, if it has one, and coasts otherwise. With it goes what the difference of
     the two torques did: assistance of the steering, torque vectoring. Brakes are not touched.
     """
-    watch_torques(p.plausibility, car, s.motors, period, wheels)
-    command = WheelTorqueCommand(mirrored(s.motors, request.drive, wheels), request.brake)
-    expect(p.plausibility, car, s.motors, period, command, wheels)
-    return command
+    return without_yaw(p.plausibility, car, s.motors, period, request.drive, request.brake, wheels)

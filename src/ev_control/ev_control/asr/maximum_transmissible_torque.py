@@ -7,6 +7,7 @@ from math import inf
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion, mass_share, road_torque
@@ -48,6 +49,7 @@ class MaximumTransmissibleTorqueParameters:
         source="assumption",
     )
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+    limp: LimpModeParameters = group(LimpModeParameters)
 
 
 @dataclass(slots=True)

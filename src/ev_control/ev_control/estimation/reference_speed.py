@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from operator import attrgetter
 from typing import Any
 
+from ev_control.estimation.trusted_wheels import WheelTrustParameters, WheelTrustState, believed, judge_wheels
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry
+from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.contract.signals import InertialMeasurement
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.elementary import cos, sin
-from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.layout import Need
@@ -47,6 +49,7 @@ class ReferenceSpeedParameters:
         about="correction of the observer by wheels that may be slipping; bounds what a sensor's offset adds up to",
         source="assumption",
     )
+    trust: WheelTrustParameters = group(WheelTrustParameters)
 
 
 @dataclass(slots=True)
@@ -54,6 +57,7 @@ class ReferenceSpeedState:
     """What lasts between steps."""
 
     speed: float = entry(unit="m/s", about="estimated speed of the car along its axis, negative in reverse")
+    trust: WheelTrustState = part(WheelTrustState)
 
 
 def free_wheels_for(group: str) -> Need:
@@ -83,7 +87,8 @@ def rolling_speeds(
     The middle of the rear axle is taken to move straight ahead. Left wheels then move at u - r t/2 and right ones at
     u + r t/2 along the car (track t, yaw rate r), and steered ones at (u -+ r t/2) cos(delta) + L r sin(delta) along
     themselves. `free_wheels` turns this round and takes the mean of the wheels without a motor, which roll as long as
-    nobody brakes; `observer` see `observed_speed`. `velocity` are wheel speeds [rad/s], the angle is that of the road
+    nobody brakes; `observer` see `observed_speed`, which also takes over where no wheel without a motor is believed any
+    more (`trust.watch`). `velocity` are wheel speeds [rad/s], the angle is that of the road
     wheels [rad], within -pi/2..pi/2, `direction` the sign of what the drives are asked for.
     """
     r, radius = imu.yaw_rate, car.wheel_radius
@@ -95,10 +100,12 @@ def rolling_speeds(
         velocity.rear_left * radius + rear,
         velocity.rear_right * radius - rear,
     )
-    if p.source == OBSERVER or car.number_driven == 4.0:
+    if p.trust.watch == 1.0:
+        watch_wheels(p, car, s, period, velocity, by_wheel, imu.longitudinal_acceleration, direction)
+    if p.source == OBSERVER or free_wheels(car, s) == 0.0:
         s.speed = observed_speed(p, s, period, by_wheel, imu.longitudinal_acceleration, direction)
     else:
-        s.speed = mean_of_free_wheels(car, by_wheel)
+        s.speed = mean_of_free_wheels(car, s, by_wheel)
     u = s.speed
     return Wheels(
         ((u - front) * cosine + across) / radius,
@@ -109,11 +116,43 @@ def rolling_speeds(
 
 
 @compilable
-def mean_of_free_wheels(car: Car, by_wheel: Wheels) -> float:
-    """Speed of the car [m/s] by the wheels without a motor; there must be one."""
-    front = (1.0 - car.driven[0]) * by_wheel[0] + (1.0 - car.driven[1]) * by_wheel[1]
-    rear = (1.0 - car.driven[2]) * by_wheel[2] + (1.0 - car.driven[3]) * by_wheel[3]
-    return (front + rear) / (4.0 - car.number_driven)
+def watch_wheels(
+    p: ReferenceSpeedParameters,
+    car: Car,
+    s: ReferenceSpeedState,
+    period: float,
+    velocity: Wheels,
+    by_wheel: Wheels,
+    acceleration: float,
+    direction: float,
+) -> None:
+    """Leave out wheels that cannot be, by last speed and accelerometer; at the start the speed is their mean."""
+    if s.trust.known == 0.0:
+        s.trust.known = 1.0
+        s.speed = ((by_wheel[0] + by_wheel[1]) + (by_wheel[2] + by_wheel[3])) / 4.0
+    else:
+        expected = s.speed + acceleration * period
+        judge_wheels(p.trust, car, s.trust, period, velocity, by_wheel, expected, direction)
+
+
+@compilable
+def weight(car: Car, s: ReferenceSpeedState, i: int) -> float:
+    """1 where a wheel has no motor and is believed, else 0."""
+    return (1.0 - car.driven[i]) * (1.0 - s.trust.left_out[i])
+
+
+@compilable
+def free_wheels(car: Car, s: ReferenceSpeedState) -> float:
+    """The number of wheels without a motor that are believed [1]."""
+    return (weight(car, s, 0) + weight(car, s, 1)) + (weight(car, s, 2) + weight(car, s, 3))
+
+
+@compilable
+def mean_of_free_wheels(car: Car, s: ReferenceSpeedState, by_wheel: Wheels) -> float:
+    """Speed of the car [m/s] by the wheels without a motor that are believed; there must be one."""
+    front = weight(car, s, 0) * by_wheel[0] + weight(car, s, 1) * by_wheel[1]
+    rear = weight(car, s, 2) * by_wheel[2] + weight(car, s, 3) * by_wheel[3]
+    return (front + rear) / free_wheels(car, s)
 
 
 @compilable
@@ -129,11 +168,15 @@ def observed_speed(
 
     A wheel that is driven never turns slower than it would roll, a braked one never faster: so the slowest wheel
     (braking: the fastest) limits the estimate quickly (`gripping_rate`) and otherwise only draws it slowly
-    (`slipping_rate`), because all wheels may be slipping.
+    (`slipping_rate`), because all wheels may be slipping. Where no wheel is believed the acceleration is all there is.
     """
     u = s.speed + acceleration * period
-    slowest = min(by_wheel[0], by_wheel[1], by_wheel[2], by_wheel[3])
-    fastest = max(by_wheel[0], by_wheel[1], by_wheel[2], by_wheel[3])
+    if believed(s.trust) == 0.0:
+        return u
+    slowest, fastest = inf, -inf
+    for i in range(4):
+        if s.trust.left_out[i] == 0.0:
+            slowest, fastest = min(slowest, by_wheel[i]), max(fastest, by_wheel[i])
     if direction == 0.0:
         gap = (slowest + fastest) / 2.0 - u  # wheels without torque roll
         return u + gap * min(p.gripping_rate * period, 1.0)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_peak import SlipPeakParameters
+from ev_control.shared.limp_mode import LimpModeParameters
 from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
 
 
@@ -69,6 +70,7 @@ class LeastSquaresParameters(SlipPeakParameters):
         source="assumption",
     )
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+    limp: LimpModeParameters = group(LimpModeParameters)
 
     def __post_init__(self) -> None:
         if max(self.least_slip, self.first_slip) > self.backstop:

@@ -8,6 +8,7 @@ from typing import Any
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState, forget_slip
+from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
@@ -36,6 +37,7 @@ class SlipRegulatorParameters:
     )
     slip: SlipObserverParameters = group(SlipObserverParameters)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+    limp: LimpModeParameters = group(LimpModeParameters)
 
 
 @dataclass(slots=True)

@@ -9,6 +9,8 @@ from typing import Any
 
 from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
+from ev_control.shared.limp_mode import LimpModeParameters, without_yaw
+from ev_control.shared.torque_plausibility import PlausibilityState
 from ev_control.shared.wheel_dynamics import WheelMotion
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part, per_wheel
@@ -42,6 +44,7 @@ class TractionControlState:
     velocity: list[float] = per_wheel(unit="rad/s", about="last wheel speeds")
     measured: float = entry(unit="1", about="whether there are last wheel speeds")
     direction: list[float] = per_wheel(unit="1", about="sign of the request that is watched; 0 where it just passes")
+    motors: PlausibilityState = part(PlausibilityState)
 
 
 @compilable
@@ -49,6 +52,7 @@ def controlled(
     limit_of: Callable[..., float],
     forget: Callable[..., None],
     reference: ReferenceSpeedParameters,
+    limp: LimpModeParameters,
     p: Any,
     car: Car,
     s: Any,
@@ -63,7 +67,8 @@ def controlled(
     Torques pass unchanged, and the law forgets the wheel, where nothing is asked for, where any wheel is braked, and
     where a torque works against the travel of the car (regeneration). Everything is counted in the direction of the
     request, so reverse mirrors forward. A measurement that is not finite or absurd changes nothing: the last limits
-    stay.
+    stay. A driven wheel whose speed sensor is lost (`reference.trust`) gets at most the least limit of the others;
+    where all are lost, torques pass. With `limp.watch` the partner of a lost motor mirrors it, within its own limit.
 
     The state has `control`, a TractionControlState, and `wheels`, each of which has what a LimitedWheel has.
     `limit_of(p, car, wheel, period, motion, wanted)` goes on with the state of a wheel of which `wanted` [N m], above
@@ -80,6 +85,8 @@ def controlled(
         within(drive[2], s.wheels[2].limit),
         within(drive[3], s.wheels[3].limit),
     )
+    if limp.watch == 1.0:
+        return without_yaw(limp.plausibility, car, s.control.motors, period, limited, request.brake, wheels)
     return WheelTorqueCommand(limited, request.brake)
 
 
@@ -126,8 +133,23 @@ def watch(
                 i,
             )
             wheel.limit = max(limit_of(p, car, wheel, period, motion, abs(drive[i])), 0.0)
+    if reference.trust.watch == 1.0:
+        limit_unknown_wheels(forget, p, car, s)
     known.velocity[:] = velocity
     known.measured = 1.0
+
+
+@compilable
+def limit_unknown_wheels(forget: Callable[..., None], p: Any, car: Car, s: Any) -> None:
+    """A driven wheel whose speed nobody knows gets at most what the most slippery of the others gets."""
+    lost, least = s.control.reference.trust.lost, inf
+    for i in range(4):
+        if car.driven[i] == 1.0 and lost[i] == 0.0 and s.control.direction[i] != 0.0:
+            least = min(least, s.wheels[i].limit)
+    for i in range(4):
+        if car.driven[i] == 1.0 and lost[i] == 1.0:
+            forget(p, s.wheels[i])
+            s.wheels[i].limit = least
 
 
 @compilable

@@ -36,7 +36,22 @@ def reference_of_regulator(p: Any) -> Any:
     return p.regulator.reference
 
 
-REFERENCES = {"reference": own_reference, "regulator.reference": reference_of_regulator}
+@compilable
+def own_limp_mode(p: Any) -> Any:
+    """The limp mode's parameters of a law that has them itself."""
+    return p.limp
+
+
+@compilable
+def limp_mode_of_regulator(p: Any) -> Any:
+    """Those of a law that regulates a slip."""
+    return p.regulator.limp
+
+
+GROUPS = {
+    "reference": (own_reference, own_limp_mode),
+    "regulator.reference": (reference_of_regulator, limp_mode_of_regulator),
+}
 
 
 def traction_control(
@@ -46,10 +61,10 @@ def traction_control(
 
     The law is `(p, car, wheel, period, motion, wanted)` and gives the largest torque of the wheel [N m], as
     `traction_control.controlled` says. `wheel` is the record of what it knows of a wheel, a LimitedWheel with more;
-    `forget(p, wheel)` puts it to the start; `reference` names the parameters of the reference speed among its own. The
-    method runs compiled if both functions are compilable.
+    `forget(p, wheel)` puts it to the start; `reference` names the parameters of the reference speed among its own, and
+    `limp` beside them are those of the limp mode. The method runs compiled if both functions are compilable.
     """
-    reference_of = REFERENCES[reference]
+    reference_of, limp_of = GROUPS[reference]
 
     def register(limit_of: L) -> L:
         @dataclass(slots=True)
@@ -75,7 +90,9 @@ def traction_control(
             wheels: WheelStates,
             imu: InertialMeasurement,
         ) -> WheelTorqueCommand:
-            return controlled(limit_of, forget, reference_of(p), p, car, s, period, request, column, wheels, imu)
+            return controlled(
+                limit_of, forget, reference_of(p), limp_of(p), p, car, s, period, request, column, wheels, imu
+            )
 
         named_after(law, limit_of)
         if limit_of in FUNCTIONS and forget in FUNCTIONS:

@@ -28,7 +28,7 @@ def register_functions() -> None:
     global _registered
     while _registered < len(FUNCTIONS):
         function = FUNCTIONS[_registered]
-        register_jitable(**OPTIONS, forceinline=function in INLINED)(function)
+        register_jitable(**OPTIONS, no_cfunc_wrapper=True, forceinline=function in INLINED)(function)
         _registered += 1
 
 

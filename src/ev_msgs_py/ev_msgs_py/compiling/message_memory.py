@@ -45,7 +45,7 @@ def is_laid_out_like(memory: Any, at: int, topic: Any) -> bool:
 def stamp_in(memory: Any, at: int) -> int:
     """The stamp of a message [ns]."""
     place = (at + STAMP_AT) // 4
-    stamp: int = memory.integers[place] * NANOSECONDS + memory.integers[place + 1]
+    stamp: int = int(memory.integers[place]) * NANOSECONDS + int(memory.integers[place + 1])
     return stamp
 
 

@@ -57,13 +57,15 @@ def units() -> dict[str, str]:
     }
 
 
-def stack(instants: int, period: int, size: int = SIZE) -> np.ndarray:
-    """Empty frames of so many instants from time zero, `period` nanoseconds apart: (instants, size).
+def times(instants: int, period: int) -> np.ndarray:
+    """So many instants from time zero [s], `period` nanoseconds apart."""
+    return np.arange(instants) * period / stamps.NANOSECONDS
 
-    A `size` below that of the frame leaves out the last signals, which nobody writes then.
-    """
-    frames = np.zeros((instants, size))
-    frames[:, TIME] = np.arange(instants) * period / stamps.NANOSECONDS
+
+def stack(instants: int, period: int) -> np.ndarray:
+    """Empty frames of so many instants from time zero, `period` nanoseconds apart: (instants, size)."""
+    frames = np.zeros((instants, SIZE))
+    frames[:, TIME] = times(instants, period)
     return frames
 
 

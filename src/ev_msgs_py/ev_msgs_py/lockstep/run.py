@@ -1,8 +1,11 @@
-"""A graph that is driven from instant to instant in this process: the parts of all roles over one stack of frames."""
+"""A graph that is driven from instant to instant in this process: the parts of all roles over a stack of frames.
+
+The stack holds a piece of the run, which stays in the processor's cache; what was said in it then becomes series.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -15,8 +18,8 @@ from ev_msgs_py.lockstep.graph import step_order
 from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.lockstep.parts import compiled_parts
 
-_CHUNK = 100  # instants between two looks at progress
-_CHUNKS_PER_LOOK = 50  # chunks between two looks at what the parts note
+_PIECE = 100  # instants between two looks at progress
+_PIECES_PER_LOOK = 50  # pieces between two looks at what the parts note
 
 
 def roles_in_order(played: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -33,7 +36,7 @@ def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
 
 
 class GraphRun:
-    """All parts of a graph and the frames of `instants` instants, of shape (instants, frame size).
+    """All parts of a graph, the `frames` of a piece of its run, and `series` of all, (frame size, instants).
 
     ParameterError if the configurations do not fit together.
     """
@@ -46,7 +49,10 @@ class GraphRun:
         roles = (*answering, *integrating)
         self.parts = [(role, part) for role in roles for part in compiled_parts(configurations[role])]
         written = {role: frame.span(configuration.method.writes) for role, configuration in configurations.items()}
-        self.frames = frame.stack(instants, period, max(end for _, end in written.values()))
+        size = max(end for _, end in written.values())
+        self.frames = np.zeros((min(_PIECE + 1, instants), size))
+        self.series = np.empty((size, instants))
+        self.series[frame.TIME] = frame.times(instants, period)
         self._answering = sum(role in answering for role, _ in self.parts)
         self._rows = np.array([(*part.addresses(), *written[role]) for role, part in self.parts], np.int64)
         for place in range(self._answering, len(self.parts)):
@@ -61,20 +67,29 @@ class GraphRun:
 
     def drive(self, progress: Callable[[float], None], note: Callable[[str, str], None]) -> None:
         """Drive all instants; SignalError, and nothing behind it is done, if a number is not finite."""
-        last, said = len(self.frames) - 1, set[tuple[str, str]]()
+        last, said = self.series.shape[1] - 1, set[tuple[str, str]]()
         stopped = np.zeros(2, np.int64)
         progress(0.0)
-        for begin in range(0, max(last, 1), _CHUNK):
-            end = min(begin + _CHUNK, last)
-            status = run_instants(self.frames, begin, end, end == last, self._rows, self._answering, stopped)
+        for begin, end in self._pieces():
+            count = end - begin
+            self.frames[: count + 1, frame.TIME] = self.series[frame.TIME, begin : end + 1]
+            status = run_instants(self.frames, 0, count, end == last, self._rows, self._answering, stopped)
             if status != FINISHED:
                 raise self._error(status, *stopped.tolist())
-            if end == last or end % (_CHUNK * _CHUNKS_PER_LOOK) == 0:
+            self.series[:, begin : end + 1] = self.frames[: count + 1].T
+            self.frames[0] = self.frames[count]
+            if end == last or end % (_PIECE * _PIECES_PER_LOOK) == 0:
                 self._pass_on_notes(said, note)
-            progress(float(self.frames[end, frame.TIME]))
+            progress(float(self.series[frame.TIME, end]))
+
+    def _pieces(self) -> Iterator[tuple[int, int]]:
+        """First and last instants of the pieces of the run, of which each begins where the one before ends."""
+        last = self.series.shape[1] - 1
+        for begin in range(0, max(last, 1), _PIECE):
+            yield begin, min(begin + _PIECE, last)
 
     def _error(self, status: int, instant: int, place: int) -> BaseException:
-        """What a part said that stopped at an instant, with the simulated time if a number is not finite."""
+        """What a part said that stopped at an instant of a piece, with the simulated time if a number is not finite."""
         role, part = self.parts[place]
         try:
             if status == NOT_FINITE:
@@ -96,4 +111,5 @@ class GraphRun:
     def drive_alone(self, role: str) -> None:
         """Drive the parts of one role that integrates through all instants; what it reads is in the frames already."""
         rows = np.array([row for row, (of, _) in zip(self._rows, self.parts, strict=True) if of == role])
-        run_instants(self.frames, 0, len(self.frames) - 1, False, rows, 0, np.zeros(2, np.int64))
+        for begin, end in self._pieces():
+            run_instants(self.frames, 0, end - begin, False, rows, 0, np.zeros(2, np.int64))

@@ -13,6 +13,7 @@ from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.lockstep.inbox import Arrival
 
 HEALTH = "health"  # what the name of its status ends with
+LOST = ".lost."  # in the names of what laws keep of motors and sensors that they do not trust
 _PERIOD = 1.0  # s
 
 
@@ -35,7 +36,7 @@ class Health:
         self._node.reports.tell(HEALTH, f"{steps:.0f} steps/s", values)
 
     def counts(self) -> dict[str, Any]:
-        """What has been counted since the node began, its method, and the drive torque that is withheld [N m]."""
+        """What has been counted, the method, drive torque that is withheld [N m], motors and sensors taken for lost."""
         node = self._node
         found = {
             "method": node.configuration.method.name,
@@ -48,4 +49,9 @@ class Health:
             numbers = node.stepper.answer.frame.numbers
             asked, let = (numbers[frame.PLACES[kind]][:4] for kind in (WheelTorqueRequest, WheelTorqueCommand))
             found["torque withheld"] = max(abs(a - b) for a, b in zip(asked, let, strict=True))
+        law = node.configuration.method.law
+        watched = [(i, name) for i, name in enumerate(law.names() if law else ()) if LOST in name]
+        if watched:
+            state = node.stepper.part.state
+            found["lost"] = ", ".join(name for i, name in watched if state[i]) or "nothing"
         return found

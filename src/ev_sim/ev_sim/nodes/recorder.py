@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 from rclpy.clock import Clock as RosClock
@@ -10,7 +11,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 
 from ev_msgs_py.contract.frame import Frame
-from ev_msgs_py.contract.roles import RECORDER, RECORDER_WRITES, ROLES
+from ev_msgs_py.contract.roles import MASTER, RECORDER, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.reports import Reports
@@ -22,6 +23,7 @@ from ev_sim.running.recording.output_of_run import OutputOfRun
 from ev_sim.running.recording.recorder_input import POLL_PERIOD, RecorderInput
 from ev_sim.running.recording.recorder_parameters import RecorderParameters
 
+_PATIENCE, _A_MOMENT = 2.0, Duration(seconds=0.02)  # s
 _NOTHING = Frame()  # the progress is nothing but its stamp
 
 
@@ -75,10 +77,18 @@ class RecorderNode(Node):
         if recorder.loss:
             raise RuntimeError(f"the recording has a gap: {recorder.loss}")
         if self._output.is_complete:
-            self._progress.publisher.wait_for_all_acked(Duration(seconds=2.0))
+            self._wait_for_the_master()
             self.close()
             self.done = True
         recorder.checkpoint()
+
+    def _wait_for_the_master(self) -> None:
+        """The last word is lost if the process ends before it is heard; who else listens need not hear it."""
+        publisher, given_up = self._progress.publisher, time.monotonic() + _PATIENCE
+        while not publisher.wait_for_all_acked(_A_MOMENT) and time.monotonic() < given_up:
+            ends = self.get_subscriptions_info_by_topic(publisher.topic_name)
+            if (MASTER, self.get_namespace()) not in {(end.node_name, end.node_namespace) for end in ends}:
+                return
 
     def close(self) -> None:
         """Leave nothing unwritten behind."""

@@ -10,7 +10,7 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.run import GraphRun
 from ev_sim.running.outcome import Outcome, Progress
-from ev_sim.running.recording.recording import Recording, recording_of
+from ev_sim.running.recording.recording import Recording, recording_of_series
 from ev_sim.running.scenarios.scenario import Run
 
 
@@ -29,7 +29,7 @@ def run_offline(
     run = GraphRun(configurations, stamps.from_seconds(duration) // period + 1)
     run.drive(progress, note)
     written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
-    return recording_of(run.frames, [topic for signal, topic in TOPICS.items() if signal in written])
+    return recording_of_series(run.series, [topic for signal, topic in TOPICS.items() if signal in written])
 
 
 def drive_offline(run: Run, progress: Progress = lambda time: None) -> Outcome:

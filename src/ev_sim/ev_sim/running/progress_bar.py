@@ -50,7 +50,8 @@ def progress_bar(name: str, duration: float) -> Iterator[Progress]:
         bar.refresh()
 
 
-def bar_of_runs(name: str, total: int) -> tqdm:
-    """A bar on standard error that counts runs."""
+def bar_of_runs(name: str, total: int, before: int = 0) -> tqdm:
+    """A bar on standard error that counts runs; so many were driven before."""
     tqdm.monitor_interval = 0  # else it starts a thread, and workers are forked off this process
-    return tqdm(desc=name, total=total, unit="run", ascii=not sys.stderr.isatty(), mininterval=0.5)
+    ascii = not sys.stderr.isatty()
+    return tqdm(desc=name, total=total, initial=before, unit="run", ascii=ascii, mininterval=0.5)

@@ -19,7 +19,10 @@ from ev_sim.report.table_files import write_tables
 from ev_sim.running.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.progress_bar import bar_of_runs
+from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult, run_of
+from ev_sim.study.depends import case_key
+from ev_sim.study.kept_rows import KeptRows, MeasureAndSave, signals_of
 from ev_sim.study.study import Results, Study, study_named
 from ev_sim.study.workers import drive_cases
 
@@ -31,6 +34,8 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
     parser.add_argument("--workers", type=_positive, metavar="N", help="worker processes here; default: one per core")
     parser.add_argument("--out", type=Path, metavar="DIR", help=f"output folder; default results/{name}")
+    parser.add_argument("--anew", action="store_true", help="drive again what was driven before with this --out")
+    parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
     add_overrides(parser)
     add_outputs(parser)
     study.add_options(parser)
@@ -58,11 +63,10 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     """Drive all cases of a study and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     study, given = study_named(name), arguments(name, argv)
     cases = study_cases(study, given)
-    _refuse_if_none_can_be_driven(cases)
+    run = _first_that_can_be_driven(cases)
     folder = OutputFolder(given.out or Path("results") / name, ())
     start = time.monotonic()
-    with bar_of_runs(name, len(cases)) as bar:
-        driven = drive_cases(cases, study.measure, lambda result: bar.update(), given.scheduler, given.workers)
+    driven, before = _drive(name, given, cases, folder.directory, run)
     wall_time = time.monotonic() - start
     results = {result.name: result for result in driven}
     if all(result.refused for result in driven):
@@ -91,9 +95,37 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         print(f"not driven: {', '.join(result.name for result in driven if result.refused == reason)}: {reason}")
     _print_notes(driven)
     print(f"signal hash {content['signal_hash']}")
-    print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s")
+    again = f", {before} of them driven before (--anew drives them again)" if before else ""
+    print(f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s{again}")
     page = "" if given.no_report else "report.html, "
     print(f"{page}figures and summary: {folder.directory}")
+
+
+def _drive(
+    name: str, given: argparse.Namespace, cases: Sequence[Case], folder: Path, run: Run
+) -> tuple[list[CaseResult], int]:
+    """The results of all cases, in their order, and how many of them were there already.
+
+    RunFailed if signals of a case are asked for and not there in the end.
+    """
+    measure, rows = study_named(name).measure, KeptRows(folder, name, cases, run)
+    paths = {case.name: signals_of(folder, case) for case in cases}
+    found = {} if given.anew else {case.name: result for case in cases if (result := rows.of(case)) is not None}
+    found = {key: result for key, result in found.items() if not given.signals or paths[key].exists()}
+    missing = {case.name: case for case in cases if case.name not in found}
+    with bar_of_runs(name, len(cases), len(found)) as bar:
+
+        def heard(result: CaseResult) -> None:
+            rows.keep(missing[result.name], result)
+            bar.update()
+
+        measures = [MeasureAndSave(measure, paths[each]) if given.signals else measure for each in missing]
+        driven = drive_cases(list(missing.values()), measures, heard, given.scheduler, given.workers) if missing else []
+    results = {**found, **{result.name: result for result in driven}}
+    for case, result in results.items():
+        if given.signals and not result.refused and not paths[case].exists():
+            raise RunFailed(f"{case}: its worker has written no {paths[case]}, which --signals needs all to see")
+    return [results[case.name] for case in cases], len(found)
 
 
 def _print_notes(results: Sequence[CaseResult]) -> None:
@@ -107,13 +139,12 @@ def _print_notes(results: Sequence[CaseResult]) -> None:
         print(f"note: {names[0]}{more}: {note}")
 
 
-def _refuse_if_none_can_be_driven(cases: Sequence[Case]) -> None:
-    """ParameterError with the first reason, before an earlier result is replaced, if every case is refused."""
+def _first_that_can_be_driven(cases: Sequence[Case]) -> Run:
+    """The first run that is not refused; ParameterError, before an earlier result is replaced, if there is none."""
     reason = ""
     for case in cases:
         try:
-            run_of(case)
-            return
+            return run_of(case)
         except ParameterError as error:
             reason = reason or f"{case.name}: {error}"
     raise ParameterError(f"none of {len(cases)} runs can be driven; {reason}")
@@ -149,6 +180,7 @@ def _summary(
                 "signal_hash": results[case.name].signal_hash,
                 "refused": results[case.name].refused,
                 "notes": list(results[case.name].notes),
+                "signals": f"signals/{case_key(case)}.npz" if given.signals else None,
                 "measured": {
                     key: value
                     for key, value in results[case.name].measured.items()

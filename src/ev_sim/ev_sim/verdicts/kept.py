@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import hashlib
 import pickle
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.parameters.config_folders import config_folders
-from ev_sim.report.summary import versions
 from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.running.recording.recording import Recording, load, save
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult, Measure
+from ev_sim.study.depends import NEVER_DRIVES, case_key, digest_of_sources
 
-_PACKAGES = ("ev_msgs_py", "ev_control", "ev_sim")
-_NEVER_DRIVES = ("ev_sim/commands", "ev_sim/verdicts", "ev_sim/report/figures")
 _ONLY_MEASURES = ("ev_sim/report", "ev_sim/study")
 
 
@@ -62,8 +57,8 @@ class Kept:
     """
 
     def __init__(self, folder: Path) -> None:
-        self._recordings = folder / f"recordings_{_digest(_NEVER_DRIVES + _ONLY_MEASURES)}"
-        self._measured = folder / f"measured_{_digest(_NEVER_DRIVES)}"
+        self._recordings = folder / f"recordings_{digest_of_sources(NEVER_DRIVES + _ONLY_MEASURES)}"
+        self._measured = folder / f"measured_{digest_of_sources(NEVER_DRIVES)}"
         for each in (self._recordings, self._measured):
             for other in folder.glob(each.name.partition("_")[0] + "_*"):
                 if other != each:
@@ -88,30 +83,3 @@ def measured_at(path: Path, name: str) -> CaseResult:
 def recording_at(path: Path) -> Recording:
     """The signals in a file; the last ones stay in memory."""
     return load(path)
-
-
-def case_key(case: Case) -> str:
-    """A digest of what a case drives, whatever its name."""
-    said = repr((case.scenario, case.values, case.run, [str(file) for file in case.files], case.duration, case.vehicle))
-    return hashlib.sha256(said.encode()).hexdigest()[:24]
-
-
-def _digest(without: tuple[str, ...]) -> str:
-    digest = hashlib.sha256(repr(sorted(versions().items())).encode())
-    for name, path in sorted(_files(without)):
-        digest.update(f"{name}\0".encode() + path.read_bytes())
-    return digest.hexdigest()[:24]
-
-
-def _files(without: tuple[str, ...]) -> Iterable[tuple[str, Path]]:
-    for package in _PACKAGES:
-        top = Path(import_module(package).__file__ or "").parent.parent
-        for path in (top / package).rglob("*.py"):
-            name = path.relative_to(top).as_posix()
-            # What the compiler leaves beside the sources says nothing that they do not.
-            if "__pycache__" not in path.parts and not name.startswith(tuple(f"{each}/" for each in without)):
-                yield name, path
-    for config in config_folders():
-        for path in config.rglob("*"):
-            if path.is_file() and "published" not in path.relative_to(config).parts:
-                yield f"config/{path.relative_to(config).as_posix()}", path

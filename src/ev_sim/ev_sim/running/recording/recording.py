@@ -52,6 +52,11 @@ def recording_of(frames: np.ndarray, topics: Iterable[Topic]) -> Recording:
     series = np.empty(frames.shape[::-1])
     for begin in range(0, len(frames), _BLOCK):
         series[:, begin : begin + _BLOCK] = frames[begin : begin + _BLOCK].T
+    return recording_of_series(series, topics)
+
+
+def recording_of_series(series: np.ndarray, topics: Iterable[Topic]) -> Recording:
+    """The channels of some topics in the series of all numbers of the frame (frame size, instants)."""
     channels = {
         name: series[place]
         for topic in topics

@@ -1,0 +1,108 @@
+"""Which wheel speeds can be: a sensor that is dead, stuck, wrong or mixed up shows beside the speed of the car.
+
+A wheel that is driven cannot turn slower than it rolls, nor a braked one faster; a wheel without a motor that nobody
+brakes rolls; and no wheel turns at one speed, to the bit, while others change theirs. What a sensor says beyond that,
+by more than tyres and bends explain, is left out at once, and the sensor counts as lost where that lasts. A driven
+wheel that turns faster may be slipping: there a sensor that reads too much cannot be told from a wheel that spins, and
+is not found. An assumption of this project, no source has it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry, per_wheel
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.vehicle.car import Car
+
+
+@dataclass(frozen=True, slots=True)
+class WheelTrustParameters:
+    """When a wheel speed is no longer believed; all of it is assumed."""
+
+    watch: bool = parameter(False, about="whether wheel speeds that cannot be are left out; else all are believed")
+    tolerance: float = parameter(
+        0.3, unit="m/s", low=0.01, high=100.0, about="deviation from the speed of the car that is allowed"
+    )
+    share: float = parameter(0.1, unit="1", low=0.0, high=1.0, about="of the speed of the car, allowed besides")
+    time: float = parameter(0.1, unit="s", low=0.0, high=10.0, about="of deviation until a sensor counts as lost")
+    recovery: float = parameter(
+        1.0, unit="s", low=0.01, high=100.0, about="of agreement until a lost one is believed again"
+    )
+
+
+@dataclass(slots=True)
+class WheelTrustState:
+    """What is known of the four sensors."""
+
+    doubt: list[float] = per_wheel(unit="s", about="time of deviation, less what agreement has made up for")
+    lost: list[float] = per_wheel(unit="1", about="1 while the sensor counts as lost")
+    left_out: list[float] = per_wheel(unit="1", about="1 where it is left out in this step")
+    velocity: list[float] = per_wheel(unit="rad/s", about="last wheel speeds")
+    still: list[float] = per_wheel(unit="m/s", about="what others have changed while it stayed the same, not at rest")
+    known: float = entry(unit="1", about="whether there is a speed of the car to compare with")
+
+
+@compilable
+def judge_wheels(
+    p: WheelTrustParameters,
+    car: Car,
+    s: WheelTrustState,
+    period: float,
+    velocity: Wheels,
+    by_wheel: Wheels,
+    expected: float,
+    direction: float,
+) -> None:
+    """Say which wheels are left out, by what each means for the speed of the car if it rolls and what is expected.
+
+    Wheel speeds [rad/s], speeds [m/s], `direction` the sign of what the drives are asked for, against the travel where
+    the car is braked. Where nothing is left that could be believed, all of it begins anew: the expectation is wrong.
+    """
+    allowed = p.tolerance + p.share * abs(expected)
+    rolls = direction * expected >= 0.0
+    for i in range(4):
+        gap = by_wheel[i] - expected
+        strays = gap * direction < -allowed or (rolls and car.driven[i] == 0.0 and abs(gap) > allowed)
+        cannot_be = is_stuck(p, car, s, velocity, i) or strays
+        if cannot_be:
+            s.doubt[i] = min(s.doubt[i] + period, p.time + period)
+        else:
+            s.doubt[i] = max(s.doubt[i] - period * (p.time / p.recovery), 0.0)
+        if s.doubt[i] > p.time:
+            s.lost[i] = 1.0
+        elif s.doubt[i] == 0.0:
+            s.lost[i] = 0.0
+        s.left_out[i] = 1.0 if cannot_be else s.lost[i]
+    s.velocity[:] = velocity
+    if believed(s) == 0.0 and s.lost[0] + s.lost[1] + s.lost[2] + s.lost[3] == 4.0:
+        forget_trust(s)
+
+
+@compilable
+def is_stuck(p: WheelTrustParameters, car: Car, s: WheelTrustState, velocity: Wheels, i: int) -> bool:
+    """Whether a wheel, not at rest, has stayed at its speed while another one has changed by more than is allowed."""
+    if velocity[i] != s.velocity[i] or velocity[i] == 0.0:
+        s.still[i] = 0.0
+        return False
+    change = 0.0
+    for j in range(4):
+        change = max(change, abs(velocity[j] - s.velocity[j]))
+    s.still[i] += change * car.wheel_radius
+    return s.still[i] > p.tolerance
+
+
+@compilable
+def believed(s: WheelTrustState) -> float:
+    """The number of wheels that are not left out [1]."""
+    return 4.0 - (s.left_out[0] + s.left_out[1] + s.left_out[2] + s.left_out[3])
+
+
+@compilable
+def forget_trust(s: WheelTrustState) -> None:
+    """Believe every sensor again."""
+    for i in range(4):
+        s.doubt[i] = s.lost[i] = s.left_out[i] = s.still[i] = 0.0
+    s.known = 0.0

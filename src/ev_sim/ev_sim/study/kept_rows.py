@@ -1,0 +1,116 @@
+"""What a study has driven, on disk: one that was stopped goes on, and one that has grown drives only what is new."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ev_sim.running.recording.atomic import atomic_file
+from ev_sim.running.recording.recording import Recording, save
+from ev_sim.running.scenarios.scenario import Run
+from ev_sim.study.case import Case, CaseResult, Measure
+from ev_sim.study.depends import case_key, digest_of_files, digest_of_sources
+
+_NAME = "driven.jsonl"
+_ARRAY, _TUPLE = "array", "tuple"  # what JSON does not know, as objects with one of these keys
+
+
+class KeptRows:
+    """A line for each case that was driven, with a digest of all that its result depends on.
+
+    `run` is any run of the study: files that its parameters name count like sources. What was driven with other
+    sources is left out.
+    """
+
+    def __init__(self, folder: Path, study: str, cases: Sequence[Case], run: Run) -> None:
+        self._path = folder / _NAME
+        self._sources = f"{study} {digest_of_sources()} {digest_of_files(_words(cases, run))}"
+        lines = list(self._lines())
+        self._results = {line["case"]: line["result"] for line in lines}
+        with atomic_file(self._path) as file:
+            file.writelines(json.dumps(line).encode() + b"\n" for line in lines)
+
+    def of(self, case: Case) -> CaseResult | None:
+        """The result of a case if it was driven before."""
+        found = self._results.get(case_key(case))
+        if found is None:
+            return None
+        return CaseResult(**{**{key: _decoded(value) for key, value in found.items()}, "name": case.name})
+
+    def keep(self, case: Case, result: CaseResult) -> None:
+        """Write a result, at once; one that was refused is not worth it."""
+        if result.refused:
+            return
+        fields = {field.name: _encoded(getattr(result, field.name)) for field in dataclasses.fields(result)}
+        line = {"sources": self._sources, "case": case_key(case), "result": fields}
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(line) + "\n")
+
+    def _lines(self) -> Iterable[dict[str, Any]]:
+        if not self._path.exists():
+            return
+        for text in self._path.read_text(encoding="utf-8").splitlines():
+            try:
+                line = json.loads(text)
+            except ValueError:  # the last one, of a study that was killed while it wrote
+                continue
+            if line["sources"] == self._sources:
+                yield line
+
+
+@dataclass(frozen=True, slots=True)
+class MeasureAndSave:
+    """What the worker of a case does where signals are kept as well, at a path that it has to be able to write to."""
+
+    measure: Measure
+    path: Path
+
+    def __call__(self, recording: Recording, run: Run) -> Mapping[str, Any]:
+        self.path.parent.mkdir(exist_ok=True)
+        save(recording, self.path)
+        return self.measure(recording, run)
+
+
+def signals_of(folder: Path, case: Case) -> Path:
+    """Where the signals of a case are kept."""
+    return folder / "signals" / f"{case_key(case)}.npz"
+
+
+def _words(cases: Sequence[Case], run: Run) -> Iterable[object]:
+    """Everything that may be a path."""
+    for configuration in run.configurations.values():
+        yield from configuration.values().values()
+    for case in cases:
+        yield from (case.scenario, case.vehicle, *case.files, *(value for *_, value in case.values))
+
+
+def _encoded(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return {_ARRAY: value.tolist(), "type": value.dtype.str}
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, tuple):
+        return {_TUPLE: [_encoded(each) for each in value]}
+    if isinstance(value, list):
+        return [_encoded(each) for each in value]
+    if isinstance(value, Mapping):
+        return {key: _encoded(each) for key, each in value.items()}
+    return value
+
+
+def _decoded(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_decoded(each) for each in value]
+    if not isinstance(value, dict):
+        return value
+    if value.keys() == {_ARRAY, "type"}:
+        return np.array(value[_ARRAY], value["type"])
+    if value.keys() == {_TUPLE}:
+        return tuple(_decoded(each) for each in value[_TUPLE])
+    return {key: _decoded(each) for key, each in value.items()}
