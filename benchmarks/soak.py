@@ -31,7 +31,7 @@ from ev_sim.running.domain import free_domain
 from ev_sim.running.same_addresses import same_addresses
 from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
-PERIOD = 0.01  # s
+PERIOD = 0.1  # s; ten million steps pass a million seconds
 LOOKS = 20
 PATIENCE = 60.0  # s without a step
 

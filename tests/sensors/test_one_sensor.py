@@ -11,6 +11,7 @@ from sensors.rows import EVERYTHING, sensors, shown
 
 from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.contract import frame
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.sensors.part import SensorPart
 from ev_msgs_py.sensors.quantities import QUANTITIES
 from ev_msgs_py.sensors.random_numbers import philox
@@ -171,3 +172,28 @@ def test_a_row_that_begins_anew_shows_the_same_again():
             said.append(list(numbers) if kind is memoryview else given)
         runs.append(said)
     assert runs[0] == runs[1] != [[float(k)] * frame.SIZE for k in range(20)]
+
+
+def test_errors_as_shares_of_reading_and_range_add_up():
+    """Twice the reading, twice the error; 1 % of a range of 200 is 2, whatever the reading."""
+    unit = shown(np.zeros(500), noise=1.0)
+    for reading in (0.0, -10.0, 20.0):
+        true = np.full(500, reading)
+        of_reading = shown(true, noise_of_reading=0.02) - reading
+        assert of_reading == pytest.approx(0.02 * abs(reading) * unit, abs=1e-12)
+        both = {"lowest": -100.0, "highest": 100.0, "bias_of_range": -0.005, "noise_of_range": 0.01}
+        assert shown(true, **both) - reading == pytest.approx(-1.0 + 2.0 * unit, abs=1e-12)
+    assert shown(np.zeros(9), noise_of_reading=0.5).tolist() == [0.0] * 9
+
+
+@pytest.mark.parametrize(
+    ("errors", "words"),
+    [
+        ({"noise_of_range": 0.01}, "noise_of_range needs a range: lowest and highest"),
+        ({"bias_of_range": 0.01, "lowest": 0.0}, "bias_of_range needs a range: lowest and highest"),
+        ({"lowest": 1.0, "highest": 0.0}, "lowest is 1, allowed is at most highest, 0"),
+    ],
+)
+def test_a_share_of_no_range_is_refused(errors, words):
+    with pytest.raises(ParameterError, match=words):
+        shown(np.zeros(1), **errors)

@@ -15,6 +15,7 @@ from ev_msgs_py.contract.signals import TireForces, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.files import with_files
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.state import index
 
@@ -34,7 +35,7 @@ def flat(tree: dict, prefix: str = "") -> dict:
 
 
 def vehicle(path: Path) -> Vehicle:
-    return build(Vehicle, flat(yaml.safe_load(path.read_text())["/**"]["ros__parameters"]["vehicle"]))
+    return with_files(build(Vehicle, flat(yaml.safe_load(path.read_text())["/**"]["ros__parameters"]["vehicle"])))
 
 
 @pytest.mark.parametrize("path", VEHICLES, ids=lambda path: path.stem)

@@ -25,7 +25,7 @@ from ev_msgs_py.parameters.declaration import (
 from ev_msgs_py.parameters.values import entries_by_name, replaced, unknown_name
 from ev_msgs_py.sensors.quantities import sensors_for
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.efficiency_map import with_map_from_file
+from ev_msgs_py.vehicle.files import with_files
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +158,7 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
 def _fitting(configuration: Configuration) -> Configuration:
     """The configuration with what its files hold; ParameterError if its method does not suit the vehicle."""
     method, common = configuration.method, configuration.common
-    common = dataclasses.replace(common, vehicle=with_map_from_file(common.vehicle))
+    common = dataclasses.replace(common, vehicle=with_files(common.vehicle))
     parameters = configuration.parameters
     if isinstance(method.factory, ReadingFiles):
         parameters = method.factory.load_files(parameters)

@@ -2,7 +2,7 @@
 
 A row of numbers holds what the sensors behind one object are told, another one what lasts between periods:
 
-    constants  total  size of the state  sensors  then for each sensor the numbers from KIND to DISTRIBUTION
+    constants  total  size of the state  sensors  then for each sensor the numbers from KIND to NOISE_OF_READING
     state      period                             then for each sensor what it shows and what is on its way
 """
 
@@ -24,9 +24,9 @@ NUMBERS, HEADING, SHARE = range(3)
 
 # What a sensor is told. Three places: of the first number, or of z and w, or of share, amount and whole; MEMORY is that
 # of its own numbers in the state.
-WIDTH = 18
+WIDTH = 19
 KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, NAME = range(14)
-GAIN, LOWEST, HIGHEST, DISTRIBUTION = range(14, WIDTH)
+GAIN, LOWEST, HIGHEST, DISTRIBUTION, NOISE_OF_READING = range(14, WIDTH)
 HEAD = 3
 
 
@@ -60,7 +60,7 @@ def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> Non
     spare = 0.0
     for i in range(count):
         normal = spare
-        if c[NOISE] > 0.0 and i % 2 == 0:
+        if c[NOISE] + c[NOISE_OF_READING] > 0.0 and i % 2 == 0:
             w0, w1, w2, w3 = words(c, period, i // 2, FOR_NOISE)
             if c[DISTRIBUTION] == UNIFORM:
                 normal, spare = 2.0 * uniform(w0, w1) - 1.0, 2.0 * uniform(w2, w3) - 1.0
@@ -98,7 +98,10 @@ def is_dropped(c: Sequence[float], period: int) -> bool:
 @compilable
 def sampled(true: float, normal: float, c: Sequence[float]) -> float:
     """A number with its systematic and random errors, at the nearest of the values that can be shown."""
-    value = c[GAIN] * true + c[BIAS] + c[NOISE] * normal
+    size = c[NOISE]
+    if c[NOISE_OF_READING] > 0.0:  # of an infinite number a share of 0 would be none
+        size += c[NOISE_OF_READING] * abs(true)
+    value = c[GAIN] * true + c[BIAS] + size * normal
     if not isfinite(value):  # whoever publishes it says which number that is
         return value
     value = min(max(value, c[LOWEST]), c[HIGHEST])

@@ -32,9 +32,10 @@ class SensorRow:
         places = quantity.places[:1] if quantity.kind == NUMBERS else quantity.places
         memory, self._size = self._size, self._size + quantity.count * (1 + errors.delay)
         told = [quantity.kind, *places, *[0] * (3 - len(places)), quantity.count, shape_of(quantity.signal).has_single]
-        told += [memory, errors.bias, errors.noise, errors.quantisation, errors.delay, errors.dropout]
+        told += [memory, errors.offset, errors.least_noise, errors.quantisation, errors.delay, errors.dropout]
         told += [seed, zlib.crc32(quantity.name.encode()), errors.gain, errors.lowest, errors.highest]
-        return [float(value) for value in (*told, DISTRIBUTIONS.index(errors.distribution))]
+        told += [DISTRIBUTIONS.index(errors.distribution), errors.noise_of_reading]
+        return [float(value) for value in told]
 
     def start(self) -> None:
         """Begin anew, before the first period."""

@@ -28,6 +28,7 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
     - `driven`: 1 for a wheel with a motor, else 0, in the order of Wheels, and `number_driven`, their sum,
     - `driven_wheel_inertia`: of a driven wheel with its rotor behind the gear [kg m^2],
     - `rolling_resistance_growth`: of the rolling resistance coefficient over V^2 [s^2/m^2],
+    - `front_roll_share`: of the front axle in the lateral load transfer [1], by roll stiffness where that is given,
     - `pitch_height`, `roll_height`: height of the centre of mass [m] by which longitudinal and lateral acceleration
       move the wheel loads, 0 for what `load_transfer` leaves out.
     """
@@ -38,6 +39,7 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
         "number_driven": sum(driven),
         "driven_wheel_inertia": vehicle.driven_wheel_inertia,
         "rolling_resistance_growth": vehicle.rolling_resistance_growth,
+        "front_roll_share": vehicle.front_share_of_roll,
         "pitch_height": vehicle.centre_of_mass_height if vehicle.load_transfer == "both" else 0.0,
         "roll_height": 0.0 if vehicle.load_transfer == "none" else vehicle.centre_of_mass_height,
     }

@@ -8,6 +8,7 @@ from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
 from ev_msgs_py.vehicle.battery import Battery
 from ev_msgs_py.vehicle.driveline import Driveline
 from ev_msgs_py.vehicle.motor import Motor
+from ev_msgs_py.vehicle.suspension import Suspension
 from ev_msgs_py.vehicle.tyre import Tyre
 
 LOAD_TRANSFERS = ("both", "lateral", "none")
@@ -90,7 +91,11 @@ class Vehicle:
         0.0, unit="m", low=-2.0, high=2.0, about="centre of mass left of the car's middle", lateral=True
     )
     front_roll_share: float = parameter(
-        0.5, unit="1", low=0.0, high=1.0, about="share of the lateral load transfer that the front axle takes"
+        0.5,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="share of the lateral load transfer that the front axle takes, unless `suspension` has roll stiffness",
     )
     load_transfer: str = parameter(
         "both",
@@ -135,6 +140,7 @@ class Vehicle:
     blend_fade_speed: float = parameter(
         10.0, unit="rad/s", low=0.1, high=1e3, about="wheel speed below which motors hand braking back to the brakes"
     )
+    suspension: Suspension = group(Suspension)
     tyre: Tyre = group(Tyre)
     motor: Motor = group(Motor)
     driveline: Driveline = group(Driveline)
@@ -149,11 +155,27 @@ class Vehicle:
             raise ParameterError(f"driven_wheels names a wheel twice: {', '.join(self.driven_wheels)}")
         if len(self.wheel_radius_ratio) != 4:
             raise ParameterError("wheel_radius_ratio needs four elements, one for each wheel")
+        if self.suspension.has_roll_stiffness:
+            if self.centre_of_mass_height <= 0.0:
+                raise ParameterError("suspension.front_roll_stiffness needs centre_of_mass_height above 0")
+            if not 0.0 <= self.front_share_of_roll <= 1.0:
+                raise ParameterError(
+                    f"suspension gives the front axle {self.front_share_of_roll:.3g} of the lateral load transfer, "
+                    "allowed is 0 to 1"
+                )
 
     @property
     def free_wheel_inertia(self) -> float:
         """Inertia of a wheel without motor [kg m^2]."""
         return self.wheel_inertia * self.undriven_inertia_ratio + self._carried_inertia
+
+    @property
+    def front_share_of_roll(self) -> float:
+        """Share of the lateral load transfer that the front axle takes [1]."""
+        if not self.suspension.has_roll_stiffness:
+            return self.front_roll_share
+        front = self.centre_of_mass_to_rear_axle / self.wheelbase
+        return self.suspension.front_roll_share(self.centre_of_mass_height, front)
 
     @property
     def rolling_resistance_growth(self) -> float:

@@ -5,14 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.vehicle.mf_tyre import refuse_mf_tyre
 
 # How many of the coefficients of a curve give no friction unless they are positive.
-POSITIVE_COEFFICIENTS = {"burckhardt": 0, "rational": 2, "two_exponential": 3, "magic_formula": 3, "linear": 1}
+POSITIVE_COEFFICIENTS = {
+    "burckhardt": 0,
+    "rational": 2,
+    "two_exponential": 3,
+    "magic_formula": 3,
+    "linear": 1,
+    "mf_tyre": 0,
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Tyre:
-    """Friction curve, combined slip and carcass of the tyres; all four are alike.
+    """Friction curve, combined slip and carcass of the tyres; all four are alike, but for `mf_tyre`, axle by axle.
 
     The carcass values are assumptions: no source gives them, and a passenger-car tyre has about these (relaxation
     lengths of 0.2 to 0.4 m). Steady driving does not depend on them.
@@ -21,7 +29,8 @@ class Tyre:
     curve: str = parameter(
         "burckhardt",
         choices=tuple(POSITIVE_COEFFICIENTS),
-        about="friction curve over slip",
+        about="friction curve over slip; mf_tyre: tyres front and rear by the Magic Formula with load dependence, from "
+        "tyre property files",
         own=True,
     )
     coefficients: tuple[float, ...] = parameter(
@@ -34,8 +43,9 @@ class Tyre:
     )
     combined: str = parameter(
         "slip_vector",
-        choices=("slip_vector", "uncoupled"),
-        about="slip_vector: one curve over the resulting slip; uncoupled: each direction on its own",
+        choices=("slip_vector", "uncoupled", "weighted"),
+        about="slip_vector: one curve over the resulting slip; uncoupled: each direction on its own; weighted: by the "
+        "weighting functions of mf_tyre, which needs it",
     )
     lateral_curve: str = parameter(
         "same",
@@ -52,6 +62,25 @@ class Tyre:
     )
     rear_cornering_stiffness: float = parameter(
         60000.0, unit="N/rad", low=0.0, high=1e6, about="of each rear tyre at its static load, of a lateral line"
+    )
+    load_sensitivity: float = parameter(
+        0.0,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="degressive load: friction and slip stiffness over load fall by this share for each `nominal_load` more; "
+        "mf_tyre has its own",
+    )
+    nominal_load: float = parameter(
+        4000.0, unit="N", low=100.0, high=1e5, about="load of a tyre at which `load_sensitivity` changes nothing"
+    )
+    front_file: str = parameter("", about="tyre property file (.tir) of the front tyres; empty for none")
+    rear_file: str = parameter("", about="tyre property file (.tir) of the rear tyres; empty for none")
+    front_mf: tuple[float, ...] = parameter(
+        (), unit="1", low=-1e6, high=1e6, about="coefficients of the front tyres of mf_tyre, in the order of `MfTyre`"
+    )
+    rear_mf: tuple[float, ...] = parameter(
+        (), unit="1", low=-1e6, high=1e6, about="coefficients of the rear tyres of mf_tyre, in the order of `MfTyre`"
     )
     longitudinal_stiffness: float = parameter(
         350e3, unit="N/m", low=1e4, high=1e7, about="carcass stiffness between rim and contact patch, along the wheel"
@@ -82,6 +111,20 @@ class Tyre:
                 f"coefficients {list(self.coefficients)} give no friction: curve {self.curve} needs the first "
                 f"{needed} positive"
             )
+        if (self.combined == "weighted") != (self.curve == "mf_tyre"):
+            raise ParameterError(
+                f"combined is {self.combined} with curve {self.curve}: mf_tyre and weighted go together"
+            )
+        if self.curve == "mf_tyre":
+            for given, allowed in ((self.lateral_ratio, 1.0), (self.load_sensitivity, 0.0)):
+                if given != allowed:
+                    raise ParameterError("curve mf_tyre needs lateral_ratio 1 and load_sensitivity 0: it has its own")
+            for axle, file, numbers in (
+                ("front", self.front_file, self.front_mf),
+                ("rear", self.rear_file, self.rear_mf),
+            ):
+                if not file:
+                    refuse_mf_tyre(axle, numbers)
         if self.lateral_curve != "same" and self.combined != "uncoupled":
             raise ParameterError(
                 f"lateral_curve {self.lateral_curve} needs combined uncoupled: a line has no share of a slip vector"

@@ -14,8 +14,10 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.analysis.linearised_plant import LinearisedPlant, OperatingPoint, linearised
+from ev_msgs_py.vehicle.files import with_files
+from ev_sim.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
+from ev_sim.analysis.single_track import single_track, tangent_speed, yaw_damping, yaw_gain
 from ev_sim.report.figures.saving import save_figures
 from ev_sim.report.quantities.understeer import (
     axle_cornering_stiffnesses,
@@ -28,6 +30,7 @@ from ev_sim.running.scenarios.configured_file import vehicle_file
 from ev_sim.surfaces.table import REFERENCE, SURFACES
 
 _PREFIX = "vehicle."
+_SPEEDS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0)  # [m/s] of the table
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -44,17 +47,37 @@ def main(argv: Sequence[str] | None = None) -> None:
     model = side_slip_model(vehicle, given.speed, plant.acceleration, given.drive_force, share, given.surface)
     for label, value, unit in rows(vehicle, given.surface, model, plant):
         print(f"{label:52}{value:>12.5g} {unit}")
+    print_over_speed(vehicle, given.surface)
     from ev_sim.analysis.bode_figure import bode_figure
 
     given.out.mkdir(parents=True, exist_ok=True)
+    matrices = given.out / f"linearised_{vehicle.name}.npz"
+    save_matrices(matrices, plant)
+    print(f"A, B, C, D: {matrices}")
     (path,) = save_figures({f"bode_{vehicle.name}": bode_figure(model, plant)}, given.out)
     print(f"figure: {path}")
+
+
+def print_over_speed(vehicle: Vehicle, surface: str) -> None:
+    """Print yaw rate gain and damping of the single-track model over speed."""
+    print(f"\n{'speed m/s':>10}{'yaw rate gain 1/s':>20}{'damping ratio 1':>18}{'frequency rad/s':>18}")
+    for speed in _SPEEDS:
+        model = single_track(vehicle, speed, surface)
+        ratio, frequency = yaw_damping(model)
+        print(f"{speed:>10g}{yaw_gain(model):>20.4g}{ratio:>18.4g}{frequency:>18.4g}")
+
+
+def save_matrices(path: Path, plant: LinearisedPlant) -> None:
+    """Save A, B, C, D of the linearised plant, and the names of its states and outputs, as a numpy archive."""
+    system = plant.system
+    np.savez(path, A=system.A, B=system.B, C=system.C, D=system.D, states=plant.states, outputs=OUTPUTS)
 
 
 def load_vehicle(name: str) -> Vehicle:
     """The vehicle of a name or a path; ParameterError, in one line, if there is none or it is refused."""
     values = vehicle_file(name).values_for("/ev/plant")
-    return build(Vehicle, {key: value for key, value in values.items() if key.startswith(_PREFIX)}, _PREFIX)
+    own = {key: value for key, value in values.items() if key.startswith(_PREFIX)}
+    return with_files(build(Vehicle, own, _PREFIX))
 
 
 def drive_torques(vehicle: Vehicle, force: float) -> Wheels:
@@ -81,6 +104,7 @@ def rows(vehicle: Vehicle, surface: str, model: SideSlipModel, plant: Linearised
         ("understeer gradient", understeer_gradient(vehicle, surface), "rad s^2/m"),
         ("characteristic speed", characteristic_speed(vehicle, surface), "m/s"),
         ("critical speed", critical_speed(vehicle, surface), "m/s"),
+        ("tangent speed: no sideslip", tangent_speed(vehicle, surface), "m/s"),
         ("speed of what follows", model.speed, "m/s"),
         ("acceleration", plant.acceleration, "m/s^2"),
         ("W12: damping D", model.damping, "1/s"),
@@ -96,7 +120,8 @@ def rows(vehicle: Vehicle, surface: str, model: SideSlipModel, plant: Linearised
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m ev_sim.analysis",
-        description="How a vehicle steers: understeer gradient, W12, and the planar plant linearised numerically.",
+        description="How a vehicle steers: understeer gradient, W12, the single-track model over speed, and the planar "
+        "plant linearised numerically, saved as A, B, C, D.",
     )
     parser.add_argument("vehicle", help="name of a file in config/vehicles, or path of your own")
     parser.add_argument("--surface", default=REFERENCE, choices=sorted(SURFACES), help="default: %(default)s")

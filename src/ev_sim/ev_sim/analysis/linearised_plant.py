@@ -57,10 +57,12 @@ class OperatingPoint:
 class LinearisedPlant:
     """x' = A x + B delta, y = C x + D delta about a motion, input road-wheel angle [rad], outputs OUTPUTS.
 
-    `state` is that of the plant at the point, `acceleration` the rate of its longitudinal velocity [m/s^2].
+    `states` names the states of the model in order, `state` is that of the plant at the point, `acceleration` the rate
+    of its longitudinal velocity [m/s^2].
     """
 
     system: StateSpace
+    states: tuple[str, ...]
     state: np.ndarray
     acceleration: float
 
@@ -116,7 +118,8 @@ def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
     d = (outputs_at(still, angle + _STEP) - outputs_at(still, angle - _STEP)) / (2 * _STEP)
     for n in (0, 1):  # lateral velocity and yaw rate
         a[n, n] -= acceleration / point.speed
-    return LinearisedPlant(StateSpace(a, b[:, None], c, d[:, None]), state, acceleration)
+    states = tuple(INTEGRATED[n].name for n in places)
+    return LinearisedPlant(StateSpace(a, b[:, None], c, d[:, None]), states, state, acceleration)
 
 
 def _moved(middle: np.ndarray, places: list[int], change: np.ndarray) -> np.ndarray:

@@ -18,6 +18,12 @@ COMMANDS = {  # name -> module with main(words), words put in front, what it doe
     "list": ("run_scenario", ("--list",), "scenarios, studies and methods, one line each"),
     "security_policies": ("security_policies", (), "policies for DDS security, and the running graph against them"),
     "schema": ("schema", (), "JSON Schema of scenario, vehicle and parameter files, for editors"),
+    "urdf": ("urdf", (), "a car as URDF, for RViz and Foxglove: ev-stack urdf VEHICLE"),
+    "visualization": (
+        "visualization",
+        (),
+        "tf, odometry and markers of tyre forces beside a run, for RViz and Foxglove",
+    ),
     "dashboard": ("dashboard", (), "a local page: live signals, the car from above, parameters, time"),
     "header": ("header", (), "ev_laws.h, the interface of laws in C and C++"),
     "inspect": ("inspect_graph", (), "show the running graph: nodes, topics, rates"),

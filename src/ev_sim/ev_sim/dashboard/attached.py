@@ -8,9 +8,6 @@ import subprocess
 from typing import Any
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.dashboard.controls import Controls
 from ev_sim.dashboard.live_frames import LiveFrames
 from ev_sim.dashboard.server import Pages
@@ -20,7 +17,6 @@ from ev_sim.running.outcome import RunFailed
 NAME = "dashboard"  # in the graph
 _PERIOD = 0.05  # s of wall time between two looks
 _PATIENCE = 10.0  # s for a graph to be found to which we are to attach
-_VEHICLE = "vehicle."
 
 
 async def attached(namespace: str, domain: int, port: int, run: subprocess.Popen | None) -> str | None:
@@ -93,16 +89,8 @@ class _Dashboard:
         return [self.frames.layout(), *self.controls.nodes.values()]
 
     def _tell(self, message: dict[str, Any]) -> None:
-        if message["kind"] == "node" and message["node"] == MASTER:
-            values = {each["name"]: each["value"] for each in message["parameters"]}
-            self._take_car({name: value for name, value in values.items() if name.startswith(_VEHICLE)})
+        self.frames.take_car(message)
         self.pages.tell(message)
-
-    def _take_car(self, values: dict[str, Any]) -> None:
-        try:
-            self.frames.vehicle = build(Vehicle, values, _VEHICLE)
-        except ParameterError as error:
-            self._refuse(str(error), f"the car cannot be shown: {error}")
 
     def _refuse(self, cause: str, text: str) -> None:
         if cause not in self._said:

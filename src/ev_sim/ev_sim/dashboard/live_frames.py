@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,12 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, TIME
+from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import BodyVelocity
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes.signal_io import SignalReader
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of
@@ -25,6 +28,7 @@ from ev_sim.running.recording.recording import Recording, recording_of
 # Of the messages between two looks only the last one counts, and no writer waits for a page or sends to it again.
 _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
+_VEHICLE = "vehicle."
 _TELLS_TIME = BodyVelocity  # of the master, at every instant: one topic never goes back, several overtake each other
 
 
@@ -75,6 +79,18 @@ class LiveFrames:
         self._shown = self._channels()
         return True
 
+    def take_car(self, message: Mapping[str, Any]) -> None:
+        """Take the car over where `Controls` tells the parameters of the plant."""
+        if (message["kind"], message.get("node")) != ("node", MASTER):
+            return
+        values = {each["name"]: each["value"] for each in message["parameters"]}
+        try:
+            self.vehicle = build(
+                Vehicle, {name: value for name, value in values.items() if name.startswith(_VEHICLE)}, _VEHICLE
+            )
+        except ParameterError as error:
+            self._refuse(str(error), f"the car cannot be shown: {error}")
+
     @property
     def columns(self) -> list[str]:
         """The channels of a row, after the time."""
@@ -86,9 +102,14 @@ class LiveFrames:
         car = None if self.vehicle is None else car_of(self.vehicle)
         return {"kind": "layout", "channels": self.columns, "groups": groups_of(plotted), "car": car}
 
+    @property
+    def values(self) -> dict[str, float]:
+        """Every channel of the newest instant."""
+        return {name: float(value[0]) for name, value in self._shown.items()}
+
     def row(self) -> bytes:
         """Time and channels as float64 in the order of this machine, which is that of its browsers."""
-        return array("d", [self.time, *(float(value[0]) for value in self._shown.values())]).tobytes()
+        return array("d", [self.time, *self.values.values()]).tobytes()
 
     def _channels(self) -> dict[str, np.ndarray]:
         run: Recording = recording_of(self._numbers, [TOPICS[signal] for signal in self._heard])

@@ -5,11 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_sim.tyres.curve import peak
+from ev_msgs_py.vehicle.mf_tyre import MfTyre
+from ev_msgs_py.vehicle.tyre import Tyre
+from ev_sim.tyres.curve import Coefficients, peak
+from ev_sim.tyres.mf_tyre import at_load
 
 
 class TyreOnRoad(NamedTuple):
-    """A tyre on a surface: the coefficients of its curve, f_surface [1] and its available friction [1]."""
+    """A tyre on a surface: the coefficients of its curve, f_surface [1] and its available friction [1].
+
+    Of an mf_tyre c0 scales the friction and c1 the slip stiffness.
+    """
 
     c0: float
     c1: float
@@ -54,18 +60,19 @@ SURFACES = {
 REFERENCE = "dry_asphalt"
 
 
-def tyre_on_road(
-    curve: str, tyre: tuple[float, float, float, float], surface: str, rolling_resistance_scale: float = 1.0
-) -> TyreOnRoad:
-    """A tyre with this curve and these coefficients on a surface whose f_surface is scaled.
+def tyre_on_road(tyre: Tyre, surface: str, rolling_resistance_scale: float = 1.0) -> TyreOnRoad:
+    """A tyre on a surface whose f_surface is scaled.
 
-    A Burckhardt tyre takes the coefficients of the surface. The peak of every other curve is scaled by the peak of
-    the surface over that of dry asphalt (an assumption, the sources give such tyres for one road only); a linear
-    tyre keeps its slope, and its available friction is that of the surface.
+    A Burckhardt tyre takes the coefficients of the surface. The friction of every other tyre is scaled by the peak of
+    the surface over that of dry asphalt (an assumption, the sources give such tyres for one road only), and an mf_tyre
+    keeps its slip stiffness by that; a linear tyre keeps its slope, and its available friction is that of the surface.
     """
     of = SURFACES[surface]
+    curve, (c0, c1, c2, c3) = tyre.curve, tyre.coefficients
     scale = of.peak_friction / SURFACES[REFERENCE].peak_friction
-    c0, c1, c2, c3 = tyre
+    rolling_resistance = rolling_resistance_scale * of.rolling_resistance
+    if curve == "mf_tyre":
+        return TyreOnRoad(scale, 1.0, 0.0, 0.0, rolling_resistance, scale * MfTyre(*tyre.front_mf).pdx1)
     if curve == "burckhardt":
         c0, c1, c2, c3 = of.c1, of.c2, of.c3, 0.0
     elif curve in ("rational", "two_exponential"):
@@ -73,4 +80,15 @@ def tyre_on_road(
     elif curve == "magic_formula":
         c2 *= scale
     available = of.peak_friction if curve == "linear" else peak(curve, (c0, c1, c2, c3))
-    return TyreOnRoad(c0, c1, c2, c3, rolling_resistance_scale * of.rolling_resistance, available)
+    return TyreOnRoad(c0, c1, c2, c3, rolling_resistance, available)
+
+
+def curve_on_road(tyre: Tyre, surface: str) -> tuple[str, Coefficients]:
+    """The friction curve of a tyre on a surface, as `tyres.curve` has it; that of a front mf_tyre at nominal load."""
+    of = tyre_on_road(tyre, surface)
+    if tyre.curve != "mf_tyre":
+        return tyre.curve, Coefficients(*of[:4])
+    front = MfTyre(*tyre.front_mf)
+    loaded = at_load(front, front.fnomin, of.c0, of.c1)
+    peak_friction = loaded.peak_x / front.fnomin
+    return "magic_formula", Coefficients(loaded.factor_x, front.pcx1, peak_friction, loaded.curvature_x)

@@ -7,8 +7,8 @@ from ev_msgs_py.elementary import sqrt
 from ev_msgs_py.vehicle.tyre import Tyre
 from ev_sim.tyres.curve import Coefficients, secant
 
-COMBINATIONS = ("slip_vector", "uncoupled")
-SLIP_VECTOR, UNCOUPLED = range(len(COMBINATIONS))
+COMBINATIONS = ("slip_vector", "uncoupled", "weighted")
+SLIP_VECTOR, UNCOUPLED, WEIGHTED = range(len(COMBINATIONS))
 
 # Transport velocity below which slip loses its meaning; far below any motion, it only keeps 0/0 away.
 STILL = 1e-9

@@ -8,8 +8,9 @@ from typing import NamedTuple
 from ev_msgs_py.compiling.compilable import inlined
 from ev_sim.tyres import burckhardt, linear, magic_formula, rational, two_exponential
 
-CURVES = ("burckhardt", "rational", "two_exponential", "magic_formula", "linear")
-BURCKHARDT, RATIONAL, TWO_EXPONENTIAL, MAGIC_FORMULA, LINEAR = range(len(CURVES))
+# One curve over the slip each, but for mf_tyre (`mf_tyre.forces`).
+CURVES = ("burckhardt", "rational", "two_exponential", "magic_formula", "linear", "mf_tyre")
+BURCKHARDT, RATIONAL, TWO_EXPONENTIAL, MAGIC_FORMULA, LINEAR, MF_TYRE = range(len(CURVES))
 
 # Slip at which the slope of a curve at zero slip is taken: small against any peak, large against rounding.
 SLIP_FLOOR = 1e-6

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_sim.tyres.curve import BURCKHARDT, LINEAR, MAGIC_FORMULA, RATIONAL, TWO_EXPONENTIAL
+from ev_sim.tyres.curve import BURCKHARDT, LINEAR, MAGIC_FORMULA, MF_TYRE, RATIONAL, TWO_EXPONENTIAL
 
 
 @compilable
@@ -24,3 +24,5 @@ def soften(curve: float, tyre: Any, share: float) -> None:
         tyre.c2 /= share
     elif curve in (MAGIC_FORMULA, LINEAR):
         tyre.c0 *= share
+    elif curve == MF_TYRE:
+        tyre.c1 *= share

@@ -11,7 +11,7 @@ from collections.abc import MutableSequence, Sequence
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
-from ev_sim.plant.planar.contact import contact, secants, within_friction
+from ev_sim.plant.planar.contact import contact, friction, within_friction
 from ev_sim.plant.planar.loads import loads
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.parameters import FREE, PlanarParameters
@@ -72,16 +72,16 @@ def rates(
             if not starts and step.motion[i] * wheel_speed < 0.0:
                 wheel_speed = 0.0  # the brake stops the wheel within this step, it cannot turn it back
             at = contact(y, car, body, step, i, wheel_speed)
-            secant_x, secant_y, transport_x, transport_y = secants(y, car, body, step, i, at)
+            of = friction(y, car, body, step, i, at)
             normal, radius = step.load[i], step.radius[i]
             deflection_x, deflection_y = y[DEFLECTION_X + i], y[DEFLECTION_Y + i]
             along_force, rate_x = force_and_rate(
-                deflection_x, at.slip_x, transport_x, secant_x, stiffness_x, body.damping_x
+                deflection_x, at.slip_x, of.transport_x, of.secant_x, stiffness_x, body.damping_x
             )
             across_force, rate_y = force_and_rate(
-                deflection_y, at.slip_y, transport_y, secant_y, stiffness_y, body.damping_y
+                deflection_y, at.slip_y, of.transport_y, of.secant_y, stiffness_y, body.damping_y
             )
-            scale_x, scale_y = within_friction(car, step, i, along_force, across_force)
+            scale_x, scale_y = within_friction(car, of, along_force, across_force)
             if scale_x < 1.0:
                 along_force *= scale_x
                 rate_x = (along_force - stiffness_x * deflection_x) / body.damping_x
@@ -89,8 +89,8 @@ def rates(
                 across_force *= scale_y
                 rate_y = (across_force - stiffness_y * deflection_y) / body.damping_y
             dy[DEFLECTION_X + i], dy[DEFLECTION_Y + i] = rate_x, rate_y
-            dy[SLIP_X + i] = slip_rate(y[SLIP_X + i], at.slip_x - rate_x, transport_x, length)
-            dy[SLIP_Y + i] = slip_rate(y[SLIP_Y + i], at.slip_y - rate_y, transport_y, length)
+            dy[SLIP_X + i] = slip_rate(y[SLIP_X + i], at.slip_x - rate_x, of.transport_x, length)
+            dy[SLIP_Y + i] = slip_rate(y[SLIP_Y + i], at.slip_y - rate_y, of.transport_y, length)
             step.force_x[i], step.force_y[i] = along_force, across_force
 
             torque = step.drive[i] - radius * along_force
@@ -104,9 +104,8 @@ def rates(
             dy[WHEEL_ANGLE + i] = wheel_speed
             dy[DISTANCE + i] = at.along
 
-            cosine, sine = step.cos_steer[i], step.sin_steer[i]
-            body_x = along_force * cosine - across_force * sine
-            body_y = along_force * sine + across_force * cosine
+            body_x = along_force * at.cosine - across_force * at.sine
+            body_y = along_force * at.sine + across_force * at.cosine
             axle_x += body_x
             axle_y += body_y
             axle_moment += body.wheel_x[i] * body_y - body.wheel_y[i] * body_x
@@ -137,7 +136,8 @@ def rates(
     dy[YAW_RATE] = moment / car.yaw_inertia
     dy[HEADING] = yaw_rate
     dy[TRANSFER_X] = (specific_x + holding - y[TRANSFER_X]) / p.load_transfer_lag
-    dy[TRANSFER_Y] = (specific_y - y[TRANSFER_Y]) / p.load_transfer_lag
+    roll_lag = car.suspension.roll_lag if car.suspension.roll_lag > 0.0 else p.load_transfer_lag
+    dy[TRANSFER_Y] = (specific_y - y[TRANSFER_Y]) / roll_lag
     dy[BODY_DISTANCE] = vx
     dy[TYRE_WORK] = tyre_power
     dy[FRICTION_WORK] = friction_power

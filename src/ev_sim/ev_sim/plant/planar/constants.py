@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.contract.record import entry, per_wheel
+from ev_msgs_py.contract.record import each_wheel, entry, per_wheel
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.car import GRAVITY
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.mf_tyre import MfTyre
 
 
 @dataclass(slots=True)
@@ -21,6 +23,7 @@ class BodyConstants:
     cornering_stiffness: list[float] = per_wheel(
         unit="1/rad", about="over static load, of a linear lateral curve; itself [N/rad] of a constant stiffness"
     )
+    mf: list[MfTyre] = each_wheel(MfTyre)
     damping_x: float = entry(unit="N s/m", about="of the carcass, along the wheel")
     damping_y: float = entry(unit="N s/m", about="of the carcass, across the wheel")
     drag: float = entry(unit="N s^2/m^2", about="rho c_d A / 2")
@@ -37,7 +40,7 @@ def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]
 
 
 def body_constants(vehicle: Vehicle) -> BodyConstants:
-    """The constants of a vehicle."""
+    """The constants of a vehicle; ParameterError if a file that it names has not been read."""
     v, tyre = vehicle, vehicle.tyre
     front_load = v.mass * GRAVITY * v.centre_of_mass_to_rear_axle / v.wheelbase
     rear_load = v.mass * GRAVITY - front_load
@@ -45,6 +48,9 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
     if tyre.lateral_curve == "linear":
         front_stiffness = 2 * front_stiffness / max(front_load, 1.0)
         rear_stiffness = 2 * rear_stiffness / max(rear_load, 1.0)
+    for axle, file in (("front", tyre.front_file), ("rear", tyre.rear_file)):
+        if file:
+            raise ParameterError(f"vehicle.tyre.{axle}_file: {file} has not been read into {axle}_mf")
     x, y = wheel_places(v)
     return BodyConstants(
         wheel_x=list(x),
@@ -54,6 +60,7 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
             v.driven_wheel_inertia if name in v.driven_wheels else v.free_wheel_inertia for name in WHEEL_NAMES
         ],
         cornering_stiffness=[front_stiffness, front_stiffness, rear_stiffness, rear_stiffness],
+        mf=[MfTyre(*numbers) for numbers in (tyre.front_mf, tyre.front_mf, tyre.rear_mf, tyre.rear_mf)],
         damping_x=tyre.longitudinal_stiffness * tyre.longitudinal_damping_time,
         damping_y=tyre.lateral_stiffness * tyre.lateral_damping_time,
         drag=0.5 * v.air_density * v.drag_coefficient * v.frontal_area,

@@ -97,6 +97,8 @@ def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tu
 def number_of_steps(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> int:
     """Steps in a period, each as wide as it may be at most."""
     longest = min(parameters.step, longest_step(vehicle), parameters.load_transfer_lag)
+    if vehicle.suspension.roll_lag > 0.0:
+        longest = min(longest, vehicle.suspension.roll_lag)
     if parameters.drive in DRIVES:
         longest = min(longest, longest_brushless_step(vehicle, parameters.motor))
     rounding = 1e-12  # a period of a whole number of steps gets no more than that

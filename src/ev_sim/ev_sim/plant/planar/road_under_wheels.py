@@ -53,7 +53,7 @@ def road_tables(road: RoadParameters, vehicle: Vehicle) -> RoadTables:
 
 def _track(segments: Segments, vehicle: Vehicle, scale: float) -> Track:
     tyre = vehicle.tyre
-    of = {name: tyre_on_road(tyre.curve, tyre.coefficients, name, scale) for name in set(segments.surface)}
+    of = {name: tyre_on_road(tyre, name, scale) for name in set(segments.surface)}
     return Track(segments.start, tuple(number for name in segments.surface for number in of[name]))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ev_msgs_py.vehicle.car import Car
-from ev_sim.plant.planar.contact import within_friction
+from ev_sim.plant.planar.contact import contact, friction, within_friction
 from ev_sim.plant.planar.equilibrium import begin_driven
 from ev_sim.plant.planar.lift import note_lifted
 from ev_sim.plant.planar.loads import loads
@@ -54,6 +54,7 @@ def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     for i in range(4):
         share = 0.5 * (front if i < 2 else 1.0 - front)
         force_x, force_y = -share * car.mass * step.gravity_x, -share * car.mass * step.gravity_y
-        scale_x, scale_y = within_friction(car, step, i, force_x, force_y)
+        of = friction(y, car, c.body, step, i, contact(y, car, c.body, step, i, 0.0))
+        scale_x, scale_y = within_friction(car, of, force_x, force_y)
         y[DEFLECTION_X + i] = scale_x * force_x / car.tyre.longitudinal_stiffness
         y[DEFLECTION_Y + i] = scale_y * force_y / car.tyre.lateral_stiffness

@@ -12,7 +12,7 @@ from ev_sim.report.quantities.slip_curve import SlipCurve, first_passed_peak, sl
 from ev_sim.report.quantities.surfaces_under import surfaces_under
 from ev_sim.report.samples import channel
 from ev_sim.running.recording.recording import Recording
-from ev_sim.surfaces.table import tyre_on_road
+from ev_sim.surfaces.table import curve_on_road
 from ev_sim.tyres.curve import CURVES, friction
 
 AROUND = 0.1  # [s] before and after the window, of which samples are drawn, too
@@ -78,10 +78,10 @@ def _of_the_road(
     run: Recording, vehicle: Vehicle, wheel: str, curve: SlipCurve, y: np.ndarray, slips: np.ndarray
 ) -> tuple[str, np.ndarray]:
     """The surface under the wheel, and what it takes at slips (n,) under the mean load and resistance of the window."""
-    tyre, part = vehicle.tyre, curve.window
+    part = curve.window
     surface = str(surfaces_under(run, vehicle, wheel)[part.stop - 1])
-    of = tyre_on_road(tyre.curve, tyre.coefficients, surface)
-    kind = CURVES.index(tyre.curve)
+    curve_name, of = curve_on_road(vehicle.tyre, surface)
+    kind = CURVES.index(curve_name)
     nominal = vehicle.motor.nominal_torque * vehicle.gear_ratio
     load = channel(run, f"tire_forces.load.{wheel}")[part].mean()
     force = channel(run, f"tire_forces.longitudinal_force.{wheel}")[part]

@@ -15,7 +15,7 @@ from ev_sim.report.quantities.car_axes import wheel_directions
 from ev_sim.report.quantities.understeer import understeer_gradient
 from ev_sim.report.samples import channel
 from ev_sim.running.recording.recording import Recording
-from ev_sim.surfaces.table import tyre_on_road
+from ev_sim.surfaces.table import curve_on_road, tyre_on_road
 from ev_sim.tyres.curve import peak_slip
 
 SLOWEST = 1.0  # [m/s], below which the direction of travel and slip ratios say little
@@ -96,12 +96,10 @@ def time_over_limit(run: Recording, vehicle: Vehicle, surfaces: tuple[str, ...])
 
 def _peak_slips(vehicle: Vehicle, surfaces: tuple[str, ...]) -> Mapping[float, float]:
     """Available friction [1] -> slip of the peak [1], of each surface."""
-    tyre = vehicle.tyre
-    found = {}
-    for surface in surfaces:
-        of = tyre_on_road(tyre.curve, tyre.coefficients, surface)
-        found[of.friction] = peak_slip(tyre.curve, of[:4])
-    return found
+    return {
+        tyre_on_road(vehicle.tyre, surface).friction: peak_slip(*curve_on_road(vehicle.tyre, surface))
+        for surface in surfaces
+    }
 
 
 def _of_wheels(run: Recording, quantity: str) -> np.ndarray:

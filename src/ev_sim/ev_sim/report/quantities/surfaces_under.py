@@ -18,8 +18,7 @@ def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
     The closest one, for a sensor may add noise. Surfaces whose friction is the same for the tyre are not told apart.
     """
     friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
-    tyre = vehicle.tyre
-    available = np.array([tyre_on_road(tyre.curve, tyre.coefficients, name).friction for name in SURFACES])
+    available = np.array([tyre_on_road(vehicle.tyre, name).friction for name in SURFACES])
     return np.array(tuple(SURFACES))[np.abs(friction[:, None] - available).argmin(axis=1)]
 
 

@@ -6,23 +6,43 @@ import math
 
 from ev_msgs_py.vehicle.car import GRAVITY
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.mf_tyre import MfTyre
 from ev_sim.surfaces.table import REFERENCE, tyre_on_road
 from ev_sim.tyres.curve import CURVES, SLIP_FLOOR, secant
+from ev_sim.tyres.degressive import sensitivity
+from ev_sim.tyres.mf_tyre import cornering_stiffness
 
 
 def axle_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tuple[float, float]:
     """Cornering stiffnesses C_1, C_2 of the front and the rear axle [N/rad] at static load, small slip and no drive.
 
-    Those of a lateral line, or else the slope of the friction curve at zero slip on the surface, stretched by
-    `lateral_ratio`, times the load of the axle.
+    Those of the tyres with compliance steer, which turns front wheels out of the bend and rear ones into it:
+    1/C = 1/C_tyres + c in front and 1/C = 1/C_tyres - c behind.
+    """
+    front, rear = tyre_cornering_stiffnesses(vehicle, surface)
+    suspension = vehicle.suspension
+    softened = 1.0 / (1.0 / front + suspension.front_compliance_steer)
+    return softened, 1.0 / (1.0 / rear - suspension.rear_compliance_steer)
+
+
+def tyre_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tuple[float, float]:
+    """Cornering stiffnesses of the tyres of both axles [N/rad].
+
+    Those of a lateral line, or else the slope at zero slip of an mf_tyre at its static load, or of the friction curve
+    on the surface, stretched by `lateral_ratio`, times the load of the axle, degressive as the tyre is.
     """
     tyre = vehicle.tyre
+    loads = [mass * GRAVITY for mass in axle_masses(vehicle)]
     if tyre.lateral_curve != "same":
         return 2 * tyre.front_cornering_stiffness, 2 * tyre.rear_cornering_stiffness
-    on_road = tyre_on_road(tyre.curve, tyre.coefficients, surface)
+    on_road = tyre_on_road(tyre, surface)
+    if tyre.curve == "mf_tyre":
+        tyres = MfTyre(*tyre.front_mf), MfTyre(*tyre.rear_mf)
+        front, rear = (2 * cornering_stiffness(of, load / 2, on_road) for of, load in zip(tyres, loads, strict=True))
+        return front, rear
     slope = tyre.lateral_ratio * secant(CURVES.index(tyre.curve), SLIP_FLOOR, on_road)
-    front, rear = axle_masses(vehicle)
-    return slope * front * GRAVITY, slope * rear * GRAVITY
+    front, rear = (slope * load * sensitivity(tyre, load / 2) for load in loads)
+    return front, rear
 
 
 def axle_masses(vehicle: Vehicle) -> tuple[float, float]:

@@ -1,0 +1,26 @@
+"""ev-stack urdf VEHICLE: a car as URDF on standard output."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import build
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.dashboard.urdf import urdf
+from ev_sim.running.scenarios.configured_file import VEHICLE, vehicle_file
+
+
+def main(argv: list[str] | None = None) -> None:
+    """ev-stack urdf VEHICLE"""
+    parser = argparse.ArgumentParser(prog="ev-stack urdf", description="A car as URDF, for RViz and Foxglove.")
+    parser.add_argument("vehicle", help="name of a vehicle, or path of a vehicle file")
+    given = parser.parse_args(argv)
+    prefix = f"{VEHICLE}."
+    try:
+        said = vehicle_file(given.vehicle).values_for("/ev/plant")
+        car = build(Vehicle, {name: value for name, value in said.items() if name.startswith(prefix)}, prefix)
+    except (ParameterError, OSError) as error:
+        sys.exit(f"error: {error}")
+    print(urdf(car), end="")
