@@ -84,8 +84,7 @@ def needs_browser(test):
 
 @needs_browser
 def test_signals_car_and_parameters_are_seen(page):
-    assert page.run("drawn().length") > 1  # plots that are in sight
-    assert page.run("drawn().every((plot) => plot.chart.data[0].length > 3)")
+    page.wait_for("drawn().length > 1 && drawn().every((plot) => plot.chart.data[0].length > 3)")  # those in sight
     page.wait_for("document.querySelector('#cars canvas') && views[0].ready")
     assert page.run("document.querySelectorAll('#cars tbody tr, #cars table tr').length") == 1 + 4
     slider = "document.querySelector('[data-name=gamma] input[type=range]')"

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from campaign.spoiling import spoilt
+from ev_msgs_py.nodes.ordinary_steps import OrdinarySteps
 from ev_msgs_py.nodes.run_role import run_role
 from ev_msgs_py.nodes.signal_io import SignalWriter
 from ev_msgs_py.wire.message_format import format_of, stamp_of
@@ -67,6 +68,7 @@ def main() -> None:
         # An attribute of the object goes before the method of its class.
         writer.write = lambda stamp, here: faulty.write(writer, pack(stamp, here))  # type: ignore[method-assign]
 
+    OrdinarySteps.possible = staticmethod(lambda: False)  # type: ignore[method-assign]  # it would publish by itself
     SignalWriter.__init__ = made  # type: ignore[method-assign,assignment]
     run_role(role)
 

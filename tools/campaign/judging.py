@@ -47,13 +47,11 @@ def judged(run: UnderWay, status: int | None) -> tuple[str, str]:
         return FAILED, f"status {status} with {len(words)} last words: {words}"
     if run.interrupted:
         return (INTERRUPTED, "") if words == ["stopped"] and status == 130 else (FAILED, f"{status}: {words[0]}")
-    if (trial.names and run.struck) or (trial.names and trial.limits):
+    if trial.names and (run.struck or trial.from_the_start):
         return (NAMED, "") if re.search(trial.names, words[0]) else (FAILED, f"names something else: {words[0]}")
     if trial.kind in ("bad parameter", "bad file", "modelled faults"):
         expected = trial.expected()
         return (NAMED, "") if expected.startswith("refused") else (FAILED, f"offline it is driven: {words[0]}")
-    if trial.kind in ("disk full", "few file descriptors", "no shared memory"):
-        return (NAMED, "") if re.search(trial.names, words[0]) else (FAILED, f"names something else: {words[0]}")
     return FAILED, f"ended although nothing was wrong: {words[0]}"
 
 

@@ -54,6 +54,7 @@ class Trial:
     limits: dict[int, int] = field(default_factory=dict)  # of resources of the process
     disturb: Callable[[UnderWay], None] = lambda run: None
     names: str = ""
+    from_the_start: bool = False  # whether the fault is there before anything strikes
     must_end: bool = False  # whether what strikes ends the run, so that its end must come soon
     about: str = ""
     clean_up: ExitStack = field(default_factory=ExitStack)

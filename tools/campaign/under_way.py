@@ -17,7 +17,7 @@ from ev_sim.running.children import ends_with_us
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 150.0  # s of wall time for a run that nothing keeps from its end, on a machine with much other work
-AFTER_STRIKE = 30.0  # s until a run has ended that cannot go on
+AFTER_STRIKE = 60.0  # s until a run has ended that cannot go on; a node stops in order when it is loaded
 _MARK = "EV_CAMPAIGN"
 _LOOK = 0.01  # s between looks at what is there
 _NODE = re.compile(r"[/ ](\w+) --ros-args")

@@ -41,6 +41,7 @@ def full_disk(trial: Trial) -> None:
     if mounted.returncode:
         raise Skipped("mount of a tmpfs is not granted: no small disk")
     trial.clean_up.callback(subprocess.run, ["umount", "--lazy", trial.out], check=False)
+    trial.from_the_start = True
     trial.names = "No space left on device|no space left on device|Disk quota"
 
 
@@ -50,6 +51,7 @@ def file_size(trial: Trial) -> None:
     trial.about = f"{size} kB"
     trial.limits[resource.RLIMIT_FSIZE] = size * 1024
     trial.environment["PYTHONDONTWRITEBYTECODE"] = "1"
+    trial.from_the_start = True
     trial.names = "File too large|file size"
 
 
@@ -57,6 +59,8 @@ def few_descriptors(trial: Trial) -> None:
     """So few open files that something cannot be opened."""
     most = trial.chance.randrange(20, 80)
     trial.about = str(most)
+    trial.from_the_start = True
+    trial.names = "[Tt]oo many open files|file descriptors|cannot be started|participant|ended with status"
     trial.limits[resource.RLIMIT_NOFILE] = most
 
 
@@ -66,6 +70,7 @@ def no_shared_memory(trial: Trial) -> None:
         raise Skipped("no name space for mounts is granted: /dev/shm stays")
     how = trial.chance.choice(("ro,size=4k", "size=4k"))
     trial.about = how
+    trial.from_the_start = True
     trial.names = "/dev/shm is full"
     trial.before = ["unshare", "--mount", "sh", "-c", f'mount -t tmpfs -o {how} none /dev/shm && exec "$0" "$@"']
 

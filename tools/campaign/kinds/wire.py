@@ -24,6 +24,9 @@ def _faulty(trial: Trial, how: str, share: float) -> str:
     words = [sys.executable, "-m", "campaign.faulty_node", how, f"{share:g}", str(trial.seed), role]
     trial.words += ["--node", f"{role}={shlex.join(words)}"]
     trial.about = f"{role}: {how} {share:g}"
+    # Nodes ask again for what they miss; what only the recorder hears is missing in the recording, which it says.
+    trial.from_the_start = True
+    trial.names = "the recording has a gap"
     return role
 
 
@@ -59,7 +62,7 @@ def spoilt(trial: Trial) -> None:
 def mute(trial: Trial) -> None:
     """A node that says nothing any more after some messages: it is named."""
     role = _faulty(trial, "mute", float(trial.chance.randrange(3, 40)))
-    trial.names = "stopped"
+    trial.names = "stopped|the recording has a gap"
 
     def disturb(run: UnderWay) -> None:
         if run.wait_until(run.is_moving):

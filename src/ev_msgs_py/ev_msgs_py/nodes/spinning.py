@@ -21,7 +21,7 @@ from rclpy.service import Service
 from ev_msgs_py.nodes.signal_io import PolledGroup, SubscriptionHandle
 
 _SERVICE_PERIOD = 0.05  # s between looks at services
-_SWEEP_PERIOD = 0.01  # s between looks at everything, at least
+_SWEEP_PERIOD = 0.01  # s between looks at everything: at least, and twice that at most
 
 
 class Spinnable(Protocol):
@@ -74,14 +74,15 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
         came = False
         for node in in_order:
             came |= node.poll()
-        if not came:
-            # Where strangers wake it up all the time, a node need not look each time for what nobody waits for.
-            sweeps = rested and time.monotonic() >= next_sweep
-            if sweeps:
-                next_sweep = time.monotonic() + _SWEEP_PERIOD
+        # Where strangers wake it up all the time, a node need not look each time for what nobody waits for; but where
+        # something always comes, such as answers that are repeated, it must look now and then all the same.
+        late = time.monotonic() - next_sweep
+        if late >= (0.0 if rested and not came else _SWEEP_PERIOD):
+            next_sweep = time.monotonic() + _SWEEP_PERIOD
             for node in in_order:
-                if sweeps:
-                    node.sweep()
+                node.sweep()
+        if not came:
+            for node in in_order:
                 node.idle()
     _take_over(in_order, False)
     executor.shutdown(timeout_sec=0.0)

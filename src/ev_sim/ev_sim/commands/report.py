@@ -20,11 +20,9 @@ def run_report(argv: Sequence[str]) -> None:
     """Read the folders and write the page; ParameterError if one of them was not left behind by a scenario."""
     given = _arguments(argv)
     labels = _labels(given.folders)
-    summaries = {label: _summary(folder) for label, folder in zip(labels, given.folders, strict=True)}
-    signals = [
-        _signals(label, folder, summary)
-        for (label, summary), folder in zip(summaries.items(), given.folders, strict=True)
-    ]
+    read = {label: read_folder(label, folder) for label, folder in zip(labels, given.folders, strict=True)}
+    summaries = {label: summary for label, (summary, _) in read.items()}
+    signals = [signals for _, signals in read.values()]
     page = given.out or Path("results") / NAME
     page.parent.mkdir(parents=True, exist_ok=True)
     write_page(Page(" and ".join(labels), summaries, signals), page)
@@ -44,20 +42,28 @@ def _labels(folders: Sequence[Path]) -> list[str]:
     return names if len(set(names)) == len(names) else [str(folder) for folder in folders]
 
 
+def read_folder(label: str, folder: Path) -> tuple[Mapping[str, Any], Signals]:
+    """The summary of a scenario's folder and its signals; ParameterError that names the folder if one is not whole."""
+    summary = _summary(folder)
+    try:
+        return summary, _signals(label, folder, summary)
+    except (LookupError, TypeError, AttributeError, ParameterError) as error:
+        raise ParameterError(f"{folder}: summary.json does not say what a run does: {error}") from None
+    except (OSError, ValueError) as error:
+        raise ParameterError(f"{folder}: signals cannot be read: {error}") from None
+
+
 def _summary(folder: Path) -> Mapping[str, Any]:
     try:
         summary: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise ParameterError(f"{folder}: summary.json cannot be read: {error}") from None
-    if "scenario" not in summary:
+    if not isinstance(summary, dict) or "scenario" not in summary:
         raise ParameterError(f"{folder} is that of a study, which keeps no signals; allowed is that of a scenario")
     return summary
 
 
 def _signals(label: str, folder: Path, summary: Mapping[str, Any]) -> Signals:
     names = list(summary["runs"])
-    try:
-        runs = {name: load((folder if len(names) == 1 else folder / name) / "signals.npz") for name in names}
-    except OSError as error:
-        raise ParameterError(f"{folder}: signals cannot be read: {error}") from None
+    runs = {name: load((folder if len(names) == 1 else folder / name) / "signals.npz") for name in names}
     return Signals(label, runs, build(Vehicle, summary["vehicle"]))

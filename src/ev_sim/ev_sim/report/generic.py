@@ -9,18 +9,14 @@ from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Metric, metric
-from ev_sim.report.quantities import can_bus, derived
+from ev_sim.report.quantities import can_bus, derived, motion
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
 
 
 def metrics(runs: Runs) -> dict[str, Metric]:
     """Speeds and largest torque and angle of each run; the name of the run stands in front if there are several."""
-    return {
-        f"{name}_{key}" if len(runs) > 1 else key: value
-        for name, run in runs.items()
-        for key, value in _metrics(run).items()
-    }
+    return motion.of_each_run(runs, _metrics)
 
 
 def figures(runs: Runs) -> dict[str, Figure]:

@@ -97,8 +97,11 @@ def _watch(
         if stop.received:
             raise KeyboardInterrupt
         time.sleep(_LOOK_PERIOD)
+        before = observer.time
         observer.look()
         progress(observer.time)
+        if observer.time != before:
+            patience = math.inf  # the recorder still has to keep what the plant said before its end
         for word in (*observer.new_words(), hanging.look()):
             if word is not None:
                 announce(word)

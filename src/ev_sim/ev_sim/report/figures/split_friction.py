@@ -9,6 +9,7 @@ import numpy as np
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
+from ev_sim.report.figures.over_time import degrees, motion_panels, over_time
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.figures.plan_view import plan_view
 from ev_sim.report.quantities import derived, motion
@@ -21,14 +22,10 @@ def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequ
 
     The sheet is called `name`, the plan view `path`.
     """
-
-    def degrees(quantity):
-        return lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(quantity(run)))
-
     panels = [
-        panel("Speed over ground", "speed [m/s]", lambda: motion.curve_of_each_run(runs, _over_ground)),
-        panel("Heading", "heading [deg]", degrees(motion.heading)),
-        panel("Steering-wheel angle", "angle [deg]", degrees(lambda run: channel(run, motion.STEERING_WHEEL_ANGLE))),
+        over_time(runs, "Speed over ground", "speed [m/s]", _over_ground),
+        over_time(runs, "Heading", "heading [deg]", degrees(motion.heading)),
+        *motion_panels(runs, "steering_wheel_angle"),
         *(
             panel(
                 f"Rim speeds, {run.replace('_', ' ')}", "speed [m/s]", lambda run=run: _rims(runs, run, vehicle, wheels)

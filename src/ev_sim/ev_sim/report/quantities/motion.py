@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ev_sim.report.figures.panels import Curve
 from ev_sim.report.metric import Metric, NotMeasured
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
@@ -82,10 +81,3 @@ def of_each_run(runs: Runs, measure: Callable[[Recording], dict[str, Metric]]) -
         for name, run in runs.items()
         for key, value in measure(run).items()
     }
-
-
-def curve_of_each_run(runs: Runs, quantity: Callable[[Recording], np.ndarray]) -> list[Curve]:
-    """A quantity of every run over time, labelled with the name of the run if there are several."""
-    return [
-        Curve(run.time, quantity(run), name.replace("_", " ") if len(runs) > 1 else "") for name, run in runs.items()
-    ]

@@ -11,6 +11,7 @@ import numpy as np
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
+from ev_sim.report.figures.over_time import over_time
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.report.quantities import derived, motion
@@ -79,7 +80,7 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
         rising = 3.6 * speed[::-1]
         return [Curve(rising, deceleration[::-1], "measured"), Curve(rising, fitted[::-1], "fitted")]
 
-    speed = panel("Speed", "speed [m/s]", lambda: motion.curve_of_each_run(runs, derived.speed))
+    speed = over_time(runs, "Speed", "speed [m/s]", derived.speed)
     return {
         "speed": sheet([speed], "time [s]", columns=1),
         "deceleration": sheet(

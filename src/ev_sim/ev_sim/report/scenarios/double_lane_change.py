@@ -7,7 +7,8 @@ import numpy as np
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
-from ev_sim.report.figures.panels import Curve, panel
+from ev_sim.report.figures.over_time import motion_panels
+from ev_sim.report.figures.panels import Curve
 from ev_sim.report.figures.plan_view import plan_view
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.quantities import derived, motion
@@ -45,33 +46,12 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     tracks += [
         Curve(x, y, f"{side} side") for side, (x, y) in zip(("left", "right"), course.edges(run, vehicle), strict=True)
     ]
-    panels = [
-        panel(
-            "Steering-wheel angle",
-            "angle [deg]",
-            lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(channel(run, motion.STEERING_WHEEL_ANGLE))),
-        ),
-        panel(
-            "Lateral acceleration",
-            "acceleration [m/s²]",
-            lambda: motion.curve_of_each_run(runs, motion.lateral_acceleration_on_path),
-        ),
-        panel(
-            "Yaw rate",
-            "yaw rate [deg/s]",
-            lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(channel(run, motion.YAW_RATE))),
-        ),
-        panel(
-            "Sideslip angle",
-            "angle [deg]",
-            lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(motion.sideslip_angle(run))),
-        ),
-    ]
+    names = ("steering_wheel_angle", "lateral_acceleration", "yaw_rate", "sideslip_angle")
     return {
         "course": plan_view(
             "Double lane change, ISO 3888-1", tracks, course.cones(vehicle), course.hit_cones(run, vehicle)
         ),
-        "motion": sheet(panels, "time [s]"),
+        "motion": sheet(motion_panels(runs, *names), "time [s]"),
     }
 
 

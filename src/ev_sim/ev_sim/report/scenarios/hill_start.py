@@ -7,6 +7,7 @@ import numpy as np
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
+from ev_sim.report.figures.over_time import over_time
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import derived, motion
@@ -45,12 +46,13 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     driven = vehicle.driven_wheels[0]
     panels = [
         panel("Pedals of the first run", "torque [N m]", pedals),
-        panel("Way uphill", "distance [m]", lambda: motion.curve_of_each_run(runs, _uphill)),
-        panel("Speed", "speed [m/s]", lambda: motion.curve_of_each_run(runs, derived.speed)),
-        panel(
+        over_time(runs, "Way uphill", "distance [m]", _uphill),
+        over_time(runs, "Speed", "speed [m/s]", derived.speed),
+        over_time(
+            runs,
             f"Slip ratio, {driven.replace('_', ' ')}",
             "slip ratio [1]",
-            lambda: motion.curve_of_each_run(runs, lambda run: channel(run, f"tire_forces.slip_ratio.{driven}")),
+            lambda run: channel(run, f"tire_forces.slip_ratio.{driven}"),
         ),
     ]
     return {"pull_away": sheet(panels, "time [s]", start=_pull_away(runs))}

@@ -10,6 +10,7 @@ import numpy as np
 
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
+from ev_sim.report.figures.over_time import motion_panels, over_time
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import motion
@@ -48,21 +49,16 @@ def figures(runs: Runs) -> dict[str, Figure]:
     """Steering-wheel angle, yaw rate, sideslip angle and lateral displacement of all sines."""
     sines = {_times(name): run for name, run in _sines(runs).items()}
 
-    def of(quantity):
-        return lambda: motion.curve_of_each_run(sines, quantity)
-
     panels = [
-        panel(
-            "Steering-wheel angle", "angle [deg]", of(lambda run: np.degrees(channel(run, motion.STEERING_WHEEL_ANGLE)))
-        ),
-        panel("Yaw rate", "yaw rate [deg/s]", of(lambda run: np.degrees(channel(run, motion.YAW_RATE)))),
-        panel(
+        *motion_panels(sines, "steering_wheel_angle", "yaw_rate"),
+        over_time(
+            sines,
             "Sideslip angle; a car that spins leaves the panel",
             "angle [deg]",
-            of(lambda run: np.degrees(np.unwrap(motion.sideslip_angle(run)))),
+            lambda run: np.degrees(np.unwrap(motion.sideslip_angle(run))),
             within=(-SHOWN_SIDESLIP, SHOWN_SIDESLIP),
         ),
-        panel("Lateral displacement", "y [m]", of(lambda run: channel(run, "pose.y"))),
+        over_time(sines, "Lateral displacement", "y [m]", lambda run: channel(run, "pose.y")),
     ]
 
     def slow() -> list[Curve]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
-from ev_sim.report.figures.panels import panel
+from ev_sim.report.figures.over_time import motion_panels
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import motion
 from ev_sim.report.samples import Runs, channel, last, mean_between
@@ -68,25 +68,8 @@ def metrics(runs: Runs) -> dict[str, Metric]:
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """Steering-wheel angle, yaw rate, lateral acceleration and sideslip angle of all runs."""
-
-    def degrees(name: str):
-        return lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(channel(run, name)))
-
-    panels = [
-        panel("Steering-wheel angle", "angle [deg]", degrees(motion.STEERING_WHEEL_ANGLE)),
-        panel("Yaw rate", "yaw rate [deg/s]", degrees(motion.YAW_RATE)),
-        panel(
-            "Lateral acceleration",
-            "acceleration [m/s²]",
-            lambda: motion.curve_of_each_run(runs, motion.lateral_acceleration_on_path),
-        ),
-        panel(
-            "Sideslip angle",
-            "angle [deg]",
-            lambda: motion.curve_of_each_run(runs, lambda run: np.degrees(motion.sideslip_angle(run))),
-        ),
-    ]
-    return {"step_steer": sheet(panels, "time [s]")}
+    names = ("steering_wheel_angle", "yaw_rate", "lateral_acceleration", "sideslip_angle")
+    return {"step_steer": sheet(motion_panels(runs, *names), "time [s]")}
 
 
 def _metrics(run: Recording) -> dict[str, Metric]:

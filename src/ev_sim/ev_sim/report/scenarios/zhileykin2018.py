@@ -7,14 +7,13 @@ of knowing them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
-from ev_sim.report.figures.panels import Curve, Panel, panel
+from ev_sim.report.figures.over_time import motion_panels, over_time
+from ev_sim.report.figures.panels import Curve, Panel
 from ev_sim.report.figures.plan_view import plan_view
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.papers.zhileykin2018 import LIMIT, SWING
@@ -55,7 +54,7 @@ def panels(runs: Runs) -> dict[str, Panel]:
     by_law = {name: run for name, run in runs.items() if name in BY_LAW and name != "k1_estimated"}
     titles = {"h_n": "Front axle, h_n", "h_2": "Rear left, h_2", "h_4": "Rear right, h_4"}
     return {
-        letter: panel(titles[name], "share [1]", lambda share=share: motion.curve_of_each_run(by_law, share))
+        letter: over_time(by_law, titles[name], "share [1]", share)
         for letter, (name, share) in zip("abc", SHARES.items(), strict=True)
     }
 
@@ -70,13 +69,10 @@ def figures(runs: Runs) -> dict[str, Figure]:
     """Paths (figs 3 and 4), shares (fig. 5), sideslip angle, yaw rate and speed."""
     shown = {name: run for name, run in runs.items() if name != "k1_estimated"}
 
-    def of_each(title: str, ylabel: str, values: Callable[[Recording], np.ndarray]) -> Panel:
-        return panel(title, ylabel, lambda: motion.curve_of_each_run(shown, values))
-
     more = [
-        of_each("Sideslip angle", "angle [deg]", lambda run: np.degrees(motion.sideslip_angle(run))),
-        of_each("Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE)),
-        of_each("Speed", "speed [m/s]", _speed),
+        *motion_panels(shown, "sideslip_angle"),
+        over_time(shown, "Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE)),
+        over_time(shown, "Speed", "speed [m/s]", _speed),
     ]
     return {
         "fig3_fig4": plan_view("Path of the centre of mass", [track(runs, name) for name in shown]),

@@ -74,11 +74,20 @@ def save(recording: Recording, path: Path | str) -> None:
         np.savez(file, **{TIME: recording.time}, **recording.channels)
 
 
+class RecordingError(ValueError):
+    """A file holds no recording; the message names it, in one line."""
+
+
 def load(path: Path | str) -> Recording:
-    """Read signals.npz, bit for bit what was saved."""
-    with np.load(path, allow_pickle=False) as arrays:
-        channels = {name: arrays[name] for name in arrays.files}
-    return Recording(channels.pop(TIME), channels)
+    """Read signals.npz, bit for bit what was saved; OSError if it is not there, RecordingError if it is damaged."""
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            channels = {name: arrays[name] for name in arrays.files}
+        return Recording(channels.pop(TIME), channels)
+    except FileNotFoundError:
+        raise
+    except Exception as error:  # whatever numpy, zip and zlib raise for bytes that are none of theirs
+        raise RecordingError(f"{path} holds no signals: {' '.join(str(error).split())[:200]}") from None
 
 
 def signal_hash(recording: Recording) -> str:

@@ -29,5 +29,9 @@ def read_yaml(text: str) -> Any:
     """The content of a YAML text; yaml.YAMLError if it is none, or if a key stands in it twice."""
     try:
         return yaml.load(text, _Loader)
-    except ValueError as error:  # what looks like a date and is none
+    except yaml.YAMLError:
+        raise
+    except RecursionError:
+        raise yaml.YAMLError("it is nested too deeply") from None
+    except Exception as error:  # what looks like a date or an octal number and is none, a list as a key, and the like
         raise yaml.YAMLError(str(error)) from None

@@ -1,0 +1,43 @@
+"""How nodes are run."""
+
+from __future__ import annotations
+
+from rclpy.node import Node
+from ros_graph import ros_domain
+
+from ev_msgs_py.nodes.spinning import spin
+
+
+class Besieged(Node):
+    """A node for which something has always come."""
+
+    polling_place = 0
+    swept = 0
+
+    def poll(self) -> bool:
+        return True
+
+    def take_steps(self, until: float) -> bool:
+        return False
+
+    def sweep(self) -> None:
+        self.swept += 1
+
+    def awaits(self) -> None:
+        return None
+
+    def wake_up_within(self) -> float:
+        return 0.0
+
+    def idle(self) -> None:
+        raise AssertionError("something has come")
+
+
+def test_a_node_for_which_something_always_comes_hears_the_rest_too():
+    """In real time, answers that others repeat kept the master from hearing the recorder, and nothing ever began."""
+    with ros_domain() as context:
+        node = Besieged("besieged", context=context)
+        turns = iter(range(1_000_000))
+        spin([node], lambda: node.swept > 2 or next(turns) > 900_000)
+        assert node.swept > 2
+        node.destroy_node()
