@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import argparse
 
+import can
 import numpy as np
 import pytest
+from can_bus.databases import by_cantools
 from can_bus.lockstep_runs import driven
 
+from ev_msgs_py.can.bus_log import BusLog
+from ev_msgs_py.can.bus_model import BusModelParameters
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.recording.can_log import write_can_log
+from ev_sim.running.recording.recording import Recording
 from ev_sim.study import bench_faults
 from ev_sim.study.bench_fault_trial import FAULTS, trial
 from ev_sim.study.case import drive_case
@@ -27,6 +33,25 @@ def test_the_bus_is_loaded_and_late_as_the_analysis_says(healthy):
         assert 0.45 < healthy[f"can.bus.load_{circuit}"][20:].mean() < 0.606
         assert 0.0005 < healthy[f"can.bus.latency_{circuit}"][20:].max() < 0.001985
         assert healthy[f"can.bus.lost_{circuit}"][-1] == 0.0
+
+
+@pytest.mark.parametrize("suffix", [".log", ".blf"])
+def test_the_log_of_the_bus_is_read_by_other_tools(healthy, tmp_path, suffix):
+    """50 cycles: four set-points and four motions in each but the first, every time later than the one before.
+
+    Of the last cycle what leaves the inverters is heard in the next, which there is none of.
+    """
+    part = {name: values[:51] for name, values in healthy.items()}
+    file = tmp_path / f"bus{suffix}"
+    recording = Recording(0.001 * np.arange(51), part)
+    write_can_log(BusLog(str(file)), recording, BusModelParameters(), "can/ev_bench.dbc")
+    frames = list(can.LogReader(file))
+    names = [by_cantools().get_message_by_frame_id(frame.arbitration_id).name for frame in frames]
+    assert sum(name.endswith("_SetPoint") for name in names) == 4 * 51
+    assert sum(name.endswith("_Motion") for name in names) == 4 * 50
+    times = np.array([frame.timestamp for frame in frames]) - frames[0].timestamp
+    assert np.all(np.diff(times) >= 0.0)
+    assert times[-1] == pytest.approx(0.05, abs=0.001)
 
 
 def test_the_load_of_others_makes_frames_late(healthy):

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import random
 
-import numpy as np
 import pytest
 from can_bus.databases import ours
 
 from ev_msgs_py.can.bus_model import (
     PLACES,
-    UNKNOWN,
     BusModelParameters,
     ChannelState,
     advance_channel,
@@ -20,9 +18,9 @@ from ev_msgs_py.can.bus_model import (
     release,
     take,
 )
-from ev_msgs_py.can.frames import NO_FRAME, words
+from ev_msgs_py.can.frames import NO_FRAME, joined, words
 from ev_msgs_py.can.response_time import of_layouts
-from ev_msgs_py.can.wire_time import wire_tables
+from ev_msgs_py.can.wire_time import wire_bits, wire_tables
 from ev_msgs_py.compiling.function import compiled, in_memory
 from ev_msgs_py.contract.record import numbers
 from ev_msgs_py.parameters.declaration import number_tree
@@ -30,7 +28,12 @@ from ev_msgs_py.parameters.declaration import number_tree
 LAYOUTS = sorted((f for f in ours() if "11" in f.name or "Ecu" in f.name), key=lambda f: f.identifier)
 FRAMES, TABLES = channel_frames(LAYOUTS), wire_tables()
 TICK = 1000.0  # bits
-LONGEST = 135.0  # bits of a frame with 8 bytes
+LONGEST = 135.0  # bits of a frame of others
+PAYLOAD = (1.0, 2.0)  # words
+BITS = [
+    wire_bits(TABLES, *head, joined(*PAYLOAD), int(length))
+    for *head, length in zip(FRAMES.bits, FRAMES.state, FRAMES.crc, FRAMES.length, strict=True)
+]  # of a frame with these words in each place
 
 
 def advanced(s: ChannelState, until: float, **values: float) -> ChannelState:
@@ -39,33 +42,33 @@ def advanced(s: ChannelState, until: float, **values: float) -> ChannelState:
 
 
 def waiting(*frames: tuple[int, float]) -> ChannelState:
-    """Frames of the greatest length by place and since when."""
+    """Frames by place and since when."""
     s = ChannelState()
     for place, at in frames:
-        release(s, place, at, UNKNOWN, 0.0)
+        release(s, place, at, *PAYLOAD)
     return s
 
 
 def test_the_lowest_identifier_goes_first_but_interrupts_nobody():
     """The third begins alone, the first and the second come meanwhile."""
     s = advanced(waiting((2, 0.0), (1, 50.0), (0, 60.0)), TICK)
-    assert s.arrives[:3] == [2 * LONGEST, 3 * LONGEST, LONGEST]
-    assert s.busy == 3 * LONGEST
-    assert s.latency == 3 * LONGEST - 50.0
+    assert s.arrives[:3] == [BITS[2] + BITS[0], sum(BITS[:3]), BITS[2]]
+    assert s.busy == sum(BITS[:3])
+    assert s.latency == sum(BITS[:3]) - 50.0
 
 
 def test_a_busy_bus_delays_everybody():
     s = waiting((0, 0.0))
     s.free_from = 40.0
-    assert advanced(s, TICK).arrives[0] == 40.0 + LONGEST
+    assert advanced(s, TICK).arrives[0] == 40.0 + BITS[0]
 
 
 def test_what_has_not_arrived_yet_is_taken_in_a_later_tick():
     s = advanced(waiting((0, 950.0)), TICK)
     assert take(s, 0, TICK) == (NO_FRAME, NO_FRAME)
     next_tick(BusModelParameters(), s)
-    assert s.arrives[0] == 85.0
-    assert take(s, 0, TICK) == (UNKNOWN, 0.0)
+    assert s.arrives[0] == BITS[0] - 50.0
+    assert take(s, 0, TICK) == PAYLOAD
     assert take(s, 0, TICK) == (NO_FRAME, NO_FRAME)
 
 
@@ -73,18 +76,18 @@ def test_the_load_of_others_comes_before_ours():
     """30 % of a tick are two frames of 135 bits."""
     s = waiting((0, 0.0))
     s.other_bits = 300.0
-    assert advanced(s, TICK, other_load=0.3).arrives[0] == 3 * LONGEST
+    assert advanced(s, TICK, other_load=0.3).arrives[0] == 2 * LONGEST + BITS[0]
 
 
 def test_arbitration_never_takes_longer_than_the_analysis_says():
-    """All frames of one circuit at random phases over 50 ticks, each of its greatest length."""
+    """All frames of one circuit at random phases over 50 ticks."""
     bounds, chance, s = of_layouts(LAYOUTS, 1e6), random.Random(3), ChannelState()
     phases = [chance.uniform(0.0, TICK) for _ in LAYOUTS]
     longest = [0.0] * PLACES
     for tick in range(50):
         for place, layout in enumerate(LAYOUTS):
             if tick % round(layout.cycle * 1e3) == place % round(layout.cycle * 1e3):
-                release(s, place, phases[place], UNKNOWN, 0.0)
+                release(s, place, phases[place], *PAYLOAD)
         advanced(s, TICK)
         for place in range(PLACES):
             if s.came[place] and not s.waiting[place]:
@@ -103,7 +106,7 @@ def test_what_is_lost_hangs_on_the_seed_alone(seed: int):
     def missing() -> list[int]:
         s, found = ChannelState(), []
         for tick in range(1000):
-            release(s, 0, 0.0, UNKNOWN, 0.0)
+            release(s, 0, 0.0, *PAYLOAD)
             advanced(s, TICK, loss=0.1, seed=seed)
             if take(s, 0, TICK)[0] == NO_FRAME:
                 found.append(tick)
@@ -119,8 +122,7 @@ def test_compiled_code_gives_the_same_bits():
     p = BusModelParameters(loss=0.05, other_load=0.2, seed=7)
     s, memory, tree = ChannelState(), in_memory(ChannelState()), in_memory(number_tree(p))
     put, go, shift = compiled(release), compiled(advance_channel), compiled(next_tick)
-    chance, frames = random.Random(5), type(FRAMES)(*map(np.array, FRAMES))
-    tables = type(TABLES)(*map(np.array, TABLES))
+    chance, frames, tables = random.Random(5), in_memory(FRAMES), in_memory(TABLES)
     for _ in range(100):
         for place in range(PLACES):
             if chance.random() < 0.6:

@@ -7,43 +7,30 @@ from typing import NamedTuple
 
 from ev_control.inverter_gateway.diagnosis import latched, latched_names
 from ev_control.inverter_gateway.hearing import ELECTRICAL, FAULTS, MOTION, TEMPERATURES, receive_feedback
-from ev_control.inverter_gateway.leading import advance_gateway, begin_reset, command_device
-from ev_control.inverter_gateway.parameters import GatewayParameters
-from ev_control.inverter_gateway.plausibility import PlausibilityParameters, watch
+from ev_control.inverter_gateway.leading import advance_gateway, begin_reset, command_device, is_faulty
+from ev_control.inverter_gateway.parameters import LockstepGatewayParameters
+from ev_control.inverter_gateway.plausibility import watch
 from ev_control.inverter_gateway.sending import heartbeat, set_point
 from ev_control.inverter_gateway.state import Device, Gateway
-from ev_msgs_py.can.conventions import TORQUE_MODE
+from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.database import load_database
 from ev_msgs_py.can.frames import NO_FRAME, BenchFrames, DeviceFrames, are_words, bench_frames, joined, words
 from ev_msgs_py.can.schedule import TICK, is_due, ticks_of
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.bench_signals import BenchShafts
+from ev_msgs_py.contract.bench_signals import BenchShafts, LoadCommand
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.record import part, series
-from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand
+from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.elementary import isfinite
 from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.layout import listed
 
-_OF_DRIVE = 2 * MOST_TICKS  # words of its set-points
-_HEARD_OF_DRIVE = _OF_DRIVE + 6  # words of its feedback
-_SAID = 2 * _OF_DRIVE + 2
-
-
-@dataclass(frozen=True, slots=True)
-class LockstepGatewayParameters(GatewayParameters):
-    """The same, and what somebody does at its buttons."""
-
-    auto_enable: bool = parameter(
-        True, about="enable the drives once by itself, as soon as feedback and commands are there", read_only=True
-    )
-    plausibility: PlausibilityParameters = group(PlausibilityParameters)
-    enable_at: float = parameter(-1.0, unit="s", low=-1.0, high=1e5, about="somebody enables both drives; -1: nobody")
-    reset_at: float = parameter(
-        -1.0, unit="s", low=-1.0, high=1e5, about="somebody begins a reset, with enabling after it; -1: nobody"
-    )
+_SAID = 2 * MOST_TICKS  # words of the set-points of a device
+_HEARD = _SAID + 6  # words of its feedback
+_HEARTBEATS = 2 * _SAID  # where theirs stand; behind them come the set-points of the load machines
+_LOADS = _HEARTBEATS + 2
+_ALL_SAID = _LOADS + 2 * _SAID
 
 
 class GatewayConstants(NamedTuple):
@@ -60,8 +47,9 @@ class LockstepGateway:
     """The gateway, and the frames of this period."""
 
     gateway: Gateway = part(Gateway)
-    said: list[float] = series(_SAID, NO_FRAME, unit="1", about="as in SetPointFrames")
-    noted: list[float] = series(2, unit="1", about="faults of each drive since the start, as `diagnosis.latched`")
+    said: list[float] = series(_ALL_SAID, NO_FRAME, unit="1", about="as in SetPointFrames")
+    heard: list[float] = series(4 * _HEARD, NO_FRAME, unit="1", about="as in FeedbackFrames")
+    noted: list[float] = series(4, unit="1", about="faults of each device since the start, as `diagnosis.latched`")
 
 
 def prepare(parameters: LockstepGatewayParameters, _vehicle: Vehicle, period: float) -> GatewayConstants:
@@ -91,8 +79,8 @@ def circuits_fit(parameters: LockstepGatewayParameters, vehicle: Vehicle) -> str
 
 def notes(s: LockstepGateway) -> tuple[str, ...]:
     """The faults that were latched since the start."""
-    drives = zip(("right drive", "left drive"), s.noted, strict=True)
-    return tuple(f"{name}: {fault}" for name, bits in drives for fault in latched_names(int(bits)))
+    devices = zip(("right drive", "left drive", "right load machine", "left load machine"), s.noted, strict=True)
+    return tuple(f"{name}: {fault}" for name, bits in devices for fault in latched_names(int(bits)))
 
 
 @method(
@@ -112,52 +100,65 @@ def can(
     s: LockstepGateway,
     period: float,
     command: WheelTorqueCommand,
+    load: LoadCommand,
     heard: FeedbackFrames,
     shafts: BenchShafts,
-    wheels: WheelStates,
 ) -> SetPointFrames:
-    """Lead the drives over CAN frames: torque set-points out, feedback in, both guarded by counter and CRC.
+    """Lead the inverters over CAN frames: torques and speeds out, feedback in, both guarded by counter and CRC.
 
     The frames of the ticks to come leave in them, one after the other; what is heard came in the ticks before.
     """
-    g = s.gateway
-    _command(p, g.drive_11, command.drive[int(p.wheel_11)])
-    _command(p, g.drive_12, command.drive[int(p.wheel_12)])
-    _watch(p, g.drive_11, int(p.wheel_11), shafts, wheels, period)
-    _watch(p, g.drive_12, int(p.wheel_12), shafts, wheels, period)
-    s.said[_SAID - 2] = s.said[_SAID - 1] = NO_FRAME
+    g, f, right, left = s.gateway, c.frames, int(p.wheel_11), int(p.wheel_12)
+    s.heard[:] = heard
+    _command(p, g.drive_11, TORQUE_MODE, command.drive[right] / p.gear_ratio)
+    _command(p, g.drive_12, TORQUE_MODE, command.drive[left] / p.gear_ratio)
+    _command_load(p, g.load_11, load, right)
+    _command_load(p, g.load_12, load, left)
+    watch(p.plausibility, g.drive_11, shafts.torque[right], shafts.speed[right], load.speed[right], period)
+    watch(p.plausibility, g.drive_12, shafts.torque[left], shafts.speed[left], load.speed[left], period)
+    s.said[_HEARTBEATS] = s.said[_HEARTBEATS + 1] = NO_FRAME
     for tick in range(int(c.ticks)):
         _press_buttons(c, g)
-        _hear(c.frames, c.frames.drive_11, g.drive_11, heard, 0, tick)
-        _hear(c.frames, c.frames.drive_12, g.drive_12, heard, _HEARD_OF_DRIVE, tick)
+        _hear(f, f.drive_11, g.drive_11, s, 0, tick)
+        _hear(f, f.drive_12, g.drive_12, s, _HEARD, tick)
+        _hear(f, f.load_11, g.load_11, s, 2 * _HEARD, tick)
+        _hear(f, f.load_12, g.load_12, s, 3 * _HEARD, tick)
         before = g.tick
         advance_gateway(p, g, 1.0, TICK)
-        _say(p, c.frames, c.frames.drive_11, g.drive_11, s.said, 2 * tick)
-        _say(p, c.frames, c.frames.drive_12, g.drive_12, s.said, _OF_DRIVE + 2 * tick)
-        if is_due(c.frames.heartbeat.ticks, before, g.tick):
+        _say(f, f.drive_11, g.drive_11, s, p.torque_limit, 2 * tick)
+        _say(f, f.drive_12, g.drive_12, s, p.torque_limit, _SAID + 2 * tick)
+        _say(f, f.load_11, g.load_11, s, p.load_torque_limit, _LOADS + 2 * tick)
+        _say(f, f.load_12, g.load_12, s, p.load_torque_limit, _LOADS + _SAID + 2 * tick)
+        if is_due(f.heartbeat.ticks, before, g.tick):
             for place in range(2):
-                s.said[_SAID - 2 + place] = words(heartbeat(c.frames, g, place))[0]
+                s.said[_HEARTBEATS + place] = words(heartbeat(f, g, place))[0]
     s.noted[0] = float(int(s.noted[0]) | latched(g.drive_11))
     s.noted[1] = float(int(s.noted[1]) | latched(g.drive_12))
+    s.noted[2] = float(int(s.noted[2]) | latched(g.load_11))
+    s.noted[3] = float(int(s.noted[3]) | latched(g.load_12))
     w = s.said
     return SetPointFrames(
         w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10],
         w[11], w[12], w[13], w[14], w[15], w[16], w[17], w[18], w[19], w[20], w[21],
+        w[22], w[23], w[24], w[25], w[26], w[27], w[28], w[29], w[30], w[31],
+        w[32], w[33], w[34], w[35], w[36], w[37], w[38], w[39], w[40], w[41],
     )  # fmt: skip
 
 
 @compilable
-def _command(p: LockstepGatewayParameters, s: Device, torque: float) -> None:
-    """A torque [N m] at the wheel; what is no number is no command."""
-    if isfinite(torque):
-        command_device(p, s, TORQUE_MODE, torque / p.gear_ratio)
+def _command(p: LockstepGatewayParameters, s: Device, mode: int, value: float) -> None:
+    """A torque [N m] or a speed [rad/s] at the shaft; what is no number is no command."""
+    if isfinite(value):
+        command_device(p, s, mode, value)
 
 
 @compilable
-def _watch(
-    p: LockstepGatewayParameters, s: Device, wheel: int, shafts: BenchShafts, wheels: WheelStates, period: float
-) -> None:
-    watch(p.plausibility, s, shafts.torque[wheel], shafts.speed[wheel], p.gear_ratio * wheels.velocity[wheel], period)
+def _command_load(p: LockstepGatewayParameters, s: Device, load: LoadCommand, wheel: int) -> None:
+    """What the virtual car asks of a load machine; in torque mode what brakes counts forwards there."""
+    if int(load.mode[wheel]) == SPEED_MODE:
+        _command(p, s, SPEED_MODE, load.speed[wheel])
+    else:
+        _command(p, s, TORQUE_MODE, -load.torque[wheel])
 
 
 @compilable
@@ -167,27 +168,29 @@ def _press_buttons(c: GatewayConstants, s: Gateway) -> None:
     if s.tick == c.reset_tick:
         begin_reset(s.drive_11)
         begin_reset(s.drive_12)
+        if is_faulty(s.load_11):
+            begin_reset(s.load_11)
+        if is_faulty(s.load_12):
+            begin_reset(s.load_12)
         s.waits = 1.0
 
 
 @compilable
-def _hear(f: BenchFrames, own: DeviceFrames, s: Device, heard: FeedbackFrames, begin: int, tick: int) -> None:
+def _hear(f: BenchFrames, own: DeviceFrames, s: Device, of: LockstepGateway, begin: int, tick: int) -> None:
     """The frame of a tick, and with the first one those that come less often."""
-    _take(f, own, s, MOTION, heard, begin + 2 * tick)
+    _take(f, own, s, MOTION, of, begin + 2 * tick)
     if tick == 0:
-        _take(f, own, s, ELECTRICAL, heard, begin + _OF_DRIVE)
-        _take(f, own, s, TEMPERATURES, heard, begin + _OF_DRIVE + 2)
-        _take(f, own, s, FAULTS, heard, begin + _OF_DRIVE + 4)
+        _take(f, own, s, ELECTRICAL, of, begin + _SAID)
+        _take(f, own, s, TEMPERATURES, of, begin + _SAID + 2)
+        _take(f, own, s, FAULTS, of, begin + _SAID + 4)
 
 
 @compilable
-def _take(f: BenchFrames, own: DeviceFrames, s: Device, kind: int, heard: FeedbackFrames, place: int) -> None:
-    if are_words(heard[place], heard[place + 1]):
-        receive_feedback(f, own, s.feedback, kind, joined(heard[place], heard[place + 1]))
+def _take(f: BenchFrames, own: DeviceFrames, s: Device, kind: int, of: LockstepGateway, place: int) -> None:
+    if are_words(of.heard[place], of.heard[place + 1]):
+        receive_feedback(f, own, s.feedback, kind, joined(of.heard[place], of.heard[place + 1]))
 
 
 @compilable
-def _say(
-    p: LockstepGatewayParameters, f: BenchFrames, own: DeviceFrames, s: Device, said: list[float], place: int
-) -> None:
-    said[place], said[place + 1] = words(set_point(f, own, s, p.torque_limit))
+def _say(f: BenchFrames, own: DeviceFrames, s: Device, to: LockstepGateway, most: float, place: int) -> None:
+    to.said[place], to.said[place + 1] = words(set_point(f, own, s, most))

@@ -24,9 +24,8 @@ MAY_BE_ENABLED, LATCHED, SILENT, WITHOUT_COMMAND, DOUBTFUL = range(5)
 @compilable
 def advance_gateway(p: GatewayParameters, s: Gateway, ticks: float, period: float) -> None:
     """Lead all devices over some ticks, `period` [s] in all, after the frames of this cycle."""
-    if s.waits != 0.0 and refusal(p, s.drive_11) == MAY_BE_ENABLED and refusal(p, s.drive_12) == MAY_BE_ENABLED:
-        s.drive_11.enable = s.drive_12.enable = 1.0
-        s.waits = 0.0
+    if s.waits != 0.0:
+        _enable_where_possible(p, s)
     _advance(p, s.drive_11, period)
     _advance(p, s.drive_12, period)
     _advance(p, s.load_11, period)
@@ -34,6 +33,18 @@ def advance_gateway(p: GatewayParameters, s: Gateway, ticks: float, period: floa
     if p.fault_stops == BOTH and (is_faulty(s.drive_11) or is_faulty(s.drive_12)):
         s.drive_11.enable = s.drive_12.enable = 0.0
     s.tick += ticks
+
+
+@compilable
+def _enable_where_possible(p: GatewayParameters, s: Gateway) -> None:
+    """The load machines first: until they hold the shafts as they are told, the drives' measurements are in doubt."""
+    if refusal(p, s.load_11) == MAY_BE_ENABLED:
+        s.load_11.enable = 1.0
+    if refusal(p, s.load_12) == MAY_BE_ENABLED:
+        s.load_12.enable = 1.0
+    if refusal(p, s.drive_11) == MAY_BE_ENABLED and refusal(p, s.drive_12) == MAY_BE_ENABLED:
+        s.drive_11.enable = s.drive_12.enable = 1.0
+        s.waits = 0.0
 
 
 @compilable

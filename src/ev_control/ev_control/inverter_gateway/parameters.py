@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.inverter_gateway.plausibility import PlausibilityParameters
 from ev_msgs_py.can.bus_parameters import BusParameters
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
@@ -48,3 +49,17 @@ class GatewayParameters:
             raise ParameterError(
                 f"wheel_12: {self.wheel_12!r} is refused, it is the wheel of the other circuit already"
             )
+
+
+@dataclass(frozen=True, slots=True)
+class LockstepGatewayParameters(GatewayParameters):
+    """The same, and what somebody does at its buttons."""
+
+    auto_enable: bool = parameter(
+        True, about="enable the drives once by itself, as soon as feedback and commands are there", read_only=True
+    )
+    plausibility: PlausibilityParameters = group(PlausibilityParameters)
+    enable_at: float = parameter(-1.0, unit="s", low=-1.0, high=1e5, about="somebody enables both drives; -1: nobody")
+    reset_at: float = parameter(
+        -1.0, unit="s", low=-1.0, high=1e5, about="somebody begins a reset, with enabling after it; -1: nobody"
+    )

@@ -3,13 +3,14 @@
 Of the frames that wait, the one with the lowest identifier goes as soon as the bus is free; a frame on the wire is not
 interrupted. Times are in bits, counted from the beginning of the present tick. A place holds one frame that waits and
 the newest one that has arrived, as the message objects of a CAN controller do.
+
+It runs in each tick. Tables are records, no tuples: handing those over would cost compiled code as much as a frame.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from ev_msgs_py.can.frame_layout import FrameLayout
 from ev_msgs_py.can.frame_length import longest_frame
@@ -22,7 +23,6 @@ from ev_msgs_py.parameters.declaration import parameter
 from ev_msgs_py.sensors.random_numbers import WORD, philox, uniform
 
 PLACES = 11  # frames of one circuit
-UNKNOWN = -2.0  # low word of a frame of which only the length counts: the greatest
 _LONGEST = float(longest_frame(8))
 
 
@@ -42,19 +42,21 @@ class BusModelParameters:
     seed: int = parameter(0, low=0, high=2**31 - 1, about="of what is lost")
 
 
-class ChannelFrames(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class ChannelFrames:
     """By place, in the order of identifiers: header (see `wire_time.Header`) and bytes of data."""
 
-    bits: tuple[float, ...]
-    state: tuple[float, ...]
-    crc: tuple[float, ...]
-    length: tuple[float, ...]
+    bits: list[float]
+    state: list[float]
+    crc: list[float]
+    length: list[float]
 
 
 @dataclass(slots=True)
 class ChannelState:
     """What lasts between two ticks."""
 
+    pending: float = entry(unit="1", about="how many frames wait")
     waiting: list[float] = series(PLACES, unit="1", about="whether a frame waits")
     released: list[float] = series(PLACES, unit="bit", about="since when")
     low: list[float] = series(PLACES, unit="1", about="its words")
@@ -74,16 +76,15 @@ class ChannelState:
 def channel_frames(frames: Sequence[FrameLayout]) -> ChannelFrames:
     """The frames of a channel, in the order of their identifiers."""
     heads = [header(frame.identifier, frame.length) for frame in frames]
-    lengths = tuple(float(frame.length) for frame in frames)
-    return ChannelFrames(
-        tuple(h.bits for h in heads), tuple(h.state for h in heads), tuple(h.crc for h in heads), lengths
-    )
+    lengths = [float(frame.length) for frame in frames]
+    return ChannelFrames([h.bits for h in heads], [h.state for h in heads], [h.crc for h in heads], lengths)
 
 
 @compilable
 def release(s: ChannelState, place: int, at: float, low: float, high: float) -> None:
     """A frame is to be sent from `at` [bit] on; it takes the place of one that still waits there."""
     s.lost += s.waiting[place]
+    s.pending += 1.0 - s.waiting[place]
     s.waiting[place], s.released[place] = 1.0, at
     s.low[place], s.high[place] = low, high
 
@@ -93,41 +94,42 @@ def advance_channel(
     c: ChannelFrames, t: WireTables, p: BusModelParameters, s: ChannelState, channel: int, until: float
 ) -> None:
     """Begin all frames that can begin before `until` [bit]."""
-    while True:
-        now = until
-        if s.other_bits >= _LONGEST:
-            now = 0.0
-        for i in range(PLACES):
-            if s.waiting[i] != 0.0:
-                now = min(now, s.released[i])
-        now = max(now, s.free_from)
-        if now >= until:
-            return
+    while s.free_from < until:
         if s.other_bits >= _LONGEST:
             s.other_bits -= _LONGEST
             s.busy += _LONGEST
-            s.free_from = now + _LONGEST
-        else:
-            _send(c, t, p, s, channel, _chosen(s, now), now)
+            s.free_from += _LONGEST
+            continue
+        if s.pending == 0.0:
+            return
+        now = _begin_of_next(s, until)
+        if now >= until:
+            return
+        _send(c, t, p, s, channel, now)
 
 
 @compilable
-def _chosen(s: ChannelState, now: float) -> int:
+def _begin_of_next(s: ChannelState, until: float) -> float:
+    """When the next frame begins [bit]: as soon as the bus is free, if one waits then."""
+    earliest = until
+    for place in range(PLACES):
+        if s.waiting[place] != 0.0:
+            earliest = min(earliest, s.released[place])
+            if earliest <= s.free_from:
+                return s.free_from
+    return earliest
+
+
+@compilable
+def _send(c: ChannelFrames, t: WireTables, p: BusModelParameters, s: ChannelState, channel: int, now: float) -> None:
+    """The lowest identifier of those that wait goes on the wire."""
     place = 0
     while s.waiting[place] == 0.0 or s.released[place] > now:
         place += 1
-    return place
-
-
-@compilable
-def _send(
-    c: ChannelFrames, t: WireTables, p: BusModelParameters, s: ChannelState, channel: int, place: int, now: float
-) -> None:
-    bits = _LONGEST
-    if s.low[place] != UNKNOWN:
-        payload = joined(s.low[place], s.high[place])
-        bits = wire_bits(t, c.bits[place], c.state[place], c.crc[place], payload, int(c.length[place]))
+    payload = joined(s.low[place], s.high[place])
+    bits = wire_bits(t, c.bits[place], c.state[place], c.crc[place], payload, int(c.length[place]))
     s.waiting[place] = 0.0
+    s.pending -= 1.0
     s.free_from = now + bits
     s.busy += bits
     s.count += 1.0

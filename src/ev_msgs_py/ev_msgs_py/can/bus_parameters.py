@@ -43,7 +43,7 @@ class BusParameters:
     log: str = parameter(
         "",
         about="file for all frames that are sent and received: .log (candump), .blf (Vector) or, where asammdf is "
-        "installed, .mf4; empty for none",
+        "installed, .mf4; empty for none; of a lockstep run it lies beside its signals",
         read_only=True,
     )
 

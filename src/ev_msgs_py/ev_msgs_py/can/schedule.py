@@ -11,7 +11,8 @@ TICK = 0.001  # s
 @compilable
 def is_due(every: float, before: float, now: float) -> bool:
     """Whether a cycle of so many ticks ends after tick `before` and not after `now`; one of none is never due."""
-    return every > 0.0 and now // every > before // every
+    cycle = int(every)
+    return cycle > 0 and int(now) // cycle > int(before) // cycle
 
 
 def ticks_of(period: float, most: int) -> float:

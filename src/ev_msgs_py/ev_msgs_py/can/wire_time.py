@@ -7,6 +7,7 @@ equal ones there are, 1 to 4: a fifth one is followed by a stuff bit of the othe
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
@@ -18,11 +19,12 @@ _STATES = 2 * (_EQUAL_BITS - 1)
 _CRC_MASK = (1 << CRC_BITS) - 1
 
 
-class WireTables(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class WireTables:
     """What a byte adds: by state and byte the stuff bits and the next state, and by byte the remainder of the CRC."""
 
-    stuffing: tuple[float, ...]  # 8 x 256, each stuff bits times 8 plus the next state
-    remainders: tuple[float, ...]  # 256
+    stuffing: list[float]  # 8 x 256, each stuff bits times 8 plus the next state
+    remainders: list[float]  # 256
 
 
 class Header(NamedTuple):
@@ -56,8 +58,8 @@ def _bits(byte: int) -> list[int]:
 def wire_tables() -> WireTables:
     """The tables."""
     entries = (_stuffed(state, _bits(byte)) for state in range(_STATES) for byte in range(256))
-    stuffing = tuple(float(count * _STATES + then) for count, then in entries)
-    return WireTables(stuffing, tuple(float(crc15(_bits(byte))) for byte in range(256)))
+    stuffing = [float(count * _STATES + then) for count, then in entries]
+    return WireTables(stuffing, [float(crc15(_bits(byte))) for byte in range(256)])
 
 
 def header(identifier: int, length: int) -> Header:

@@ -118,7 +118,7 @@ ROLES = {
         Role(
             "inverter_gateway",
             RoleKind.ANSWERS,
-            reads=(WheelTorqueCommand, FeedbackFrames, BenchShafts, WheelStates),
+            reads=(WheelTorqueCommand, LoadCommand, FeedbackFrames, BenchShafts),
             writes=(SetPointFrames,),
             default_method="can",
             optional=True,

@@ -63,6 +63,24 @@ def _refuse_without_ros(given: argparse.Namespace) -> None:
 
 
 def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
+    gateway = run.configurations.get("inverter_gateway")
+    file = gateway.parameters.bus.log if gateway else ""
+    if not file:
+        return _driven(run, directory, given)
+    from ev_msgs_py.can.bus_log import BusLog
+    from ev_sim.running.recording.can_log import write_can_log
+
+    try:
+        log = BusLog(str(directory / file))
+    except ValueError as error:
+        raise RunFailed(f"inverter_gateway.bus.log: {error}") from None
+    outcome = _driven(run, directory, given)
+    bench = run.configurations["test_bench"].parameters
+    write_can_log(log, outcome.recording, bench.bus, bench.database)
+    return outcome
+
+
+def _driven(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
     with progress_bar(run.name, run.duration) as progress:
         if given.offline:
             return _drive_offline(run, directory, not given.no_record, progress)

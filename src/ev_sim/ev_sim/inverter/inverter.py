@@ -52,6 +52,7 @@ def advance_inverter(p: InverterParameters, s: Inverter, speed: float, period: f
     """
     lead_inverter(p, s, speed, period)
     advance_torque(p, s, speed, period)
+    advance_temperatures(p.thermal, p.machine, s, period)
     end_inverter_cycle(p, s, period)
 
 
@@ -75,8 +76,7 @@ def lead_inverter(p: InverterParameters, s: Inverter, speed: float, period: floa
 
 @compilable
 def end_inverter_cycle(p: InverterParameters, s: Inverter, period: float) -> None:
-    """The last part of a cycle, behind the torque: temperatures, warnings, and everything gets older."""
-    advance_temperatures(p.thermal, p.machine, s, period)
+    """The last part of a cycle, behind torque and temperatures: warnings, and everything gets older."""
     s.warnings = float(_warnings(p, s))
     end_cycle(s, period)
 

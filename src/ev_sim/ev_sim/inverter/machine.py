@@ -64,7 +64,7 @@ class LoadMachine(Machine):
         400.0, unit="N m", low=0.0, high=1000.0, about="largest torque against the speed", source=_LOST
     )
     torque_lag: float = parameter(
-        0.005, unit="s", low=1e-4, high=10.0, about="time constant of the torque control", source=_LOST
+        0.001, unit="s", low=1e-4, high=10.0, about="time constant of the torque control", source=_LOST
     )
     rotor_inertia: float = parameter(0.1, unit="kg m^2", low=1e-4, high=100.0, about="of the rotor", source=_LOST)
     winding: Winding = group(Winding, inductance=5e-5, largest_current=505.0)

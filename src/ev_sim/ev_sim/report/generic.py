@@ -9,7 +9,7 @@ from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.metric import Metric, metric
-from ev_sim.report.quantities import derived, motion
+from ev_sim.report.quantities import can_bus, derived, motion
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
 
@@ -33,6 +33,7 @@ def _metrics(run: Recording) -> dict[str, Metric]:
         "maximum_speed": metric(lambda: derived.speed(run).max(), "m/s"),
         "maximum_total_drive_torque": metric(lambda: np.abs(derived.total_drive_torque(run)).max(), "N m"),
         "maximum_road_wheel_angle": metric(lambda: np.abs(channel(run, derived.ROAD_WHEEL_ANGLE)).max(), "rad"),
+        **can_bus.metrics(run),
     }
 
 

@@ -22,7 +22,7 @@ from ev_sim.study.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, Va
 ABOUT = "Dissertation, figure 5.26 - torque of model and bench for five methods, and what their difference comes from"
 COLUMNS = (
     *("driver", "method", "model against bench [%]", "published, at most", "distance [%]"),
-    *("exchange", "rotor before the transducer", *IDEAL),
+    *("exchange", "rotor before the transducer", *IDEAL, "bus"),
 )
 SUMS = ("largest_",)
 PUBLISHED = "5..10"  # %, figure 5.26
@@ -31,6 +31,7 @@ RUNS: dict[str, tuple[str, Values]] = {
     "ideal": (BENCH, ideal()),
     "bench": (BENCH, ()),
     **{group: (BENCH, ideal(but=group)) for group in IDEAL},
+    "bus": (BENCH, (*ideal(), ("test_bench", "method", "circuits_on_can"))),
 }
 _ZOOM = 15.0  # s of the figure
 
@@ -47,7 +48,7 @@ def _name(method: str, driver: str, run: str) -> str:
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Of each method the model, the bench, an ideal bench, and one with each group of its faults alone."""
+    """Of each method the model, the bench, an ideal bench, and one with each group of its faults, or the bus, alone."""
     return [
         urban_cases.case(method, driver, 1, _name(method, driver, run), values, scenario)
         for driver in given.drivers
@@ -77,7 +78,7 @@ def differences(results: Results, method: str, driver: str) -> dict[str, float]:
         "distance": 100.0 * abs(of["bench"]["distance"] / model["distance"] - 1.0),
         "exchange": apart(exact["torque"], model["torque"], counted),
         "rotor": apart(exact["transducer"], exact["torque"], counted),
-        **{group: apart(of[group]["transducer"], exact["transducer"], counted) for group in IDEAL},
+        **{cause: apart(of[cause]["transducer"], exact["transducer"], counted) for cause in (*IDEAL, "bus")},
     }
 
 

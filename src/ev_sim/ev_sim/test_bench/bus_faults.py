@@ -101,8 +101,6 @@ def put_in(p: BusFaultParameters, s: CircuitState, kind: int) -> None:
     i.silent = 1.0 if kind == SILENT else 0.0
     i.wrong_crc = 1.0 if kind == FEEDBACK_WRONG_CRC else 0.0
     i.frozen_counter = 1.0 if kind == FEEDBACK_WRONG_COUNTER else 0.0
-    if kind == LOAD_LIMIT:
-        s.load.command.torque_limit = p.value
 
 
 @compilable

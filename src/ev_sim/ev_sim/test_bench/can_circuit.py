@@ -1,11 +1,14 @@
-"""One circuit of the bench behind its CAN bus: set-points arrive, the inverter makes its cycles, feedback leaves."""
+"""One circuit of the bench behind its CAN bus: set-points arrive, the inverters make their cycles, feedback leaves.
+
+What lasts and what is told once is in records, which compiled code hands over as one address each.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from ev_msgs_py.can.bus_model import (
-    UNKNOWN,
     ChannelFrames,
     ChannelState,
     advance_channel,
@@ -16,27 +19,46 @@ from ev_msgs_py.can.bus_model import (
 )
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.can.frames import NO_FRAME, BenchFrames, DeviceFrames, are_words, joined, words
-from ev_msgs_py.can.schedule import TICK, is_due
+from ev_msgs_py.can.schedule import TICK
 from ev_msgs_py.can.wire_time import WireTables
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.bus_signals import MOST_TICKS, SetPointFrames
-from ev_sim.inverter.frames import FAULTS, MOTION, is_sent, made, ticks_between
+from ev_msgs_py.contract.bus_signals import MOST_TICKS
+from ev_msgs_py.contract.record import part, series
+from ev_sim.inverter.frames import FAULTS, MOTION, is_sent, made
 from ev_sim.inverter.inverter import end_inverter_cycle, lead_inverter
+from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.set_points import receive_set_point
 from ev_sim.inverter.state import Inverter
-from ev_sim.inverter.temperatures import advance_temperatures
-from ev_sim.inverter.torque import advance_electrical
-from ev_sim.test_bench.bus_faults import FaultState, on_the_way, present, put_in
+from ev_sim.test_bench.bus_faults import LOAD_LIMIT, FaultState, on_the_way, present, put_in
 from ev_sim.test_bench.can_parameters import CanCircuitsParameters
-from ev_sim.test_bench.circuit import CircuitsConstants, CircuitSetPoint, begin_period, largest_torques, turn_shaft
+from ev_sim.test_bench.circuit import (
+    CircuitsConstants,
+    begin_period,
+    end_period,
+    follow_of_load,
+    largest_torques,
+    send_to_load,
+    turn_shaft,
+)
 from ev_sim.test_bench.set_points import follow, send
 from ev_sim.test_bench.state import CircuitState
 
+DRIVE, LOAD = range(2)  # the two devices of a channel
 # Places of frames on a channel, in the order of their identifiers; those of the load machine are one higher.
 SET_POINT, HEARTBEAT = 4, 10
-PLACES_SENT = (2.0, 6.0, 8.0, 0.0)  # motion, electrical, temperatures, faults
-SAID_OF_DRIVE = 2 * MOST_TICKS  # words of its set-points in SetPointFrames
-HEARD_OF_DRIVE = SAID_OF_DRIVE + 6  # words of its feedback in FeedbackFrames
+PLACES_SENT = (2, 6, 8, 0)  # motion, electrical, temperatures, faults
+SAID = 2 * MOST_TICKS  # words of the set-points of a device in a control period
+HEARD = SAID + 6  # words of its feedback
+
+
+@dataclass(slots=True)
+class Line:
+    """A channel between controller and inverters, what is on it in a control period, and a fault there."""
+
+    channel: ChannelState = part(ChannelState)
+    fault: FaultState = part(FaultState)
+    said: list[float] = series(2 * SAID + 1, NO_FRAME, unit="1", about="set-points of both devices, heartbeat")
+    heard: list[float] = series(2 * HEARD, NO_FRAME, unit="1", about="feedback of both devices")
 
 
 class CanConstants(NamedTuple):
@@ -57,115 +79,110 @@ class Circuit(NamedTuple):
     """Which circuit it is: 0 for the right one and 1 for the left."""
 
     number: int
-    own: DeviceFrames
+    drive: DeviceFrames
+    load: DeviceFrames
     channel: ChannelFrames
 
 
 @compilable
 def advance_can_circuit(
-    p: CanCircuitsParameters,
-    c: CanConstants,
-    which: Circuit,
-    s: CircuitState,
-    channel: ChannelState,
-    fault: FaultState,
-    heard: list[float],
-    periods: float,
-    said: SetPointFrames,
-    told: CircuitSetPoint,
+    p: CanCircuitsParameters, c: CanConstants, which: Circuit, s: CircuitState, line: Line, periods: float
 ) -> None:
-    """One control period of a circuit, tick by tick; `heard` gets the feedback that has arrived."""
-    begin_period(p, s, periods, told)
-    channel.busy = channel.latency = 0.0
-    begin = which.number * HEARD_OF_DRIVE
-    for place in range(HEARD_OF_DRIVE):
-        heard[begin + place] = NO_FRAME
+    """One control period of a circuit, tick by tick."""
+    begin_period(s)
+    line.channel.busy = line.channel.latency = 0.0
+    for place in range(2 * HEARD):
+        line.heard[place] = NO_FRAME
     for tick in range(int(c.ticks)):
-        _tick(p, c, which, s, channel, fault, heard, periods, said, tick)
-    advance_electrical(p.load, s.load, s.load_speed)
-    advance_temperatures(p.load.thermal, p.load.machine, s.load, c.ticks * TICK)
+        _tick(p, c, which, s, line, tick, periods * c.ticks + tick)
+    end_period(p, c.circuits, s, c.ticks * TICK)
 
 
 @compilable
 def _tick(
-    p: CanCircuitsParameters,
-    c: CanConstants,
-    which: Circuit,
-    s: CircuitState,
-    channel: ChannelState,
-    fault: FaultState,
-    heard: list[float],
-    periods: float,
-    said: SetPointFrames,
-    tick: int,
+    p: CanCircuitsParameters, c: CanConstants, which: Circuit, s: CircuitState, line: Line, tick: int, now: float
 ) -> None:
-    """Set-points are released, those that have arrived by the inverter's phase act, feedback is released, arrives."""
-    before = periods * c.ticks + tick
-    end, phase = bits_per_tick(p.bus), p.bus.phase * p.bus.bit_rate
-    kind = present(p.inject, before, which.number)
+    """Set-points are released, those that have arrived by the inverters' phase act, feedback is released, arrives."""
+    end, phase, channel, machine = bits_per_tick(p.bus), p.bus.phase * p.bus.bit_rate, line.channel, c.circuits.machine
+    kind = present(p.inject, now, which.number)
     put_in(p.inject, s, kind)
-    _release_set_points(which, channel, said, tick)
+    _release_set_points(line, tick)
     advance_channel(which.channel, c.tables, p.bus, channel, which.number, phase)
-    low, high = take(channel, SET_POINT, phase)
-    arrived = on_the_way(p.inject, fault, kind, low, high)
-    if are_words(arrived.low, arrived.high):
-        receive_set_point(c.frames.set_point, which.own, s.machine, joined(arrived.low, arrived.high))
-    lead_inverter(c.circuits.machine, s.machine, s.speed, TICK)
-    _follow(p, c, s, periods, tick)
-    end_inverter_cycle(c.circuits.machine, s.machine, TICK)
-    _release_feedback(c, which, s.machine, channel, s.speed, before, phase)
+    low, high = take(channel, SET_POINT + DRIVE, phase)
+    arrived = on_the_way(p.inject, line.fault, kind, low, high)
+    _receive(c, which.drive, s.machine, arrived.low, arrived.high)
+    low, high = take(channel, SET_POINT + LOAD, phase)
+    _receive(c, which.load, s.load, low, high)
+    lead_inverter(machine, s.machine, s.speed, TICK)
+    lead_inverter(p.load, s.load, s.load_speed, TICK)
+    _follow(p, c, s, now, kind == LOAD_LIMIT)
+    end_inverter_cycle(machine, s.machine, TICK)
+    end_inverter_cycle(p.load, s.load, TICK)
+    _release_feedback(c, which.drive, machine, s.machine, channel, DRIVE, s.speed, now, phase)
+    _release_feedback(c, which.load, p.load, s.load, channel, LOAD, s.load_speed, now, phase)
     advance_channel(which.channel, c.tables, p.bus, channel, which.number, end)
-    _hear(which, channel, heard, tick, end)
+    _hear(line, tick, end)
     next_tick(p.bus, channel)
 
 
 @compilable
-def _release_set_points(which: Circuit, channel: ChannelState, said: SetPointFrames, tick: int) -> None:
-    """Of the drive, of the load machine, which the virtual car leads by itself, and in the first tick the heartbeat."""
-    begin = which.number * SAID_OF_DRIVE + 2 * tick
-    if are_words(said[begin], said[begin + 1]):
-        release(channel, SET_POINT, 0.0, said[begin], said[begin + 1])
-    release(channel, SET_POINT + 1, 0.0, UNKNOWN, 0.0)
-    beat = said[2 * SAID_OF_DRIVE + which.number]
+def _release_set_points(line: Line, tick: int) -> None:
+    """Of both devices, and in the first tick the heartbeat."""
+    for device in range(2):
+        place = SAID * device + 2 * tick
+        if are_words(line.said[place], line.said[place + 1]):
+            release(line.channel, SET_POINT + device, 0.0, line.said[place], line.said[place + 1])
+    beat = line.said[2 * SAID]
     if tick == 0 and are_words(beat, 0.0):
-        release(channel, HEARTBEAT, 0.0, beat, 0.0)
+        release(line.channel, HEARTBEAT, 0.0, beat, 0.0)
 
 
 @compilable
-def _follow(p: CanCircuitsParameters, c: CanConstants, s: CircuitState, periods: float, tick: int) -> None:
-    """The machines and the shaft over a tick; the inverter takes what has arrived as it would without a bus."""
-    asked, path, steps = s.machine.command.torque, s.torque_path, int(c.steps)
-    now, change = periods * c.ticks + tick, c.circuits.h * p.set_point.torque_rate
+def _receive(c: CanConstants, own: DeviceFrames, s: Inverter, low: float, high: float) -> None:
+    if are_words(low, high):
+        receive_set_point(c.frames.set_point, own, s, joined(low, high))
+
+
+@compilable
+def _follow(p: CanCircuitsParameters, c: CanConstants, s: CircuitState, now: float, limited: bool) -> None:
+    """The machines and the shaft over a tick; the inverters take what has arrived as they would without a bus."""
+    machine, load, path, steps = s.machine, s.load, s.torque_path, int(c.steps)
+    asked, asked_load, asked_speed, limit = (
+        machine.command.torque, load.command.torque, load.command.speed, load.command.torque_limit
+    )  # fmt: skip
+    change = c.circuits.h * p.set_point.torque_rate
     send(path, now, asked, c.circuits.machine.machine.peak_torque, p.set_point.torque_resolution)
+    send_to_load(p, s, now, -asked_load, asked_speed)
+    if limited:
+        load.command.torque_limit = p.inject.value
     largest = largest_torques(p, c.circuits, s)
     for n in range(steps):
-        s.machine.command.torque = follow(path, now, steps, n, c.circuits.delay, change)
-        if s.machine.state != OPERATION_ENABLED:
+        machine.command.torque = follow(path, now, steps, n, c.circuits.delay, change)
+        follow_of_load(p, c.circuits, s, now, steps, n)
+        if machine.state != OPERATION_ENABLED:
             path.now = 0.0
-        turn_shaft(p, c.circuits, s, periods, tick * steps + n, largest)
-    advance_electrical(c.circuits.machine, s.machine, s.speed)
-    s.machine.command.torque = asked
+        turn_shaft(p, c.circuits, s, largest)
+    machine.command.torque = asked
+    load.command.torque, load.command.speed, load.command.torque_limit = asked_load, asked_speed, limit
 
 
 @compilable
 def _release_feedback(
-    c: CanConstants, which: Circuit, s: Inverter, channel: ChannelState, speed: float, before: float, at: float
-) -> None:
+    c: CanConstants, own: DeviceFrames, p: InverterParameters, s: Inverter, channel: ChannelState, device: int,
+    speed: float, now: float, at: float,
+) -> None:  # fmt: skip
     for kind in range(MOTION, FAULTS + 1):
-        place = int(PLACES_SENT[kind])
-        if is_sent(c.frames, s, kind, before, before + 1.0):
-            low, high = words(made(c.frames, which.own, c.circuits.machine, s, kind, speed))
-            release(channel, place, at, low, high)
-        if is_due(ticks_between(c.frames, kind), before, before + 1.0):
-            release(channel, place + 1, at, UNKNOWN, 0.0)
+        if is_sent(c.frames, s, kind, now, now + 1.0):
+            low, high = words(made(c.frames, own, p, s, kind, speed))
+            release(channel, PLACES_SENT[kind] + device, at, low, high)
 
 
 @compilable
-def _hear(which: Circuit, channel: ChannelState, heard: list[float], tick: int, end: float) -> None:
-    """Keep the words of what has arrived in its place of FeedbackFrames."""
-    begin = which.number * HEARD_OF_DRIVE
-    for kind in range(MOTION, FAULTS + 1):
-        low, high = take(channel, int(PLACES_SENT[kind]), end)
-        place = begin + 2 * tick if kind == MOTION else begin + SAID_OF_DRIVE + 2 * (kind - 1)
-        if low >= 0.0:
-            heard[place], heard[place + 1] = low, high
+def _hear(line: Line, tick: int, end: float) -> None:
+    """Keep the words of what has arrived."""
+    for device in range(2):
+        for kind in range(MOTION, FAULTS + 1):
+            low, high = take(line.channel, PLACES_SENT[kind] + device, end)
+            if low >= 0.0:
+                place = HEARD * device + (2 * tick if kind == MOTION else SAID + 2 * (kind - 1))
+                line.heard[place], line.heard[place + 1] = low, high

@@ -63,25 +63,51 @@ def advance_circuit(
     send(s.torque_path, periods, told.torque, most, p.set_point.torque_resolution)
     s.machine.command.mode, s.machine.command.torque_limit = float(TORQUE_MODE), most
     s.machine.command.speed = _NO_LIMIT * machine.maximum_speed
-    begin_period(p, s, periods, told)
-    rate, largest = c.h * p.set_point.torque_rate, largest_torques(p, c, s)
-    for n in range(int(c.steps)):
-        s.machine.command.torque = follow(s.torque_path, periods, int(c.steps), n, c.delay, rate)
-        turn_shaft(p, c, s, periods, n, largest)
+    s.load.command.mode, s.load.command.torque_limit = told.load_mode, p.load.machine.peak_torque
+    send_to_load(p, s, periods, told.load_torque, told.load_speed)
+    begin_period(s)
+    steps, rate, largest = int(c.steps), c.h * p.set_point.torque_rate, largest_torques(p, c, s)
+    for n in range(steps):
+        s.machine.command.torque = follow(s.torque_path, periods, steps, n, c.delay, rate)
+        follow_of_load(p, c, s, periods, steps, n)
+        turn_shaft(p, c, s, largest)
+    end_period(p, c, s, period)
+
+
+@compilable
+def begin_period(s: CircuitState) -> None:
+    """Begin the means."""
+    s.mean_torque = s.mean_load_torque = s.mean_shaft_torque = s.power = s.load_power = 0.0
+
+
+@compilable
+def end_period(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, period: float) -> None:
+    """What once in a control period is enough for: electrical quantities and heat of both machines."""
     advance_electrical(c.machine, s.machine, s.speed)
     advance_electrical(p.load, s.load, s.load_speed)
-    advance_temperatures(c.machine.thermal, machine, s.machine, period)
+    advance_temperatures(c.machine.thermal, c.machine.machine, s.machine, period)
     advance_temperatures(p.load.thermal, p.load.machine, s.load, period)
 
 
 @compilable
-def begin_period(p: CircuitsParameters, s: CircuitState, periods: float, told: CircuitSetPoint) -> None:
-    """Tell the load machine, and begin the means."""
+def send_to_load(p: CircuitsParameters, s: CircuitState, cycle: float, torque: float, speed: float) -> None:
+    """Let the set-points of a load machine set out: torque against forwards [N m] and speed [rad/s]."""
     load = p.load.machine
-    send(s.load_torque_path, periods, told.load_torque, load.peak_torque, p.load_set_point.torque_resolution)
-    send(s.load_speed_path, periods, told.load_speed, load.maximum_speed, p.load_set_point.speed_resolution)
-    s.load.command.mode, s.load.command.torque_limit = told.load_mode, load.peak_torque
-    s.mean_torque = s.mean_load_torque = s.mean_shaft_torque = s.power = s.load_power = 0.0
+    send(s.load_torque_path, cycle, torque, load.peak_torque, p.load_set_point.torque_resolution)
+    send(s.load_speed_path, cycle, speed, load.maximum_speed, p.load_set_point.speed_resolution)
+
+
+@compilable
+def follow_of_load(
+    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, cycle: float, steps: int, n: int
+) -> None:
+    """What the load inverter follows in step n of the `steps` of a cycle."""
+    rate, acceleration = c.h * p.load_set_point.torque_rate, c.h * p.load_set_point.speed_rate
+    command = s.load.command
+    command.torque = -follow(s.load_torque_path, cycle, steps, n, c.load_delay, rate)
+    asked_speed = follow(s.load_speed_path, cycle, steps, n, c.load_delay, acceleration)
+    in_speed_mode = int(command.mode) == SPEED_MODE
+    command.speed = asked_speed if in_speed_mode else p.load.machine.maximum_speed  # else it is a limit
 
 
 @compilable
@@ -91,18 +117,9 @@ def largest_torques(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState
 
 
 @compilable
-def turn_shaft(
-    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, n: int, largest: LargestTorques
-) -> None:
-    """Step n of a period: set-points of the load, torques, shaft, energies."""
-    h, steps = c.h, int(c.steps)
-    drive, load = s.machine, s.load
-    load_rate = h * p.load_set_point.torque_rate
-    load.command.torque = -follow(s.load_torque_path, periods, steps, n, c.load_delay, load_rate)
-    load_acceleration = h * p.load_set_point.speed_rate
-    asked_speed = follow(s.load_speed_path, periods, steps, n, c.load_delay, load_acceleration)
-    in_speed_mode = int(load.command.mode) == SPEED_MODE
-    load.command.speed = asked_speed if in_speed_mode else p.load.machine.maximum_speed  # else it is a limit
+def turn_shaft(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, largest: LargestTorques) -> None:
+    """One step: torques, shaft, energies."""
+    h, drive, load = c.h, s.machine, s.load
     before, load_before = drive.torque, load.torque
     follow_reference(c.machine, drive, s.speed, h, c.share, largest.machine)
     follow_reference(p.load, load, s.load_speed, h, c.load_share, largest.load)

@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from ev_msgs_py.can.bus_model import ChannelState, channel_frames
+from ev_msgs_py.can.bus_model import channel_frames
 from ev_msgs_py.can.database import Database, load_database
-from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.can.frame_layout import FrameLayout
 from ev_msgs_py.can.frames import NO_FRAME, bench_frames
 from ev_msgs_py.can.schedule import TICK, ticks_of
 from ev_msgs_py.can.wire_time import wire_tables
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures, LoadCommand
+from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, BusStates, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.record import part, series
 from ev_msgs_py.contract.signals import BatteryCondition
@@ -22,10 +21,9 @@ from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.test_bench.bus_faults import FaultState, measured, present
-from ev_sim.test_bench.can_circuit import HEARD_OF_DRIVE, CanConstants, Circuit, advance_can_circuit
+from ev_sim.test_bench.bus_faults import measured, present
+from ev_sim.test_bench.can_circuit import SAID, CanConstants, Circuit, Line, advance_can_circuit
 from ev_sim.test_bench.can_parameters import CanCircuitsParameters
-from ev_sim.test_bench.circuit import CircuitSetPoint
 from ev_sim.test_bench.circuits import constants
 from ev_sim.test_bench.circuits import outputs as outputs_of_circuits
 from ev_sim.test_bench.circuits import prepare as prepare_circuits
@@ -38,20 +36,17 @@ _FRAMES = ("Faults", "Motion", "SetPoint", "Electrical", "Temperatures")  # by i
 class CanCircuitsState(CircuitsState):
     """All circuits, and the two channels."""
 
-    channel_11: ChannelState = part(ChannelState)
-    channel_12: ChannelState = part(ChannelState)
-    fault_11: FaultState = part(FaultState)
-    fault_12: FaultState = part(FaultState)
-    heard: list[float] = series(2 * HEARD_OF_DRIVE, NO_FRAME, unit="1", about="as in FeedbackFrames")
+    line_11: Line = part(Line)
+    line_12: Line = part(Line)
+    said: list[float] = series(4 * SAID + 2, NO_FRAME, unit="1", about="as in SetPointFrames")
 
 
 def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) -> CanConstants:
     """Steps and frames; ParameterError for a delay of more ticks than are kept, and for other frames."""
     p = parameters
-    if p.set_point.delay > (LINE - 2) * TICK:
-        raise ParameterError(
-            f"set_point.delay: {p.set_point.delay!r} is refused, allowed is at most {(LINE - 2) * TICK:g} s"
-        )
+    for name, path in (("set_point", p.set_point), ("load_set_point", p.load_set_point)):
+        if path.delay > (LINE - 2) * TICK:
+            raise ParameterError(f"{name}.delay: {path.delay!r} is refused, allowed is at most {(LINE - 2) * TICK:g} s")
     ticks = ticks_of(period, MOST_TICKS)
     steps = max(math.ceil(TICK / p.step - 1e-9), 1)
     without_bus = prepare_circuits(p, vehicle, period).machine
@@ -101,16 +96,23 @@ def outputs(
         shafts.load_torque,
         shafts.load_speed,
     )
-    w = s.heard
+    right, left = s.line_11.heard, s.line_12.heard
     frames = FeedbackFrames(
-        w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10], w[11], w[12], w[13], w[14], w[15],
-        w[16], w[17], w[18], w[19], w[20], w[21], w[22], w[23], w[24], w[25], w[26], w[27], w[28], w[29], w[30], w[31],
+        right[0], right[1], right[2], right[3], right[4], right[5], right[6], right[7],
+        right[8], right[9], right[10], right[11], right[12], right[13], right[14], right[15],
+        left[0], left[1], left[2], left[3], left[4], left[5], left[6], left[7],
+        left[8], left[9], left[10], left[11], left[12], left[13], left[14], left[15],
+        right[16], right[17], right[18], right[19], right[20], right[21], right[22], right[23],
+        right[24], right[25], right[26], right[27], right[28], right[29], right[30], right[31],
+        left[16], left[17], left[18], left[19], left[20], left[21], left[22], left[23],
+        left[24], left[25], left[26], left[27], left[28], left[29], left[30], left[31],
     )  # fmt: skip
     rate, all_bits = p.bus.bit_rate, c.ticks * TICK * p.bus.bit_rate
-    right, left = s.channel_11, s.channel_12
+    on_right, on_left = s.line_11.channel, s.line_12.channel
     states = BusStates(
-        right.busy / all_bits, right.latency / rate, right.lost, left.busy / all_bits, left.latency / rate, left.lost
-    )
+        on_right.busy / all_bits, on_right.latency / rate, on_right.lost,
+        on_left.busy / all_bits, on_left.latency / rate, on_left.lost,
+    )  # fmt: skip
     return shafts, electrical, temperatures, energy, frames, states
 
 
@@ -143,29 +145,24 @@ def circuits_on_can(
     s: CanCircuitsState,
     period: float,
     said: SetPointFrames,
-    load: LoadCommand,
     battery: BatteryCondition,
 ) -> None:
-    """The same circuits, with the torque set-points of the machines under test behind a CAN bus and CiA 402.
-
-    What the virtual car asks of the load machines goes to them directly; their frames are on the bus as load.
-    """
+    """The same circuits, with all four inverters behind a CAN bus and CiA 402."""
     s.voltage = battery.voltage
-    right, left = int(c.right), int(c.left)
-    _advance(p, c, s, Circuit(0, c.frames.drive_11, c.channel_11), right, said, load)
-    _advance(p, c, s, Circuit(1, c.frames.drive_12, c.channel_12), left, said, load)
+    _say(s, said)
+    right = Circuit(0, c.frames.drive_11, c.frames.load_11, c.channel_11)
+    left = Circuit(1, c.frames.drive_12, c.frames.load_12, c.channel_12)
+    advance_can_circuit(p, c, right, s.circuits[int(c.right)], s.line_11, s.periods)
+    advance_can_circuit(p, c, left, s.circuits[int(c.left)], s.line_12, s.periods)
     s.periods += 1.0
 
 
 @compilable
-def _advance(
-    p: CanCircuitsParameters, c: CanConstants, s: CanCircuitsState, which: Circuit, wheel: int, said: SetPointFrames,
-    load: LoadCommand,
-) -> None:  # fmt: skip
-    own = s.circuits[wheel]
-    own.load.state, own.load.dc_link.voltage = float(OPERATION_ENABLED), p.load.dc_link.supply_voltage
-    told = CircuitSetPoint(0.0, load.mode[wheel], load.torque[wheel], load.speed[wheel])
-    if which.number == 0:
-        advance_can_circuit(p, c, which, own, s.channel_11, s.fault_11, s.heard, s.periods, said, told)
-    else:
-        advance_can_circuit(p, c, which, own, s.channel_12, s.fault_12, s.heard, s.periods, said, told)
+def _say(s: CanCircuitsState, said: SetPointFrames) -> None:
+    """Keep the words of both circuits in records; compiled, a tuple of so many would be copied with each call."""
+    s.said[:] = said
+    for place in range(SAID):
+        s.line_11.said[place], s.line_12.said[place] = s.said[place], s.said[SAID + place]
+        loads = 2 * SAID + 2 + place
+        s.line_11.said[SAID + place], s.line_12.said[SAID + place] = s.said[loads], s.said[SAID + loads]
+    s.line_11.said[2 * SAID], s.line_12.said[2 * SAID] = s.said[2 * SAID], s.said[2 * SAID + 1]

@@ -64,4 +64,4 @@ class CircuitsParameters:
         about="of the machine under test, where the vehicle description has less", source="assumption",
     )  # fmt: skip
     shaft: ShaftParameters = group(ShaftParameters)
-    load: LoadInverter = group(LoadInverter, speed_gain=10.0, speed_integral_time=0.05)
+    load: LoadInverter = group(LoadInverter, speed_gain=60.0, speed_integral_time=0.05)

@@ -13,7 +13,6 @@ from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchShafts, Load
 from ev_msgs_py.contract.record import entry, per_wheel, working_memory
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import parameter
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.battery.resistive import current_at_power
@@ -22,8 +21,9 @@ from ev_sim.plant.planar.drive_torques import Lags, behind_gear
 from ev_sim.plant.planar.energy import PowerConstants, source_voltage
 from ev_sim.plant.planar.lift import notes
 from ev_sim.plant.planar.memory import STAGES, STEP, Step
+from ev_sim.plant.planar.on_bench_parameters import LOAD_MACHINE, PlanarOnBenchParameters
 from ev_sim.plant.planar.outputs import SIGNALS, Seen, seen, wheels_from
-from ev_sim.plant.planar.parameters import PlanarParameters, load_files
+from ev_sim.plant.planar.parameters import load_files
 from ev_sim.plant.planar.plant import advance
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare
 from ev_sim.plant.planar.start import begin
@@ -31,21 +31,7 @@ from ev_sim.plant.planar.state import VX, WHEEL_SPEED, PlanarState
 
 _BEYOND = 2.0  # times its largest torque is what a machine is believed to give: the transducer may err
 _MOST_POWER = 1e7  # W, believed of the electrical measurement
-
-
-@dataclass(frozen=True, slots=True)
-class PlanarOnBenchParameters(PlanarParameters):
-    """The planar plant, and how it takes what the bench measures."""
-
-    rotor_share: float = parameter(
-        1.0,
-        unit="1",
-        low=0.0,
-        high=1.0,
-        about="share of the rotor's torque J w' that is added to the measured one: the virtual car's wheel has the "
-        "rotor's inertia, but the torque behind the rotor, where the transducer sits, has moved the rotor already",
-        source="assumption: the source drives the wheel with the measured torque and does not speak of the rotor",
-    )
+_MOST_APART = 100.0  # rad/s that a wheel is believed to be away from what its load machine was told
 
 
 @dataclass(slots=True)
@@ -54,6 +40,8 @@ class PlanarOnBenchState(PlanarState):
 
     measured_torque: list[float] = per_wheel(unit="N m", about="of the machine with its rotor, at the shaft")
     measured_speed: list[float] = per_wheel(unit="rad/s", about="of the shaft")
+    told_speed: list[float] = per_wheel(unit="rad/s", about="of the wheel, that the load machine was told last")
+    apart: list[float] = per_wheel(unit="rad/s", about="of the wheel: load machine less what it was told")
     measured_power: float = entry(unit="W", about="that the machines took from the battery")
 
 
@@ -61,6 +49,8 @@ def at_start(p: PlanarOnBenchParameters, car: Car, c: PlanarConstants) -> Planar
     """As the planar plant begins; the shafts rest."""
     s = PlanarOnBenchState()
     begin(s, p, car, c)
+    for i in range(4):
+        s.told_speed[i] = s.motion[WHEEL_SPEED + i]
     return s
 
 
@@ -93,7 +83,7 @@ def _load(car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> Lo
         radius = c.body.wheel_radius[i]
         dry = s.guard.brake[i] + radius * step.load[i] * (rolling + step.tyre[i].rolling_resistance)
         mode[i] = car.driven[i] * SPEED_MODE
-        speed[i] = car.driven[i] * gear * y[WHEEL_SPEED + i]
+        speed[i] = car.driven[i] * gear * (y[WHEEL_SPEED + i] - s.apart[i])
         torque[i] = car.driven[i] * (radius * step.force_x[i] + step.motion[i] * dry) / gear
     return LoadCommand(wheels_from(mode, 0), wheels_from(speed, 0), wheels_from(torque, 0))
 
@@ -138,11 +128,26 @@ def planar_on_bench(
         most = _BEYOND * c.limits.drive[i] / car.gear_ratio
         s.measured_torque[i] = accepted(s.guard, torque, 0.0, -most, most)
         s.measured_speed[i] = shafts.speed[i]
+        if p.wheel_speed == LOAD_MACHINE:
+            _turn_with_load_machine(s, i, shafts.load_speed[i] / car.gear_ratio)
     driven, voltage, current = car.driven, electrical.voltage, electrical.current
     front = driven[0] * voltage[0] * current[0] + driven[1] * voltage[1] * current[1]
     power = front + (driven[2] * voltage[2] * current[2] + driven[3] * voltage[3] * current[3])
     s.measured_power = accepted(s.guard, power, 0.0, -_MOST_POWER, _MOST_POWER)
     advance(p, car, c, s, period, command, column, _apply, _book)
+
+
+@inlined
+def _turn_with_load_machine(s: PlanarOnBenchState, i: int, speed: float) -> None:
+    """Let a wheel meet the road as its load machine turned [rad/s, of the wheel] when the last period ended.
+
+    What the load machine is told goes on from what it was told: the speed J w' = i M - F_x r - M_f - M_brake of the
+    virtual wheel. The difference between both, held over a period, is what the load machine does not follow.
+    """
+    told = s.motion[WHEEL_SPEED + i] - s.apart[i]
+    apart = accepted(s.guard, speed - s.told_speed[i], 0.0, -_MOST_APART, _MOST_APART)
+    s.motion[WHEEL_SPEED + i] = told + apart
+    s.apart[i], s.told_speed[i] = apart, told
 
 
 @inlined

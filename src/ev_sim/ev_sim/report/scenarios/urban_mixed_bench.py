@@ -6,7 +6,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.test_bench import bench_channels
 from ev_sim.report.metric import Metric, metric
-from ev_sim.report.quantities import motion, test_bench
+from ev_sim.report.quantities import can_bus, motion, test_bench
 from ev_sim.report.samples import Parameters, Runs
 from ev_sim.report.scenarios import urban_mixed
 from ev_sim.running.recording.recording import Recording
@@ -25,6 +25,7 @@ def _metrics(run: Recording) -> dict[str, Metric]:
     return {
         **{f"bench_{name}": metric(lambda name=name: test_bench.energies(run)[name], "J") for name in names},
         "bench_imbalance": metric(lambda: test_bench.imbalance(run), "1"),
+        **can_bus.metrics(run),
     }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ev_sim.report.figures.circuit_curves import circuit_current, running_drive_efficiency, running_wheel_efficiency
+from ev_sim.report.figures.circuit_curves import running_drive_efficiency, running_wheel_efficiency
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.figures.urban_mixed import lay_over_friction
@@ -44,25 +44,6 @@ def speeds(driven: ScenarioRuns) -> Figure:
     return recorded("Motor speeds", "speed [rad/s]", "motor_states.velocity")(driven)
 
 
-def currents(driven: ScenarioRuns) -> Figure:
-    """What both circuits take from the battery."""
-
-    def curve(driven: ScenarioRuns, side: str) -> Curve:
-        return circuit_current(run_of(driven), driven.vehicle, f"front_{side}", side)
-
-    return _draw("Currents of the circuits", "current [A]", SIDES, curve)(driven)
-
-
-def voltage(driven: ScenarioRuns) -> Figure:
-    """One battery feeds both circuits, so both have its voltage."""
-
-    def curve(driven: ScenarioRuns, side: str) -> Curve:
-        run = run_of(driven)
-        return Curve(run.time, channel(run, "battery.voltage"), "right and left")
-
-    return _draw("Voltage of both circuits", "voltage [V]", ("",), curve)(driven)
-
-
 def wheel_efficiency(side: str) -> Callable[[ScenarioRuns], Figure]:
     """Eq 2.37 of one side since the start, over the friction of the road under its wheel."""
 
@@ -81,18 +62,21 @@ def drive_efficiency(side: str) -> Callable[[ScenarioRuns], Figure]:
     return _over_friction(_draw("Drive efficiency since the start", "efficiency, friction [1]", (side,), curve), side)
 
 
-def torques_and_friction(driven: ScenarioRuns) -> Figure:
-    """Torques of both motors, with the friction of the road under the right wheel on an axis of its own."""
-    figure = torques(driven)
-    run = run_of(driven)
-    friction = channel(run, "tire_forces.friction_coefficient.front_right")
-    beside = figure.axes[0].twinx()
-    beside.step(run.time[::10], friction[::10], where="post", color="0.6", linewidth=0.7)
-    beside.set_ylim(0.0, 1.05)
-    beside.set_ylabel("friction, right [1]", fontsize=8.0)
-    beside.tick_params(labelsize=8.0)
-    figure.subplots_adjust(right=0.93)
-    return figure
+def over_friction(draw: Callable[[ScenarioRuns], Figure]) -> Callable[[ScenarioRuns], Figure]:
+    """A figure with the friction of the road under the right wheel on an axis of its own."""
+
+    def both(driven: ScenarioRuns) -> Figure:
+        figure, run = draw(driven), run_of(driven)
+        friction = channel(run, "tire_forces.friction_coefficient.front_right")
+        beside = figure.axes[0].twinx()
+        beside.step(run.time[::10], friction[::10], where="post", color="0.6", linewidth=0.7)
+        beside.set_ylim(0.0, 1.05)
+        beside.set_ylabel("friction, right [1]", fontsize=8.0)
+        beside.tick_params(labelsize=8.0)
+        figure.subplots_adjust(right=0.93)
+        return figure
+
+    return both
 
 
 def _over_friction(draw: Callable[[ScenarioRuns], Figure], side: str) -> Callable[[ScenarioRuns], Figure]:

@@ -6,19 +6,22 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ev_sim.report.figures.figure import Figure
-from ev_sim.report.samples import run_named
 from ev_sim.running.recording.recording import Recording
-from ev_sim.study.urban_cases import FIVE, METHODS, SCENARIO, case
+from ev_sim.study.urban_cases import BENCH, FIVE, METHODS, SCENARIO, case
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_sim.verdicts.panel import PublishedPanel
 
 SIDES = ("right", "left")
-CYCLES = {METHODS[name].number: ScenarioNeed(SCENARIO, case(name, "pulse", 1).values, slow=True) for name in FIVE}
+CYCLES, ON_BENCH = (
+    {METHODS[name].number: ScenarioNeed(scenario, case(name, "pulse", 1).values, slow=True) for name in FIVE}
+    for scenario in (SCENARIO, BENCH)
+)
 
 
 def run_of(driven: ScenarioRuns) -> Recording:
     """The only run of the scenario."""
-    return run_named(driven.runs, SCENARIO)
+    (run,) = driven.runs.values()
+    return run
 
 
 def driver_of(driven: ScenarioRuns) -> Mapping[str, Any]:
@@ -27,12 +30,16 @@ def driver_of(driven: ScenarioRuns) -> Mapping[str, Any]:
 
 
 def of_each_method(
-    row: str, figure: Callable[[int], str], letter: str, draw: Callable[[ScenarioRuns], Figure]
+    row: str,
+    figure: Callable[[int], str],
+    letter: str,
+    draw: Callable[[ScenarioRuns], Figure],
+    cycles: Mapping[int, ScenarioNeed] = CYCLES,
 ) -> tuple[PublishedPanel, ...]:
     """The same panel for methods 1 to 5; `figure` gives the number of the figure of a method."""
     return tuple(
         PublishedPanel(figure(number), letter, row, (_id(figure(number), letter),), (need,), draw)
-        for number, need in CYCLES.items()
+        for number, need in cycles.items()
     )
 
 

@@ -141,7 +141,8 @@ DECLARATIONS: tuple[Declaration, ...] = (
         _BENCH,
         Number("1", 1.0, absolute(1e-2, "the wheel is shown the mean of the period"), _torque_that_drives, "torque"),
         Number("%", 0.0, between(0.0, 1.0, "delays of inverter and exchange"), _speeds_apart, "speeds apart"),
-        assumption="the load machine is told the speed of the virtual wheel and holds it, so both are one speed",
+        assumption="the load machine is told the speed that the torques give the virtual wheel, and the wheel meets "
+        "the road with the speed measured at the load machine",
     ),
     judged(
         "diss.bench.spin",

@@ -5,7 +5,10 @@ from __future__ import annotations
 from ev_sim.verdicts.declaration import Declaration, no_verdict, not_judgeable
 from ev_sim.verdicts.published import published
 
-_DRAWN = "curve not in the text; scripts/run.sh figures draws it for each method, with driver pulse"
+_DRAWN = (
+    "curve not in the text; scripts/run.sh figures draws it for each method, with driver pulse, and those of chapter 5 "
+    "on the bench"
+)
 _REASONS = {
     "diss.fig1.13": "maker's curves are not in the text",
     "diss.fig1.22": "maker's curves, voltages and efficiencies are not in the text; losses and winding are assumed",

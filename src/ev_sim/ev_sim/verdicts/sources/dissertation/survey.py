@@ -116,7 +116,9 @@ DECLARATIONS: tuple[Declaration, ...] = (
         ),
         assumption="four driven wheels, whose mass is rounded up first",
     ),
-    no_verdict("diss.t1.2", "a classification in words; no category is computed here"),
+    no_verdict(
+        "diss.t1.2", "a classification in words; no mass, power or torque is given by which a category would follow"
+    ),
     judged(
         "diss.K",
         tuple(need for need, _ in _DIFFERENTIALS),
