@@ -329,17 +329,17 @@ def test_garbage_carries_no_stamp():
 @WITH_NUMBERS
 def test_compiled_code_reads_and_writes_the_same_bytes(topic):
     """In its block of memory: the numbers, the stamp, and what is no message of ours; here run as plain Python."""
-    of, block = format_of(topic.signal), np.zeros(512, np.int64)
+    of, block = format_of(topic.signal), np.zeros(2048, np.int64)
     memory = Memory(*(block.view(kind) for kind in (np.uint8, np.int64, np.int32, np.float64, np.float32)))
     there = np.zeros(1, np.dtype(TOPIC)).view(np.recarray)[0]
-    there.template, there.mask, at = 4, 1004, 2004  # numbers stand at whole ones behind the four bytes of encapsulation
+    there.template, there.mask, at = 4, 4100, 8196  # numbers stand at whole ones behind the four bytes of encapsulation
     there.length, there.last, there.single = len(of.template), len(of.runs), of.code == "f"
-    memory.bytes[4 : 4 + len(of.template)] = list(of.template)
-    memory.bytes[1004 : 1004 + len(of.mask)] = list(of.mask)
+    memory.bytes[there.template : there.template + len(of.template)] = list(of.template)
+    memory.bytes[there.mask : there.mask + len(of.mask)] = list(of.mask)
     runs = np.array([tuple(run) for run in of.runs], RUN).view(np.recarray)
     stamp, given = 12_345_678_901, framed(topic, ordinary(topic))
     write_message(memory, there, runs, stamp, given.numbers)
-    message = bytes(memory.bytes[4 : 4 + len(of.template)])
+    message = bytes(memory.bytes[there.template : there.template + len(of.template)])
     assert message == of.pack(stamp, given)
     memory.bytes[at : at + len(message)] = list(message)
     found = Frame()

@@ -15,10 +15,13 @@ OF_METHOD = {
     4: "no ASR; K reaches 1.5 at a speed difference of 5 rad/s",
     5: "no ASR; friction and loads known, eq 1.2",
 }
-VIRTUAL = "the virtual run stands for the bench"
+BENCH = (
+    "torques, speeds, voltages and currents as our bench measures them: set-points late by 2 ms, shaft of 20 kN m/rad, "
+    "exchange every 5 ms, errors of section 4.3 as two standard deviations of noise"
+)
 BATTERY = "206 cells in series, 3.2 V each, constant"
 
 
 def wheel_efficiency(method: int, bench: bool = False) -> str:
     """Of a wheel efficiency with the driver imposed_speed."""
-    return "; ".join([IMPOSED, NO_ROLLING, OF_METHOD[method], ROAD, *([VIRTUAL] if bench else [])])
+    return "; ".join([IMPOSED, NO_ROLLING, OF_METHOD[method], ROAD, *([BENCH] if bench else [])])

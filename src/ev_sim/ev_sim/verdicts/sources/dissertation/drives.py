@@ -8,13 +8,13 @@ from ev_sim.study import dissertation_tables as printed
 from ev_sim.verdicts.check import Measure, Number, Shown
 from ev_sim.verdicts.declaration import Declaration, judged
 from ev_sim.verdicts.need import StudyCases
-from ev_sim.verdicts.sources.dissertation.assumptions import IMPOSED, NO_ROLLING, VIRTUAL
-from ev_sim.verdicts.sources.dissertation.runs import FIVE_METHODS, SPEEDS, ByMethod, mean, order, seeds
+from ev_sim.verdicts.sources.dissertation.assumptions import BENCH, IMPOSED, NO_ROLLING
+from ev_sim.verdicts.sources.dissertation.runs import FIVE_ON_BENCH, SPEEDS, ByMethod, mean, order, seeds
 from ev_sim.verdicts.tolerance import absolute
 
 _DRIVER = "imposed_speed"
 _LOSSES = "loss model of the machine and its inverter (no map is left in the source)"
-_ASSUMED = f"{VIRTUAL}; {IMPOSED}; {_LOSSES}"
+_ASSUMED = f"{BENCH}; {IMPOSED}; {_LOSSES}"
 _UNKNOWN = absolute(0.02, "losses of the bench are unknown")
 _POINTS = absolute(2.0, "losses of the bench are unknown")
 
@@ -23,7 +23,7 @@ def _side(method: int, side: str, value: float) -> Declaration:
     quantity = f"drive_efficiency_{side}"
     return judged(
         f"diss.t5.{method}.drive.{side}",
-        FIVE_METHODS,
+        FIVE_ON_BENCH,
         Number("1", value, _UNKNOWN, mean(quantity, method, _DRIVER)),
         Shown("1", mean(quantity, method, "pulse"), "with driver pulse"),
         assumption=_ASSUMED,
@@ -46,7 +46,7 @@ def _table(method: int) -> tuple[Declaration, ...]:
         _side(method, "left", printed.DRIVE_EFFICIENCY_LEFT[method]),
         judged(
             f"diss.t5.6.drive.m{method}",
-            FIVE_METHODS,
+            FIVE_ON_BENCH,
             Number(
                 "%",
                 100.0 * printed.DRIVE_EFFICIENCY[method],
@@ -58,7 +58,7 @@ def _table(method: int) -> tuple[Declaration, ...]:
         ),
         judged(
             f"diss.t5.6.total.m{method}",
-            FIVE_METHODS,
+            FIVE_ON_BENCH,
             Number(
                 "%",
                 100.0 * printed.TOTAL_EFFICIENCY[method],
@@ -89,13 +89,13 @@ DECLARATIONS: tuple[Declaration, ...] = (
     *(declaration for method in printed.DRIVE_EFFICIENCY for declaration in _table(method)),
     judged(
         "diss.t5.6.drive.order",
-        FIVE_METHODS,
+        FIVE_ON_BENCH,
         order("drive_efficiency", _DRIVER, _drive_order),
         assumption=_ASSUMED,
     ),
     judged(
         "diss.t5.6.total.order",
-        FIVE_METHODS,
+        FIVE_ON_BENCH,
         order("total_efficiency", _DRIVER, _total_order),
         assumption=_ASSUMED,
     ),

@@ -17,6 +17,7 @@ PART = ScenarioNeed(  # the first windows of traction
     "urban_mixed", (("driver", "method", "imposed_speed"), ("plant", "speed", "imposed")), duration=95.0
 )
 FIVE_METHODS = StudyNeed("five_methods")
+FIVE_ON_BENCH = StudyNeed("five_methods", ("--bench", "--drivers", "imposed_speed", "pulse"))
 
 SPEEDS = "wheel_speed_efficiency"  # eq 2.37 without rolling resistance in M_f
 ByMethod = Mapping[int, float]

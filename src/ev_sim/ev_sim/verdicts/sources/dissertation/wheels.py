@@ -10,6 +10,7 @@ from ev_sim.verdicts.need import StudyCases
 from ev_sim.verdicts.sources.dissertation.assumptions import IMPOSED, NO_ROLLING, ROAD, wheel_efficiency
 from ev_sim.verdicts.sources.dissertation.runs import (
     FIVE_METHODS,
+    FIVE_ON_BENCH,
     SPEEDS,
     ByMethod,
     mean,
@@ -42,7 +43,7 @@ def _row(id: str, method: int, value: float, row: str, bench: bool = False, unit
     pulse = mean(f"wheel_efficiency{ending}", method, "pulse", percent)
     return judged(
         id,
-        FIVE_METHODS,
+        FIVE_ON_BENCH if bench else FIVE_METHODS,
         Number(unit, value, band(method, 1 / percent), mean(f"{SPEEDS}{ending}", method, _DRIVER, percent)),
         Shown(unit, full, "eq 2.37 in full"),
         Shown(unit, pulse, "in full with driver pulse"),
