@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import reprlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TypeVar
@@ -51,7 +52,7 @@ def _read(path: Path, columns: tuple[Mapping[str, float], ...]) -> list[tuple[fl
     if any(len(names) != 1 for names in found):
         wanted = [names[0] if len(names) == 1 else f"one of {' and '.join(names)}" for names in map(list, columns)]
         raise ParameterError(
-            f"has the columns {', '.join(header) or '(none)'}, needed are {', '.join(wanted[:-1])} and {wanted[-1]}"
+            f"has the columns {_brief(header) or '(none)'}, needed are {', '.join(wanted[:-1])} and {wanted[-1]}"
         )
     chosen = [(name, header.index(name), names[name]) for (name,), names in zip(found, columns, strict=True)]
     return [
@@ -66,5 +67,11 @@ def _number(text: str | None, column: str, line: int) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ParameterError(f"line {line}: {column} is {text!r}, allowed is a finite number")
+        raise ParameterError(f"line {line}: {column} is {reprlib.repr(text)}, allowed is a finite number")
     return value
+
+
+def _brief(words: list[str], most: int = 80) -> str:
+    """Words in a row, cut off where they are too many or too long for one line."""
+    whole = ", ".join(words)
+    return whole if len(whole) <= most else f"{whole[:most]}..."
