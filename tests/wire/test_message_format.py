@@ -347,7 +347,8 @@ def test_compiled_code_reads_and_writes_the_same_bytes(topic):
     assert read_numbers(memory, at, there, runs, found.numbers)
     assert stamp_in(memory, at) == stamp
     assert bytes(found.numbers) == bytes(given.numbers)
-    for place in (n for n, constant in enumerate(of.mask) if constant):
+    constants = [n for n, constant in enumerate(of.mask) if constant]
+    for place in constants[:: max(len(constants) // 50, 1)]:  # evenly spread: each takes a look at all bytes
         memory.bytes[at + place] ^= 1
         assert not is_laid_out_like(memory, at, there)
         memory.bytes[at + place] ^= 1
