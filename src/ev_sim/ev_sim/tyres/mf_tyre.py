@@ -8,8 +8,6 @@ from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import atan, cos, exp, sin, sqrt
 from ev_msgs_py.vehicle.mf_tyre import MfTyre
 
-# Slip below which the slope at zero slip is taken: small against any peak, large against rounding.
-SLIP_FLOOR = 1e-6
 # Least share of the nominal load whose coefficients are taken: files are measured from about there on, and their
 # polynomials may lose their sign further out. Likewise the largest. Both are assumptions.
 LEAST_LOAD, LARGEST_LOAD = 0.05, 3.0

@@ -8,7 +8,8 @@ from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import sqrt
 from ev_msgs_py.vehicle.mf_tyre import MfTyre
 from ev_sim.tyres.combined import AHEAD
-from ev_sim.tyres.mf_tyre import SLIP_FLOOR, at_load, forces
+from ev_sim.tyres.curve import SLIP_FLOOR
+from ev_sim.tyres.mf_tyre import at_load, forces
 
 # The least speed along the wheel over the transport velocity [1]: a wheel that spins on the spot or slides sideways has
 # a slip ratio or a tangent of 50, where the formula has long come to its end.
