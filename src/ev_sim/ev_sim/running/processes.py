@@ -24,6 +24,7 @@ from ev_sim.running.observer import Observer
 from ev_sim.running.observing import observing
 from ev_sim.running.outcome import Outcome, Progress, RunFailed, not_reproducible
 from ev_sim.running.progress_bar import announce
+from ev_sim.running.real_bus import real_bus
 from ev_sim.running.recording.recording import load
 from ev_sim.running.scenarios.scenario import Run
 
@@ -41,14 +42,15 @@ def run_in_processes(
     RunFailed, with a line that names the node, if one ends before the run does; KeyboardInterrupt if Ctrl-C or SIGTERM
     came. All nodes are stopped then.
     """
-    parameters = node_parameters(run, directory, bag)
     file = directory / "parameters.yaml"
-    write_parameter_file(file, run, parameters)
     with (
         free_domain() as domain,
         StopRequest(patient=True) as stop,
         observing(run.namespace, domain) as observer,
+        real_bus(run, domain, directory) as bus,
     ):
+        parameters = node_parameters(run, directory, bag, bus)
+        write_parameter_file(file, run, parameters)
         announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         nodes: list[NodeProcess] = []
         try:
