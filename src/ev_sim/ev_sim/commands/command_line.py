@@ -52,6 +52,11 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
 def add_overrides(parser: argparse.ArgumentParser) -> None:
     """Declare the options that `overrides` reads."""
     parser.add_argument("--method", action="append", default=[], metavar="NODE=NAME", help="method of a node")
+    add_changes(parser)
+
+
+def add_changes(parser: argparse.ArgumentParser) -> None:
+    """Declare those that leave the methods as they are."""
     parser.add_argument("--vehicle", metavar="FILE", help="another car: a complete vehicle file, or a name")
     parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
     parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
@@ -96,7 +101,7 @@ def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
 def overrides(given: argparse.Namespace) -> Overrides:
     """What the command line says beyond the files; ParameterError, in one line, for words without NODE, name or =."""
     values: list[tuple[str, str, Any]] = []
-    for word in given.method:
+    for word in getattr(given, "method", ()):
         node, name = _split(word, "=", "--method", "NODE=NAME")
         values.append((node, "method", name))
     for word in given.set:
