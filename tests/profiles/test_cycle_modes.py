@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.csv_file import find_file
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.profiles.cycle_modes import CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.profile import profile_of
 from ev_sim.profiles.profile_file import with_profile_from_file

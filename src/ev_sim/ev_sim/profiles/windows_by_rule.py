@@ -17,8 +17,8 @@ STOP, TRACTION, REGENERATION = range(len(MODES))
 class WindowRuleParameters:
     """What counts as standing and as falling, and which windows are too short to be one.
 
-    On TRRL 1.1 the rule finds the windows that the dissertation lists, but for 49.7 s to 57.3 s, where the speed falls and
-    the source goes on with traction.
+    On TRRL 1.1 the rule finds the windows that the dissertation lists, but for 49.7 s to 57.3 s, where the speed falls
+    and the source goes on with traction.
     """
 
     standing_speed: float = parameter(

@@ -18,9 +18,9 @@ _ROOM = 1.1  # length of the road over that of the cycle: a driver who may be fa
 def cycle_values(name: str) -> tuple[list[tuple[str, str, Any]], float]:
     """What a cycle changes in a scenario, as (node, parameter, value), and its duration [s].
 
-    `name` is that of a file in config/cycles, its beginning if no other begins so, or the path of a CSV file. The windows
-    are then found by rule (`driver.modes`), unless the scenario lists those of this cycle, and a random road is as long
-    as the cycle. ParameterError that lists the known cycles for an unknown one.
+    `name` is that of a file in config/cycles, its beginning if no other begins so, or the path of a CSV file. The
+    windows are then found by rule (`driver.modes`), unless the scenario lists those of this cycle, and a random road is
+    as long as the cycle. ParameterError that lists the known cycles for an unknown one.
     """
     file = name if os.sep in name or name.endswith(".csv") else f"cycles/{_known(name)}.csv"
     profile = with_profile_from_file(SpeedProfileParameters(file=file), "cycle")
