@@ -13,7 +13,8 @@ from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import arguments
 from ev_sim.running.outcome import RunFailed
-from ev_sim.running.scenarios.scenario import describe_scenario, scenario_names
+from ev_sim.running.scenarios.about import describe_scenario
+from ev_sim.running.scenarios.scenario import scenario_names
 from ev_sim.study.study import STUDIES, study_named
 
 REVIEWS = {  # commands of their own, in modules of their names
