@@ -88,7 +88,7 @@ def at(driven: Ends, time: float) -> dict[str, Any]:
 
 
 def test_torques_and_speeds_go_over_the_bus_and_back_into_the_graph(driven):
-    """Right 20 and left 10 N m against load machines that hold their speed; to a tenth of the transducer's range error."""
+    """Right 20 and left 10 N m against load machines that hold their speed; to a tenth of the transducer's error."""
     shafts = at(driven, TRIP - 0.01)["shafts"]
     assert shafts.torque[:2] == pytest.approx((10.0, 20.0), abs=0.1)
     assert shafts.load_speed[:2] == pytest.approx((SPEED, SPEED), abs=0.1)

@@ -91,9 +91,7 @@ def release(s: ChannelState, place: int, at: float, low: float, high: float) -> 
 
 
 @compilable
-def advance_channel(
-    c: ChannelFrames, p: BusModelParameters, s: ChannelState, channel: int, until: float
-) -> None:
+def advance_channel(c: ChannelFrames, p: BusModelParameters, s: ChannelState, channel: int, until: float) -> None:
     """Begin all frames that can begin before `until` [bit]."""
     while s.free_from < until:
         if s.other_bits >= _LONGEST:
