@@ -65,3 +65,23 @@ class BusCycles:
         if self.channels is not None:
             self.channels.close()
             self.channels = None
+
+
+class WithBus:
+    """What a node that has a bus does the same whatever else it is; how it is run, see `spinning`."""
+
+    _bus: BusCycles | None = None
+
+    def wake_up_within(self) -> float:
+        """Seconds until the next cycle."""
+        return self._bus.until_next() if self._bus else 0.0
+
+    def idle(self) -> None:
+        """Say once what goes wrong on the bus."""
+        if self._bus is not None:
+            self._bus.tell_troubles()
+
+    def close(self) -> None:
+        """Leave the bus."""
+        if self._bus is not None:
+            self._bus.close()

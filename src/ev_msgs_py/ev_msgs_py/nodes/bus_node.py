@@ -17,13 +17,13 @@ from ev_msgs_py.can.database import Database, load_database
 from ev_msgs_py.can.schedule import TICK
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.nodes import ros_parameters
-from ev_msgs_py.nodes.bus_cycles import BusCycles
+from ev_msgs_py.nodes.bus_cycles import BusCycles, WithBus
 from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.parameters.declaration import ParameterError, entries
 from ev_msgs_py.parameters.values import build, replaced
 
 
-class BusNode(Node):
+class BusNode(WithBus, Node):
     """Takes frames as they come and makes a cycle every millisecond; how it is run, see `spinning`.
 
     A subclass says what a frame and a cycle mean. ParameterError, BusError or OSError if it cannot be made.
@@ -31,7 +31,6 @@ class BusNode(Node):
 
     done = False
     polling_place = len(ROLES)
-    _bus: BusCycles | None = None
 
     def __init__(self, name: str, parameters: type, **node_arguments: Any) -> None:
         super().__init__(name, automatically_declare_parameters_from_overrides=True, **node_arguments)
@@ -83,20 +82,6 @@ class BusNode(Node):
 
     def awaits(self) -> None:
         """No message wakes it up: it looks every millisecond."""
-
-    def wake_up_within(self) -> float:
-        """Seconds until the next cycle."""
-        return self._bus.until_next() if self._bus else 0.0
-
-    def idle(self) -> None:
-        """Say once what goes wrong on the bus."""
-        if self._bus is not None:
-            self._bus.tell_troubles()
-
-    def close(self) -> None:
-        """Leave the bus."""
-        if self._bus is not None:
-            self._bus.close()
 
     def _on_set(self, changes: list[Parameter]) -> SetParametersResult:
         given = {change.name: change.value for change in changes if not ros_parameters.is_ros_own(change.name)}

@@ -9,18 +9,16 @@ from ev_msgs_py.can.channels import Channels
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.part import Part, PythonPart
 from ev_msgs_py.lockstep.parts import bare, behind_sensors
-from ev_msgs_py.nodes.bus_cycles import BusCycles
+from ev_msgs_py.nodes.bus_cycles import BusCycles, WithBus
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 
 
-class RoleOnBus(SteppedNode):
+class RoleOnBus(WithBus, SteppedNode):
     """Steps as every node does, and besides makes cycles of 1 ms by the wall clock, with frames in and out.
 
     A subclass says by what its role is played (`played_by`): an object that steps or advances, with `receive(circuit,
     frame)` and `cycle(ticks)` for the bus.
     """
-
-    _bus: BusCycles | None = None
 
     def __init__(self, *arguments: Any, **node_arguments: Any) -> None:
         super().__init__(*arguments, **node_arguments)
@@ -56,17 +54,3 @@ class RoleOnBus(SteppedNode):
         """Take frames and messages; False if there was nothing to do."""
         frames = self._bus is not None and self._bus.poll()
         return super().poll() or frames
-
-    def wake_up_within(self) -> float:
-        """Seconds until the next cycle."""
-        return self._bus.until_next() if self._bus else 0.0
-
-    def idle(self) -> None:
-        """Say once what goes wrong on the bus."""
-        if self._bus is not None:
-            self._bus.tell_troubles()
-
-    def close(self) -> None:
-        """Leave the bus."""
-        if self._bus is not None:
-            self._bus.close()
