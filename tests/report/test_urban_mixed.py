@@ -13,7 +13,7 @@ from urban_runs import CAR, PARAMETERS, driven, parameters_of, scenario
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.drives.losses import loss_power
-from ev_sim.profiles.cycle_modes import MODES, TRACTION
+from ev_sim.profiles.windows_by_rule import MODES, TRACTION
 from ev_sim.report.figures.cycle_bands import stretches
 from ev_sim.report.figures.motors_and_cells import motors_and_cells
 from ev_sim.report.metric import NotMeasured
