@@ -30,6 +30,7 @@ from ev_sim.running.scenarios.scenario import Run
 
 _LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
 _PATIENCE = 2.0  # s for a process to stop when it is asked to, and for a last word to arrive
+_TO_CATCH_UP = 20.0  # s more for a recorder behind a plant in real time that said that it has come to its end
 
 
 def run_in_processes(
@@ -115,16 +116,20 @@ def _watch(
             code = node.process.poll()
             if code == 0 and node.name in (MASTER, RECORDER):
                 ending.discard(node.name)
+                hanging.has_ended(node.name)
                 patience = min(patience, time.monotonic() + _PATIENCE)
-                if observer.time < last and time.monotonic() > patience:
+                if observer.time < last and time.monotonic() > patience + (_TO_CATCH_UP if observer.timing else 0.0):
                     raise RunFailed(f"{node.failure()} at {observer.time:g} s of simulated time")
             elif code is not None:
                 raise RunFailed(f"{node.failure()}, at {observer.time:g} s of simulated time")
     now = time.monotonic()
     wall_time = (ended or now) - (started or now)
     progress(run.duration)
+    recording = load(directory / "signals.npz")
+    if recording.time[-1] < last - 0.5 * stamps.to_seconds(run.period):  # real time does not wait for its recorder
+        raise RunFailed(f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time")
     warnings, notes = not_reproducible(run, observer.warnings), observer.notes
-    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes, observer.timing)
+    return Outcome(recording, wall_time, warnings, notes, observer.timing)
 
 
 def _stop(nodes: list[NodeProcess]) -> None:
