@@ -10,6 +10,7 @@ NODES = [
     "plant = ev_sim.nodes.plant:main",
     "steering_column = ev_sim.nodes.steering_column:main",
     "driver = ev_sim.nodes.driver:main",
+    "rear_steering = ev_sim.nodes.rear_steering:main",
     "test_bench = ev_sim.nodes.test_bench:main",
     "recorder = ev_sim.nodes.recorder:main",
     "inverter = ev_sim.nodes.inverter:main",
@@ -32,6 +33,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
         ("share/ev_sim", ["package.xml"]),
+        ("share/ev_sim/launch", ["launch/scenario.launch.py"]),
     ],
     python_requires=">=3.11",
     install_requires=[
@@ -63,6 +65,7 @@ setup(
             "plant = ev_sim.methods.plant",
             "steering_column = ev_sim.methods.steering_column",
             "driver = ev_sim.methods.driver",
+            "rear_steering = ev_sim.methods.rear_steering",
             "test_bench = ev_sim.methods.test_bench",
         ],
     },

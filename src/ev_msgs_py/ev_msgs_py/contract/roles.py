@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from ev_msgs_py.contract.actuator_signals import RearSteeringState
 from ev_msgs_py.contract.bench_signals import (
     BenchElectrical,
     BenchEnergy,
@@ -73,7 +74,7 @@ ROLES = {
         Role(
             "plant",
             RoleKind.INTEGRATES,
-            reads=(WheelTorqueCommand, SteeringColumnState, BenchShafts, BenchElectrical),
+            reads=(WheelTorqueCommand, SteeringColumnState, RearSteeringState, BenchShafts, BenchElectrical),
             writes=(*_BODY, TireForces, *_ELECTRICAL, LoadCommand),
             default_method="kinematic",
         ),
@@ -83,6 +84,14 @@ ROLES = {
             reads=(DriverCommand, WheelStates, TireForces),
             writes=(SteeringColumnState,),
             default_method="powered",
+        ),
+        Role(
+            "rear_steering",
+            RoleKind.INTEGRATES,
+            reads=(SteeringColumnState, BodyVelocity, TireForces),
+            writes=(RearSteeringState,),
+            default_method="speed_dependent",
+            optional=True,
         ),
         Role(
             "test_bench",

@@ -20,6 +20,7 @@ from ev_sim.study.study import STUDIES, study_named
 REVIEWS = {  # commands of their own, in modules of their names
     "verdicts": "a verdict on every number, curve and claim of all sources, in one table",
     "report": "one page about the folders of several runs of scenarios, side by side with their differences",
+    "replay": "recorded inputs into a law or a node, and where its answers differ from the recorded ones",
     "figures": "every panel of the sources' figures, drawn from our runs, on one page",
 }
 _NOT_READ = 141  # what a shell says of a command whose output nobody reads any more
