@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 from adaptive_reference import DrivenPlant
+from manoeuvres import MANOEUVRES
 from plant.planar.car import CAR, FOUR_MOTORS, command, drive, kinetic_energy, outputs, plant, steered
 
 from ev_msgs_py.contract.signals import MotorStates, WheelStates
@@ -28,16 +29,6 @@ from ev_sim.running.offline import run_offline
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 CARS = ("layout_1_8_b", "centre_dccd", "engine_4x4")
-MANOEUVRES = (
-    "coast_down",
-    "double_lane_change",
-    "hill_start",
-    "launch_split_mu",
-    "sine_with_dwell",
-    "steady_circle",
-    "step_steer",
-    "straight_brake_split_mu",
-)
 ENGINE = Engine(peak_power=110e3)
 FINAL_DRIVE = dataclasses.replace(CAR.motor, gear_efficiency=0.96)
 

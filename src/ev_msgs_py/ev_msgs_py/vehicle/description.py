@@ -171,7 +171,7 @@ class Vehicle:
     @property
     def free_wheel_inertia(self) -> float:
         """Inertia of a wheel without motor [kg m^2]."""
-        return self.wheel_inertia * self.undriven_inertia_ratio + self._carried_inertia
+        return self.wheel_inertia * self.undriven_inertia_ratio + self.carried_inertia
 
     @property
     def front_share_of_roll(self) -> float:
@@ -191,14 +191,10 @@ class Vehicle:
     @property
     def driven_wheel_inertia(self) -> float:
         """Inertia of a driven wheel with its rotor behind the gear, J = J_w + i^2 J_r [kg m^2]."""
-        return self.own_wheel_inertia + self.gear_ratio * self.gear_ratio * self.motor.rotor_inertia
+        own = self.wheel_inertia + self.carried_inertia
+        return own + self.gear_ratio * self.gear_ratio * self.motor.rotor_inertia
 
     @property
-    def own_wheel_inertia(self) -> float:
-        """Inertia of a wheel without rotor [kg m^2]."""
-        return self.wheel_inertia + self._carried_inertia
-
-    @property
-    def _carried_inertia(self) -> float:
+    def carried_inertia(self) -> float:
         """What eq 1 of Tatar & Chudzik adds to each wheel as printed [kg m^2]."""
         return self.mass / 4.0 * self.wheel_radius * self.wheel_radius if self.printed_wheel_inertia else 0.0

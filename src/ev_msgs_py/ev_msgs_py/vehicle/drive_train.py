@@ -87,7 +87,7 @@ def wheel_inertias(vehicle: Vehicle) -> list[float]:
     """Inertia of each wheel, with its rotors behind their gear where it is driven, J = J_w + n i^2 J_r [kg m^2]."""
     numbers, rotor = drive_train_numbers(vehicle), vehicle.motor.rotor_inertia
     return [
-        vehicle.own_wheel_inertia + gear * gear * rotor * motors
+        vehicle.wheel_inertia + vehicle.carried_inertia + gear * gear * rotor * motors
         if name in vehicle.driven_wheels
         else vehicle.free_wheel_inertia
         for name, gear, motors in zip(WHEEL_NAMES, numbers["gear"], numbers["motors"], strict=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
 
@@ -23,7 +24,7 @@ LOCK_COEFFICIENTS = {
 }
 
 
-def _coefficient(place: str) -> float:
+def _coefficient(place: str) -> Any:
     return parameter(
         0.0,
         unit="1",
@@ -34,7 +35,7 @@ def _coefficient(place: str) -> float:
     )
 
 
-def _axle(place: str) -> str:
+def _axle(place: str) -> Any:
     return parameter(
         "same",
         choices=("same", *COUPLINGS[:3], *TORSENS),
@@ -42,13 +43,13 @@ def _axle(place: str) -> str:
     )
 
 
-def _gear(place: str) -> float:
+def _gear(place: str) -> Any:
     return parameter(
         1.0, unit="1", low=0.01, high=100.0, about=f"gear ratio of the {place} axle over the vehicle's `gear_ratio`"
     )
 
 
-def _size(place: str) -> float:
+def _size(place: str) -> Any:
     return parameter(
         1.0,
         unit="1",
