@@ -125,7 +125,7 @@ def test_instants_that_are_not_those_of_a_control_period_are_refused(turn: Path,
 
 @pytest.mark.slow
 def test_as_recorded_every_role_says_the_same_bits(tmp_path: Path):
-    """All roles of a bench, with noise of the sensors and a bus between laws and car, from a bag and from signals.npz."""
+    """All roles of a bench, with noise of sensors and a bus between laws and car, from a bag and from signals.npz."""
     words = [
         "bench_fault",
         "--offline",
