@@ -18,7 +18,7 @@ from ev_msgs_py.can.bus_model import (
     release,
     take,
 )
-from ev_msgs_py.can.frames import NO_FRAME, joined, words
+from ev_msgs_py.can.payload_words import NO_FRAME, joined, words
 from ev_msgs_py.can.response_time import of_layouts
 from ev_msgs_py.can.wire_time import wire_bits, wire_tables
 from ev_msgs_py.compiling.function import compiled, in_memory

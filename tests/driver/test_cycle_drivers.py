@@ -11,7 +11,7 @@ from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 from ev_msgs_py.lockstep.law import namespace
 from ev_msgs_py.vehicle.car import car_numbers
 from ev_sim.driver.power_level import PowerLevelParameters, torque_of_power
-from ev_sim.profiles.cycle_modes import MODES, TRACTION
+from ev_sim.profiles.windows_by_rule import MODES, TRACTION
 from ev_sim.report.quantities import traction_windows as cycle
 
 NUMBERS, LEVEL = namespace(car_numbers(CAR)), PowerLevelParameters()

@@ -48,6 +48,7 @@ def test_a_row_at_standstill_is_not_looked_at():
             )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("torque", [100.0, -100.0, 37.0])
 def test_losses_of_a_map_have_no_jumps(torque):
     """Steps of 0.01 rad/s from reverse through rest to beyond the map: 1 W, the steepest part is 67 W s/rad."""

@@ -16,7 +16,7 @@ from ev_msgs_py.can.channel import Frame
 from ev_msgs_py.can.checking import TOLERANCES, WRONG_CRC, CheckState, check
 from ev_msgs_py.can.codec import extracted, inserted, quantised
 from ev_msgs_py.can.database import EV_BENCH, load_database
-from ev_msgs_py.can.frames import are_words, joined, words
+from ev_msgs_py.can.payload_words import are_words, joined, words
 from ev_msgs_py.can.protection import COUNTERS, protected
 from ev_msgs_py.can.socketcand_hub import HOST, SocketcandHub
 from ev_msgs_py.parameters.config_folders import find_in_config

@@ -14,10 +14,11 @@ from hypothesis import strategies as st
 
 from ev_msgs_py.parameters.config_folders import config_folders
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.playback.signals_file import RecordingError
 from ev_sim.commands.report import read_folder
 from ev_sim.profiles.profile_file import with_profile_from_file
 from ev_sim.profiles.speed_profile import SpeedProfileParameters
-from ev_sim.running.recording.recording import Recording, RecordingError, load, save
+from ev_sim.running.recording.recording import Recording, load, save
 from ev_sim.running.scenarios.parameter_file import ParameterFile
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 

@@ -119,6 +119,7 @@ def test_a_scenario_survives_faults_bit_for_bit(seed):
     assert network.signals() == bits(run_offline(configurations, 1.0))
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(graphs(), st.integers(0, 2**32), faults)
 def test_topics_that_connect_late_change_no_bit(configurations, seed, faults):
@@ -137,6 +138,7 @@ def test_topics_that_connect_late_change_no_bit(configurations, seed, faults):
     assert_each_stepped_once(network)
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(graphs(), st.integers(0, 2**32), faults, st.integers(0, 300))
 def test_a_reset_in_mid_run_begins_the_same_run_anew(configurations, seed, faults, turns):
@@ -155,6 +157,7 @@ def test_a_reset_in_mid_run_begins_the_same_run_anew(configurations, seed, fault
     assert network.signals() == lossless(configurations, 12).signals()
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(graphs(), st.sampled_from(OTHERS), st.integers(0, 2**32), faults, st.integers(0, 400))
 def test_a_restarted_node_lets_the_run_go_on(configurations, role, seed, faults, turns):

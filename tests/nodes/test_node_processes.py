@@ -1,5 +1,6 @@
 """Nodes as executables: Ctrl-C ends them in peace, and what is wrong is one line and exit status 1."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -7,12 +8,14 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from ros_graph import NAMESPACE, NODES, PATIENCE, Probe, ros_domain
 
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.nodes import run_role as run_role_module
 from ev_sim.running.processes import command
 
 pytestmark = pytest.mark.slow
@@ -80,6 +83,18 @@ def test_every_node_ends_in_peace_when_it_is_told_to(kind, tmp_path):
     assert {name: process.returncode for name, process in nodes.items()} == dict.fromkeys(nodes, 0)
     assert said == dict.fromkeys(nodes, "")
     assert (tmp_path / "signals.npz").exists()
+
+
+def test_what_goes_wrong_once_more_at_the_end_is_one_line_too(monkeypatch):
+    """A recorder that may write no further fails when it is stepped, and again when it closes its bag."""
+
+    def fail(*_):
+        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG))
+
+    monkeypatch.setattr(sys, "argv", ["recorder"])
+    monkeypatch.setattr(run_role_module, "spin", fail)
+    with pytest.raises(SystemExit, match=r"^recorder: \[Errno 27\] File too large$"):
+        run_role_module.run_node("recorder", lambda: SimpleNamespace(close=fail, done=False))
 
 
 BAD = {

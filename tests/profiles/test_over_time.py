@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_sim.profiles.cycle_modes import MODES, CycleModesParameters, cycle_modes, mode_at
+from ev_sim.profiles.cycle_modes import CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.over_time import modes_at, values_at
 from ev_sim.profiles.profile import INTERPOLATIONS, profile_of, value_at
+from ev_sim.profiles.windows_by_rule import MODES
 
 points = st.dictionaries(
     st.integers(-200, 200).map(lambda n: n / 4), st.floats(-40.0, 40.0), min_size=1, max_size=6
@@ -31,6 +32,6 @@ def test_modes_are_those_one_by_one(points, times, mode, windows):
     """With windows, which begin at the points here, and without."""
     cycle = profile_of(*points, "linear")
     begin = tuple(t + 50.0 for t in cycle.time) if windows else ()
-    modes = cycle_modes(CycleModesParameters(begin, tuple(mode[: len(begin)])))
+    modes = cycle_modes(CycleModesParameters(begin, tuple(mode[: len(begin)])), cycle)
     times = [*times, *begin, *cycle.time]
-    assert modes_at(modes, cycle, np.array(times), 0.25).tolist() == [mode_at(modes, cycle, t, 0.25) for t in times]
+    assert modes_at(modes, np.array(times)).tolist() == [mode_at(modes, t) for t in times]

@@ -86,6 +86,7 @@ def test_a_map_is_to_scale_or_says_how_much_larger_it_is_across(width: float, ti
     assert along / across == pytest.approx(times, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_figures_for_print_are_as_wide_as_a_column_with_letters_as_letters(tmp_path: Path):
     """3.5 in are 252 pt."""
     from ev_sim.report.figures.plan_view import plan_view

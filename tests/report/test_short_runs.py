@@ -11,15 +11,11 @@ from ev_sim.running.scenarios.scenario import Overrides, load_scenario, scenario
 BEGIN = (("driver", "pedals.begin", True),)  # pedals from the start instead of the speed profile
 
 
-def marks_of(scenario: str) -> tuple:
-    """It has 26 runs."""
-    return (pytest.mark.slow,) if scenario == "ge_ni2005" else ()
-
-
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "duration", "values"),
     [
-        *(pytest.param(name, 0.5, (), marks=marks_of(name)) for name in scenario_names()),
+        *((name, 0.5, ()) for name in scenario_names()),
         ("steady_circle", 4.0, ()),
         ("steady_circle", None, BEGIN),
     ],

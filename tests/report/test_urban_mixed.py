@@ -13,7 +13,7 @@ from urban_runs import CAR, PARAMETERS, driven, parameters_of, scenario
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.drives.losses import loss_power
-from ev_sim.profiles.cycle_modes import MODES, TRACTION
+from ev_sim.profiles.windows_by_rule import MODES, TRACTION
 from ev_sim.report.figures.cycle_bands import stretches
 from ev_sim.report.figures.motors_and_cells import motors_and_cells
 from ev_sim.report.metric import NotMeasured
@@ -296,6 +296,7 @@ def test_motors_and_cells_are_shown_where_they_are_modelled():
     assert electrical_metrics(Recording(time, {}), CAR) == {}
 
 
+@pytest.mark.slow
 def test_figures_say_what_is_missing(tmp_path):
     """No cycle, no tyre forces, all wheels driven: drawn, with the reason in place of curves."""
     from ev_sim.report.figures.saving import save_figures

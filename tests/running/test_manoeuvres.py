@@ -33,13 +33,15 @@ SCENARIOS = (
     "straight_brake_split_mu",
 )
 CASES = [(scenario, run.name) for scenario in SCENARIOS for run in load_scenario(scenario).runs]
+# The adaptive solver begins anew with every command: on lines, which have no limit to come to, less than 100 s will do.
+CUT = {("steady_circle", "linear"): 30.0, ("steady_circle", "constant_radius_linear"): 30.0}
 
 
 @cache
-def driven(scenario: str, name: str, halved: bool = False) -> tuple[Recording, DrivenPlant]:
+def driven(scenario: str, name: str, halved: bool = False, cut: float | None = None) -> tuple[Recording, DrivenPlant]:
     """The signals of a run and its plant at the end."""
     step = [("plant", "step", 0.5e-3)] if halved else []
-    run = next(r for r in load_scenario(scenario, Overrides((), step)).runs if r.name == name)
+    run = next(r for r in load_scenario(scenario, Overrides((), step, cut)).runs if r.name == name)
     return drive(run)
 
 
@@ -94,7 +96,7 @@ def test_an_adaptive_solver_ends_the_run_alike(scenario, name):
     below 1e-6 else: no run is chaotic. Torques taken at the beginning of a step instead of their mean over it would
     show, as 1.4e-4 in a launch.
     """
-    recording, plant = driven(scenario, name)
+    recording, plant = driven(scenario, name, cut=CUT.get((scenario, name)))
     found = deviations(recording, plant.state, end_of_run(plant))
     assert max(found.values()) < 1e-4, found
 

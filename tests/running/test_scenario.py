@@ -9,7 +9,8 @@ import pytest
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.parameters.config_folders import config_folders
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.running.scenarios.scenario import Overrides, describe_scenario, load_scenario, scenario_names
+from ev_sim.running.scenarios.about import describe_scenario
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario, scenario_names
 
 CONFIG = config_folders()[-1]
 HEAD = "/**/scenario:\n  ros__parameters: {about: a test, duration: 2.0}\n"

@@ -73,6 +73,7 @@ def test_no_normal_number_is_infinite():
     assert normals(0, 0, WORD, WORD) == (0.0, 0.0)
 
 
+@pytest.mark.slow
 def test_distributions():
     """Four standard errors: both normal numbers of a block, their correlation, neighbours, and tails."""
     blocks = np.zeros((COUNT, 6), np.int64)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 
 import pytest
 
@@ -150,10 +151,28 @@ def test_study_prints_both_tables_and_keeps_every_seed(tmp_path, capsys):
     assert (tmp_path / "wheel_efficiency.png").stat().st_size > 0
 
 
+def test_another_cycle_takes_its_own_length_and_has_nothing_printed_beside(tmp_path, capsys):
+    """ECE 15, 195 s, on the road of seed 1: the row of docs/dissertation.md, and no number of tables 3.1 to 3.6."""
+    options = ["--cycle", "ece", "--seeds", "1", "--drivers", "imposed_speed", "--workers", "2", "--no-report"]
+    main(["five_methods", *options, "--out", str(tmp_path)])
+    assert "99.7" not in capsys.readouterr().out
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["simulated_time"] == 6 * 195.0
+    page = (Path(__file__).parents[2] / "docs" / "dissertation.md").read_text(encoding="utf-8")
+    row = next(line for line in page.splitlines() if line.startswith("| ECE 15 |")).split("|")[3:9]
+    names = (f"wheel_speed_efficiency_{method}_imposed_speed" for method in METHODS)
+    shown = [f"{summary['metrics'][name]['value']:.3f}" for name in names]
+    assert [cell.strip() for cell in row] == shown
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (["--seeds", "0"], "error: --seeds 0 is refused"),
+        (
+            ["--cycle", "wltp"],
+            "error: unknown cycle 'wltp'; known: ",
+        ),
         (["--set", "driver.level.factor=-1"], "error: none of 6 runs can be driven; method 1 pulse seed 1: driver: "),
     ],
 )

@@ -21,14 +21,9 @@ from ev_msgs_py.compiling.message_memory import (
     write_message,
 )
 from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.electrical_signals import CellCondition
 from ev_msgs_py.contract.frame import Frame
-from ev_msgs_py.contract.signals import (
-    BatteryCondition,
-    CellCondition,
-    DriverCommand,
-    SteeringColumnState,
-    WheelTorqueRequest,
-)
+from ev_msgs_py.contract.signals import BatteryCondition, DriverCommand, SteeringColumnState, WheelTorqueRequest
 from ev_msgs_py.contract.topics import JOINT_STATE, TOPICS, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.wire.cdr import Serialized

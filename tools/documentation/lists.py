@@ -5,7 +5,8 @@ from __future__ import annotations
 from documentation.markdown import code, table
 from documentation.own_methods import own_methods
 from ev_msgs_py.contract.roles import ROLES
-from ev_sim.running.scenarios.scenario import describe_scenario, scenario_names
+from ev_sim.running.scenarios.about import describe_scenario
+from ev_sim.running.scenarios.scenario import scenario_names
 from ev_sim.study.study import STUDIES, study_named
 
 

@@ -16,7 +16,7 @@ from ev_msgs_py.sensors.quantities import QUANTITIES
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.inverter.parameters import InverterNodeParameters
 from ev_sim.running.recording.recorder_parameters import RecorderParameters
-from ev_sim.running.scenarios.scenario import ScenarioParameters
+from ev_sim.running.scenarios.about import ScenarioParameters
 
 COLUMNS = ("name", "default", "unit", "allowed", "description", "source")
 _MANY = 5  # from so many elements on, a default that is every choice is written as "all"

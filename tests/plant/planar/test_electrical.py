@@ -8,7 +8,8 @@ import pytest
 from plant.planar.car import STRAIGHT, command, drive, outputs, parameters_of
 
 from ev_msgs_py.compiling.object import CompiledObject
-from ev_msgs_py.contract.signals import BatteryCondition, CellCondition, MotorElectrics, MotorStates, MotorTemperatures
+from ev_msgs_py.contract.electrical_signals import CellCondition, MotorElectrics, MotorTemperatures
+from ev_msgs_py.contract.signals import BatteryCondition, MotorStates
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.methods import find_method
 from ev_msgs_py.parameters.declaration import ParameterError

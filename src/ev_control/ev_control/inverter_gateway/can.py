@@ -14,7 +14,8 @@ from ev_control.inverter_gateway.sending import heartbeat, set_point
 from ev_control.inverter_gateway.state import Device, Gateway
 from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.database import load_database
-from ev_msgs_py.can.frames import NO_FRAME, BenchFrames, DeviceFrames, are_words, bench_frames, joined, words
+from ev_msgs_py.can.frames import BenchFrames, DeviceFrames, bench_frames
+from ev_msgs_py.can.payload_words import NO_FRAME, are_words, joined, words
 from ev_msgs_py.can.schedule import TICK, is_due, ticks_of
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.bench_signals import BenchShafts, LoadCommand

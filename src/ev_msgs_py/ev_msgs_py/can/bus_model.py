@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from ev_msgs_py.can.frame_layout import FrameLayout
 from ev_msgs_py.can.frame_length import longest_frame
-from ev_msgs_py.can.frames import NO_FRAME, joined
+from ev_msgs_py.can.payload_words import NO_FRAME, joined
 from ev_msgs_py.can.schedule import TICK
 from ev_msgs_py.can.wire_time import WireTables, header, wire_bits
 from ev_msgs_py.compiling.compilable import compilable

@@ -1,7 +1,6 @@
 """The frames of the bench as the ends of the bus know them: all layouts in one record that compiled code reads too.
 
-A payload of 64 bits is a Python int or, compiled, an int64 with the same bits. Between nodes it goes as two words of 32
-bits each, which a float64 holds exactly.
+A payload of 64 bits is a Python int or, compiled, an int64 with the same bits.
 """
 
 from __future__ import annotations
@@ -21,8 +20,6 @@ from ev_msgs_py.parameters.declaration import ParameterError
 DRIVES, LOADS = ("Drive11", "Drive12"), ("Load11", "Load12")
 DEVICES = (*DRIVES, *LOADS)
 SENT = ("Motion", "Electrical", "Temperatures", "Faults")  # by each device
-NO_FRAME = -1.0  # in the place of a word
-_WORD = 0xFFFFFFFF
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,21 +192,3 @@ def _device(database: Database, device: str) -> DeviceFrames:
 def guarded(layout: Any, payload: int, data_id: float, counter: int) -> int:
     """The payload of a frame of this kind, with counter and checksum."""
     return protected(payload, int(layout.length), int(data_id), counter)
-
-
-@compilable
-def words(payload: int) -> tuple[float, float]:
-    """The low and the high 32 bits of a payload."""
-    return float(payload & _WORD), float((payload >> 32) & _WORD)
-
-
-@compilable
-def joined(low: float, high: float) -> int:
-    """The payload with these words."""
-    return int(low) | (int(high) << 32)
-
-
-@compilable
-def are_words(low: float, high: float) -> bool:
-    """Whether these are the words of a frame, and not NO_FRAME or anything else."""
-    return 0.0 <= low <= _WORD and 0.0 <= high <= _WORD

@@ -18,17 +18,15 @@ from ev_msgs_py.contract.bench_signals import (
 )
 from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
+from ev_msgs_py.contract.electrical_signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
-    CellCondition,
     DriverCommand,
     InertialMeasurement,
     Instant,
-    MotorElectrics,
     MotorStates,
-    MotorTemperatures,
     RecorderProgress,
     SteeringColumnState,
     TireForces,

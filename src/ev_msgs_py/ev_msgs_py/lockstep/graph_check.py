@@ -15,7 +15,7 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
     """ParameterError if the configured nodes do not fit together.
 
     Nodes share one control period, one mode and one vehicle, what a method reads must be written by the others, and
-    the methods and values that it requires must be chosen.
+    the methods and values that it requires must be chosen, except where a role is played by a recording.
     """
     common = {role: flatten(configuration.common) for role, configuration in configurations.items()}
     for name in flatten(CommonParameters()):
@@ -35,6 +35,8 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
         for what, needed in configuration.method.requires.items():
             role, _, parameter = what.partition(".")
             other = configurations.get(role)
+            if other is not None and other.method.plays_back:
+                continue
             chosen = other and (other.values().get(parameter) if parameter else other.method.name)
             if chosen != needed:
                 raise ParameterError(

@@ -23,6 +23,7 @@ T = TypeVar("T")
 
 _NODES = "ev_stack.nodes"  # of entry points, named after their roles
 LIBRARIES = (".so", ".dylib")  # what the path of a shared library ends with
+RECORDINGS = ".npz"  # and that of recorded signals
 _REGISTER: dict[str, dict[str, Method]] = {}
 
 
@@ -78,6 +79,11 @@ class Method:
     def documented(self) -> Any:
         """What carries its docstring."""
         return self.factory if self.law is None else self.law.function
+
+    @property
+    def plays_back(self) -> bool:
+        """Whether it says what was recorded, whoever said it then."""
+        return isinstance(self.name, str) and self.name.endswith(RECORDINGS)
 
     @property
     def package(self) -> str:
@@ -147,11 +153,15 @@ def methods_of(role: str) -> dict[str, Method]:
 
 
 def find_method(role: str, name: str) -> Method:
-    """The method of a role with this name, or in the shared library of this path; ParameterError if there is none."""
+    """The method of a role with this name, or in the library or recording of this path; ParameterError if none."""
     if isinstance(name, str) and name.endswith(LIBRARIES):
         from ev_msgs_py.native.method import library_method
 
         return library_method(role, name)
+    if isinstance(name, str) and name.endswith(RECORDINGS):
+        from ev_msgs_py.playback.method import playback_method
+
+        return playback_method(role, name)
     known = methods_of(role)
     if not isinstance(name, str) or name not in known:
         failed = "".join(f"; not loaded: {line}" for line in load_installed_methods(role))

@@ -34,22 +34,25 @@ def run_role(role: str) -> None:
 
 def run_node(name: str, make: Callable[[], Any]) -> None:
     """Make a node, spin it, and turn refused input into one line and exit status 1."""
-    node = None
     with StopRequest() as stop:
         try:
             _refuse_other_arguments()
             refuse_weak_security(os.environ)
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-            node = make()
-            spin([node], lambda: node.done or stop.received)
+            _spin_to_the_end(make(), stop)
         except (ValueError, RuntimeError, OSError, ParameterException) as error:
             sys.exit(f"{name}: {one_line(error)}")
         except KeyboardInterrupt:
             pass
         finally:
-            if node is not None:
-                node.close()
             rclpy.try_shutdown()
+
+
+def _spin_to_the_end(node: Any, stop: StopRequest) -> None:
+    try:
+        spin([node], lambda: node.done or stop.received)
+    finally:
+        node.close()
 
 
 def _refuse_other_arguments() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
@@ -81,10 +82,15 @@ class Reader:
 
     def take(self) -> bytes | None:
         """The next message that is admitted, None if there is none."""
+        taken = self.take_with_time()
+        return None if taken is None else taken[0]
+
+    def take_with_time(self) -> tuple[bytes, int] | None:
+        """The same, with the wall time at which the middleware received it [ns]."""
         while (taken := self._take()) is not None:
             message, info = taken
             if self.speaker is None or self.speaker.admits(info):
-                return message
+                return message, info["received_timestamp"] or time.time_ns()  # 0: the middleware does not tell
         return None
 
     def judge(self, message: bytes, info: Mapping[str, Any]) -> bool:

@@ -7,16 +7,14 @@ from functools import cache
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchShafts, BenchTemperatures
+from ev_msgs_py.contract.electrical_signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
     BodyVelocity,
-    CellCondition,
     InertialMeasurement,
-    MotorElectrics,
     MotorStates,
-    MotorTemperatures,
     SteeringColumnState,
     TireForces,
     WheelStates,

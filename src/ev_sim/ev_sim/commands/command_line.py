@@ -14,6 +14,7 @@ import yaml
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
+from ev_sim.running.scenarios.cycle import cycle_values
 from ev_sim.running.scenarios.scenario import Overrides
 from ev_sim.running.scenarios.yaml_text import read_yaml
 
@@ -52,6 +53,12 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
 def add_overrides(parser: argparse.ArgumentParser) -> None:
     """Declare the options that `overrides` reads."""
     parser.add_argument("--method", action="append", default=[], metavar="NODE=NAME", help="method of a node")
+    parser.add_argument("--cycle", metavar="NAME", help="another speed cycle: a CSV file, or a name in config/cycles")
+    add_changes(parser)
+
+
+def add_changes(parser: argparse.ArgumentParser) -> None:
+    """Declare those that leave methods and cycle as they are."""
     parser.add_argument("--vehicle", metavar="FILE", help="another car: a complete vehicle file, or a name")
     parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
     parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
@@ -95,8 +102,9 @@ def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
 
 def overrides(given: argparse.Namespace) -> Overrides:
     """What the command line says beyond the files; ParameterError, in one line, for words without NODE, name or =."""
-    values: list[tuple[str, str, Any]] = []
-    for word in given.method:
+    cycle = getattr(given, "cycle", None)
+    values, duration = cycle_values(cycle) if cycle is not None else ([], None)
+    for word in getattr(given, "method", ()):
         node, name = _split(word, "=", "--method", "NODE=NAME")
         values.append((node, "method", name))
     for word in given.set:
@@ -107,7 +115,7 @@ def overrides(given: argparse.Namespace) -> Overrides:
         values.append((_EVERY_NODE, "seed", given.seed))
     if getattr(given, "realtime", False):
         values.append((_EVERY_NODE, "mode", "realtime"))
-    return Overrides(given.params, values, given.duration, given.vehicle)
+    return Overrides(given.params, values, duration if given.duration is None else given.duration, given.vehicle)
 
 
 def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:

@@ -13,12 +13,14 @@ from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import arguments
 from ev_sim.running.outcome import RunFailed
-from ev_sim.running.scenarios.scenario import describe_scenario, scenario_names
+from ev_sim.running.scenarios.about import describe_scenario
+from ev_sim.running.scenarios.scenario import scenario_names
 from ev_sim.study.study import STUDIES, study_named
 
 REVIEWS = {  # commands of their own, in modules of their names
     "verdicts": "a verdict on every number, curve and claim of all sources, in one table",
     "report": "one page about the folders of several runs of scenarios, side by side with their differences",
+    "replay": "recorded inputs into a law or a node, and where its answers differ from the recorded ones",
     "figures": "every panel of the sources' figures, drawn from our runs, on one page",
 }
 _NOT_READ = 141  # what a shell says of a command whose output nobody reads any more

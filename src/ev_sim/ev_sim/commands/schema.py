@@ -14,7 +14,7 @@ from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.parameters.declaration import Entry, Spec, entries
 from ev_msgs_py.parameters.units import units_for
 from ev_msgs_py.sensors.quantities import sensors_for
-from ev_sim.running.scenarios.scenario import ScenarioParameters
+from ev_sim.running.scenarios.about import ScenarioParameters
 
 _NUMBER = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*"
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}

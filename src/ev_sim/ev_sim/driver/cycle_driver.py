@@ -21,10 +21,11 @@ from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, 
 from ev_sim.driver.path import Path, path_of
 from ev_sim.driver.road_edge import edge_notes
 from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
-from ev_sim.profiles.cycle_modes import TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
+from ev_sim.profiles.cycle_modes import CycleModes, CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.profile import Profile, value_at
 from ev_sim.profiles.profile_file import with_speed_profile_from_file
 from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
+from ev_sim.profiles.windows_by_rule import TRACTION
 
 D = TypeVar("D", bound=Callable[..., float])
 
@@ -57,7 +58,8 @@ class Cycle(NamedTuple):
 
 def cycle_of(parameters: CycleDriverParameters, vehicle: Vehicle, period: float) -> Cycle:
     """The cycle that the parameters describe; ParameterError if they name a profile file that has not been read."""
-    return Cycle(wanted_speed(parameters.speed_profile), cycle_modes(parameters.modes), path_of(parameters.path))
+    speed = wanted_speed(parameters.speed_profile)
+    return Cycle(speed, cycle_modes(parameters.modes, speed), path_of(parameters.path))
 
 
 @compilable
@@ -83,7 +85,7 @@ def drive_cycle(
     speed = speed_along_path(body)
     hand_torque = keep_lane(p, car, c.path, s.hands, period, now.time, pose, speed, column)
     wanted = value_at(c.speed, now.time)
-    if mode_at(c.modes, c.speed, now.time, period) == TRACTION:
+    if mode_at(c.modes, now.time) == TRACTION:
         return DriverCommand(drive_torque(p, car, s, period, wanted, speed, wheels), 0.0, hand_torque)
     s.pressed = 0.0
     drive, brake, s.speed_integral = follow_speed(p.speed_control, period, wanted, speed, s.speed_integral)

@@ -14,6 +14,7 @@ from ev_sim.batches.batch import batch as batch_of
 from ev_sim.batches.reductions import Reduction
 from ev_sim.report.result import Result
 from ev_sim.running.offline import drive_offline
+from ev_sim.running.scenarios.cycle import cycle_values
 from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
 
@@ -26,6 +27,7 @@ def run(scenario: str | PathLike[str], runs: Sequence[str] = (), **changed: Any)
     - `method`: {"asr": "pi_slip"}, by node,
     - `set`: {"electronic_differential.gamma": 10.0}, by NODE.PARAMETER, where the node `*` is every node,
     - `seed`: of everything random, `duration`: simulated time of every run [s],
+    - `cycle`: another speed cycle, as a name in config/cycles or the path of a CSV file,
     - `vehicle`: another car, as a name or the path of a complete file,
     - `params`: paths of ROS parameter files on top of the scenario's.
 
@@ -62,9 +64,11 @@ def overrides(
     duration: float | None = None,
     vehicle: str | PathLike[str] | None = None,
     params: Iterable[str | PathLike[str]] = (),
+    cycle: str | PathLike[str] | None = None,
 ) -> Overrides:
     """What differs from a scenario's file; ParameterError for a name in `set` that has no dot."""
-    values: list[tuple[str, str, Any]] = [(node, "method", name) for node, name in (method or {}).items()]
+    values, length = cycle_values(fspath(cycle)) if cycle is not None else ([], None)
+    values += [(node, "method", name) for node, name in (method or {}).items()]
     for place, value in (set or {}).items():
         node, _, parameter = place.partition(".")
         if not parameter:
@@ -72,6 +76,7 @@ def overrides(
         values.append((node, parameter, value))
     if seed is not None:
         values.append(("*", "seed", seed))
+    duration = length if duration is None else duration
     return Overrides([Path(path) for path in params], values, duration, fspath(vehicle) if vehicle else None)
 
 

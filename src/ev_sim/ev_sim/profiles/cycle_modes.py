@@ -7,27 +7,25 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters.declaration import ParameterError, parameter
-from ev_sim.profiles.profile import Profile, number_until, value_at
-
-MODES = ("stop", "traction", "regen")
-STOP, TRACTION, REGENERATION = range(len(MODES))
+from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
+from ev_sim.profiles.profile import Profile, number_until
+from ev_sim.profiles.windows_by_rule import MODES, STOP, WindowRuleParameters, windows_by_rule
 
 
 @dataclass(frozen=True, slots=True)
 class CycleModesParameters:
-    """The windows of a cycle; without any they follow from the profile."""
+    """The windows of a cycle; without any they follow from the profile by a rule."""
 
     begin: tuple[float, ...] = parameter(
         (),
         unit="s",
         low=0.0,
         high=1e5,
-        about="times at which the windows begin, increasing; empty: a falling profile is regen, one that stays at "
-        "zero is stop, the rest is traction",
+        about="times at which the windows begin, increasing; empty: found by the rule",
         source="dissertation, section 2.6",
     )
     mode: tuple[str, ...] = parameter((), choices=MODES, about="what each window is for; the last one holds")
+    rule: WindowRuleParameters = group(WindowRuleParameters)
 
     def __post_init__(self) -> None:
         if len(self.begin) != len(self.mode):
@@ -46,21 +44,16 @@ class CycleModes(NamedTuple):
     mode: tuple[float, ...]
 
 
-def cycle_modes(parameters: CycleModesParameters) -> CycleModes:
-    """The windows that the parameters name."""
-    return CycleModes(parameters.begin, tuple(float(MODES.index(name)) for name in parameters.mode))
+def cycle_modes(parameters: CycleModesParameters, cycle: Profile) -> CycleModes:
+    """The windows that the parameters name, or those that the rule finds."""
+    if parameters.begin:
+        return CycleModes(parameters.begin, tuple(float(MODES.index(name)) for name in parameters.mode))
+    begin, mode = windows_by_rule(parameters.rule, cycle)
+    return CycleModes(begin, tuple(map(float, mode)))
 
 
 @compilable
-def mode_at(modes: CycleModes, cycle: Profile, t: float, period: float) -> int:
-    """The mode at the time t [s]; before the first window the car stands.
-
-    Without windows it follows from the slope of the cycle over the next `period` [s].
-    """
-    if len(modes.begin) > 0:
-        begun = number_until(modes.begin, t)
-        return int(modes.mode[begun - 1]) if begun > 0 else STOP
-    now, soon = value_at(cycle, t), value_at(cycle, t + period)
-    if soon < now:
-        return REGENERATION
-    return TRACTION if soon > 0.0 else STOP
+def mode_at(modes: CycleModes, t: float) -> int:
+    """The mode at the time t [s]; before the first window the car stands."""
+    begun = number_until(modes.begin, t)
+    return int(modes.mode[begun - 1]) if begun > 0 else STOP

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ev_sim.profiles.cycle_modes import REGENERATION, STOP, TRACTION, CycleModes
+from ev_sim.profiles.cycle_modes import CycleModes
 from ev_sim.profiles.profile import Profile
+from ev_sim.profiles.windows_by_rule import STOP
 
 
 def values_at(profile: Profile, times: np.ndarray) -> np.ndarray:
@@ -20,9 +21,6 @@ def values_at(profile: Profile, times: np.ndarray) -> np.ndarray:
     return values[start] + (values[end] - values[start]) * ((times - points[start]) / width)
 
 
-def modes_at(modes: CycleModes, cycle: Profile, times: np.ndarray, period: float) -> np.ndarray:
+def modes_at(modes: CycleModes, times: np.ndarray) -> np.ndarray:
     """`cycle_modes.mode_at` each of the times [s], both (n,)."""
-    if modes.begin:
-        return np.array([STOP, *modes.mode], int)[np.searchsorted(modes.begin, times, side="right")]
-    now, soon = values_at(cycle, times), values_at(cycle, times + period)
-    return np.where(soon < now, REGENERATION, np.where(soon > 0.0, TRACTION, STOP))
+    return np.array([STOP, *modes.mode], int)[np.searchsorted(modes.begin, times, side="right")]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ev_msgs_py.can.database import load_database
-from ev_msgs_py.can.frames import joined
+from ev_msgs_py.can.payload_words import joined
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case

@@ -13,7 +13,7 @@ _OURS, _PRINTED = STROKES[0][0], STROKES[1][0]
 def efficiency_figure(
     points: Mapping[str, Mapping[int, Sequence[float]]], printed: Mapping[int, float], titles: Mapping[int, str]
 ) -> Figure:
-    """One panel for each driver: the seeds as dots, their mean and the printed value as lines, by method."""
+    """One panel for each driver: the seeds as dots, their mean and the printed value, if any, as lines, by method."""
     figure = new_figure(3.6 * len(points), 3.0, layout="constrained")
     panels = figure.subplots(1, len(points), sharey=True, squeeze=False)[0]
     for axes, (driver, by_method) in zip(panels, points.items(), strict=True):
@@ -23,7 +23,9 @@ def efficiency_figure(
                 mean = sum(values) / len(values)
                 axes.hlines(mean, method - 0.3, method + 0.3, color=_OURS, linewidth=1.6, label="mean of the seeds")
             ends = method - 0.4, method + 0.4
-            axes.hlines(printed[method], *ends, color=_PRINTED, linestyle=STROKES[1][1], linewidth=1.6, label="printed")
+            if method in printed:
+                line = {"color": _PRINTED, "linestyle": STROKES[1][1], "linewidth": 1.6}
+                axes.hlines(printed[method], *ends, label="printed", **line)
         axes.set_title(f"driver {driver}", loc="left", fontsize=TITLE_SIZE)
         axes.set_xticks(list(by_method), [titles[method].replace(" ", "\n") for method in by_method])
         axes.tick_params(labelsize=TEXT_SIZE, length=2.5)

@@ -9,6 +9,7 @@ from typing import Any
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.metric import Metric, mean_over_seeds
 from ev_sim.report.text_table import text_table
+from ev_sim.running.scenarios.cycle import LISTED
 from ev_sim.study import dissertation_tables as printed
 from ev_sim.study import urban_cases
 from ev_sim.study.case import Case
@@ -124,8 +125,14 @@ def _gains(found: Mapping[str, Metric], driver: str) -> dict[str, Metric]:
 
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
-    """The tables of the source, ours beside what is printed; of means the standard deviation over the seeds as well."""
+    """The tables of the source, ours beside what is printed; of means the standard deviation over the seeds as well.
+
+    Nothing is printed of another cycle.
+    """
     found = metrics(given, results)
+
+    def of_source(table: Mapping[int, float], number: int, form: str) -> str:
+        return format(table[number], form) if given.cycle in (None, LISTED) else "-"
 
     def row(driver: str, method: str) -> tuple[str, ...]:
         def shown(name: str, factor: float = 1.0, form: str = ".3f") -> str:
@@ -139,16 +146,16 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
             driver,
             f"{method} {METHODS[method].title}",
             *three("wheel_efficiency"),
-            f"{printed.WHEEL_EFFICIENCY[number]:.2f}",
+            of_source(printed.WHEEL_EFFICIENCY, number, ".2f"),
             shown("wheel_speed_efficiency"),
             shown("wheel_efficiency_windows"),
             *three("drive_efficiency"),
-            f"{printed.DRIVE_EFFICIENCY[number]:.3f}",
+            of_source(printed.DRIVE_EFFICIENCY, number, ".3f"),
             shown("total_efficiency"),
-            f"{printed.TOTAL_EFFICIENCY[number]:.3f}",
+            of_source(printed.TOTAL_EFFICIENCY, number, ".3f"),
             shown("energy_windows", 1 / printed.KILOWATT_MINUTE, ".1f"),
             shown("energy_as_printed", 1 / printed.KILOWATT_MINUTE, ".1f"),
-            f"{printed.ENERGY[number]:.1f}",
+            of_source(printed.ENERGY, number, ".1f"),
         )
 
     return [row(driver, method) for driver in given.drivers for method in METHODS]
@@ -179,4 +186,5 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
         for driver in given.drivers
     }
     titles = {METHODS[method].number: METHODS[method].title for method in FIVE}
-    return {"wheel_efficiency": efficiency_figure(points, printed.WHEEL_EFFICIENCY, titles)}
+    of_source = printed.WHEEL_EFFICIENCY if given.cycle in (None, LISTED) else {}
+    return {"wheel_efficiency": efficiency_figure(points, of_source, titles)}

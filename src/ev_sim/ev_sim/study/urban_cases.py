@@ -11,7 +11,7 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import circuits, traction_windows
-from ev_sim.report.quantities.circuits import CircuitSums
+from ev_sim.report.quantities.circuit_sums import CircuitSums
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case

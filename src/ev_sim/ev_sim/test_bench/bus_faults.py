@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.can.frames import NO_FRAME
+from ev_msgs_py.can.payload_words import NO_FRAME
 from ev_msgs_py.can.schedule import TICK
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry

@@ -18,7 +18,8 @@ from ev_msgs_py.can.bus_model import (
     take,
 )
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
-from ev_msgs_py.can.frames import NO_FRAME, BenchFrames, DeviceFrames, are_words, joined, words
+from ev_msgs_py.can.frames import BenchFrames, DeviceFrames
+from ev_msgs_py.can.payload_words import NO_FRAME, are_words, joined, words
 from ev_msgs_py.can.schedule import TICK
 from ev_msgs_py.can.wire_time import WireTables
 from ev_msgs_py.compiling.compilable import compilable

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from ev_msgs_py.can.bus_model import channel_frames
 from ev_msgs_py.can.database import Database, load_database
 from ev_msgs_py.can.frame_layout import FrameLayout
-from ev_msgs_py.can.frames import NO_FRAME, bench_frames
+from ev_msgs_py.can.frames import bench_frames
+from ev_msgs_py.can.payload_words import NO_FRAME
 from ev_msgs_py.can.schedule import TICK, ticks_of
 from ev_msgs_py.can.wire_time import wire_tables
 from ev_msgs_py.compiling.compilable import compilable

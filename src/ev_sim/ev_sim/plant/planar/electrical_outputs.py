@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import get_args
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.electrical_signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.contract.record import working_memory
-from ev_msgs_py.contract.signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.driveline.couplings import shaft_speeds
 from ev_sim.drives.field_weakening import phase_values

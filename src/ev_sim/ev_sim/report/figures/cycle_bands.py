@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ev_sim.profiles.cycle_modes import MODES, TRACTION
+from ev_sim.profiles.windows_by_rule import MODES, TRACTION
 from ev_sim.report.figures.figure import Axes, Figure
 
 # The surfaces that are mixed most often, snow and wet asphalt, differ in lightness, so they do in print.

@@ -2,25 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ev_sim.report.figures.drawing import PANEL_HEIGHT, PANEL_WIDTH, STROKES, TEXT_SIZE, TITLE_SIZE
 from ev_sim.report.figures.figure import Axes, Figure, new_figure
 
+Panel = tuple[str, Mapping[str, Mapping[str, Any]]]  # title, and histograms by label
+
 
 def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Figure:
     """Period, lateness of the steps, and arrival of every input, a column for each run (`nodes/timing.py`)."""
-    figure = new_figure(PANEL_WIDTH * len(timings), 3 * PANEL_HEIGHT, layout="constrained")
-    for column, (name, timing) in enumerate(timings.items()):
-        parts = (
-            ("period", {"": timing["period"]}),
-            ("lateness of steps", {"": timing["lateness"]}),
-            ("arrival after the instant was due", timing["arrival"]),
-        )
+    return histogram_sheet(
+        [
+            (f"{name}: period", {"": timing["period"]}),
+            (f"{name}: lateness of steps", {"": timing["lateness"]}),
+            (f"{name}: arrival after the instant was due", timing["arrival"]),
+        ]
+        for name, timing in timings.items()
+    )
+
+
+def histogram_sheet(columns: Iterable[Sequence[Panel]]) -> Figure:
+    """Columns of panels of times, counted in bins (`nodes/histogram.py`)."""
+    panels = list(columns)
+    rows = max(map(len, panels))
+    figure = new_figure(PANEL_WIDTH * len(panels), rows * PANEL_HEIGHT, layout="constrained")
+    for column, parts in enumerate(panels):
         for row, (title, histograms) in enumerate(parts):
-            axes = figure.add_subplot(3, len(timings), row * len(timings) + column + 1)
-            _draw(axes, f"{name}: {title}", histograms)
+            axes = figure.add_subplot(rows, len(panels), row * len(panels) + column + 1)
+            _draw(axes, title, histograms)
     return figure
 
 
@@ -38,4 +49,4 @@ def _draw(axes: Axes, title: str, histograms: Mapping[str, Mapping[str, Any]]) -
     axes.set_ylabel("count", fontsize=TEXT_SIZE)
     axes.tick_params(labelsize=TEXT_SIZE)
     if len(histograms) > 1:
-        axes.legend(fontsize=TEXT_SIZE, frameon=False)
+        axes.legend(fontsize=TEXT_SIZE, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.05))

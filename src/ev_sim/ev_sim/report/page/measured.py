@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ev_msgs_py.playback.signals_file import TIME
 from ev_sim.report.page.content import Signals
-from ev_sim.running.recording.recording import TIME, Recording
+from ev_sim.running.recording.recording import Recording
 
 
 def measured_signals(measured: Mapping[str, Mapping[str, Any]]) -> tuple[Signals, ...]:

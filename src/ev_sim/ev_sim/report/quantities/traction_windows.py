@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.parameters.values import build
-from ev_sim.profiles.cycle_modes import MODES, TRACTION, CycleModes, CycleModesParameters, cycle_modes
+from ev_sim.profiles.cycle_modes import CycleModes, CycleModesParameters, cycle_modes
 from ev_sim.profiles.over_time import modes_at, values_at
 from ev_sim.profiles.profile import Profile, profile_of
+from ev_sim.profiles.windows_by_rule import MODES, TRACTION
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.samples import channel
 from ev_sim.running.recording.recording import Recording
@@ -20,9 +21,9 @@ def windows(driver: Mapping[str, Any]) -> tuple[Profile, CycleModes]:
     """The cycle [m/s over s] and its windows, of the parameters of a driver; NotMeasured if it drives no cycle."""
     if "modes.begin" not in driver:
         raise NotMeasured("the driver drives no cycle with windows of traction")
-    modes = build(CycleModesParameters, {name: driver[f"modes.{name}"] for name in ("begin", "mode")})
-    points = (driver[f"speed_profile.{name}"] for name in ("time", "speed", "interpolation"))
-    return profile_of(*points), cycle_modes(modes)
+    told = {name.removeprefix("modes."): value for name, value in driver.items() if name.startswith("modes.")}
+    cycle = profile_of(*(driver[f"speed_profile.{name}"] for name in ("time", "speed", "interpolation")))
+    return cycle, cycle_modes(build(CycleModesParameters, told), cycle)
 
 
 def cycle_time(driver: Mapping[str, Any]) -> float:
@@ -38,9 +39,8 @@ def modes_over_time(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
 
 def _modes(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:
     """The same as places in `MODES`."""
-    profile, modes = windows(driver)
-    period = float(run.time[1] - run.time[0]) if len(run.time) > 1 else 1.0
-    return modes_at(modes, profile, run.time, period)
+    _, modes = windows(driver)
+    return modes_at(modes, run.time)
 
 
 def wanted_speed(run: Recording, driver: Mapping[str, Any]) -> np.ndarray:

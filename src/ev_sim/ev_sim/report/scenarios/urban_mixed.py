@@ -20,7 +20,7 @@ from ev_sim.report.figures.urban_mixed import detail, electrical, torques_and_sp
 from ev_sim.report.metric import Metric, NotMeasured, metric
 from ev_sim.report.quantities import circuits, derived, motion
 from ev_sim.report.quantities import traction_windows as cycle
-from ev_sim.report.quantities.circuits import CircuitSums
+from ev_sim.report.quantities.circuit_sums import CircuitSums
 from ev_sim.report.quantities.motors_and_cells import electrical_metrics, is_modelled
 from ev_sim.report.quantities.surfaces_under import share_of
 from ev_sim.report.samples import Parameters, Runs, channel

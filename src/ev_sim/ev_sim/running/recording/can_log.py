@@ -11,7 +11,8 @@ from ev_msgs_py.can.bus_model import BusModelParameters
 from ev_msgs_py.can.bus_parameters import CIRCUITS
 from ev_msgs_py.can.database import Database, load_database
 from ev_msgs_py.can.frame_layout import FrameLayout
-from ev_msgs_py.can.frames import DEVICES, SENT, joined
+from ev_msgs_py.can.frames import DEVICES, SENT
+from ev_msgs_py.can.payload_words import joined
 from ev_msgs_py.can.schedule import TICK
 from ev_msgs_py.can.wire_time import header, wire_bits, wire_tables
 from ev_msgs_py.contract.bus_signals import MOST_TICKS

@@ -53,16 +53,13 @@ class MessageTable:
         for i in self._read_regular(messages, frames):
             frames[i, self._where] = self._format.read(messages[i])[1]
 
-    def readable(self, messages: Sequence[bytes], refuse: Callable[[MessageError], None]) -> list[bytes]:
-        """The messages that `read` would not refuse; `refuse` is told of the others."""
-        refused = set()
+    def check(self, messages: Sequence[bytes], refuse: Callable[[int, MessageError], None]) -> None:
+        """Tell `refuse` of the messages that `read` would refuse, by their places."""
         for i in self._read_regular(messages, np.empty((len(messages), SIZE))):
             try:
                 self._format.read(messages[i])
             except MessageError as error:
-                refused.add(i)
-                refuse(error)
-        return [message for i, message in enumerate(messages) if i not in refused] if refused else list(messages)
+                refuse(i, error)
 
     def _read_regular(self, messages: Sequence[bytes], frames: np.ndarray) -> list[int]:
         """Put the numbers of messages of our own layout into frames; the indices of the others, in order."""

@@ -36,5 +36,7 @@ class OutputOfRun:
         """Write signals.npz with all complete steps and close the bag, once."""
         if not self._wrote:
             self._wrote = True
-            self.recorder.close()
-            save(self.recorder.recording(), self._directory / "signals.npz")
+            try:
+                self.recorder.close()
+            finally:  # what the bag has no room for may still fit in there
+                save(self.recorder.recording(), self._directory / "signals.npz")

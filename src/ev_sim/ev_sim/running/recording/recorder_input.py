@@ -20,6 +20,7 @@ from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.running.recording.message_table import MessageTable
 from ev_sim.running.recording.run_recorder import RunRecorder
 
+_Add = Callable[[list[bytes], list[int]], None]  # takes messages, and when they came [ns]
 POLL_PERIOD = 0.01  # s; several steps are taken in one go, which costs less than waking up for each message
 
 
@@ -38,7 +39,7 @@ class RecorderInput:
         self.refused = 0
         # The master's first: nobody speaks of an instant before the master does, so nothing seems to be ahead of it.
         masters_first = sorted(enumerate(topics), key=lambda place: place[1].signal not in ROLES[MASTER].writes)
-        self._ears: list[tuple[Reader, Callable[[list[bytes]], None]]] = []
+        self._ears: list[tuple[Reader, _Add]] = []
         for index, topic in masters_first:
             add = partial(self._add, index, topic, MessageTable(topic))
             self._ears.append((SignalReader(node, topic, _one(add), reports.note), add))
@@ -48,25 +49,33 @@ class RecorderInput:
             everybody = Reader(node, DiagnosticArray, "/diagnostics", _one(self._add_diagnostics), None)
             self._ears.append((everybody, self._add_diagnostics))
 
-    def _add(self, index: int, topic: Topic, table: MessageTable, messages: list[bytes]) -> None:
-        for message in table.readable(messages, partial(self._refuse, topic)):
-            self._recorder.add(index, message)
+    def _add(self, index: int, topic: Topic, table: MessageTable, messages: list[bytes], came: list[int]) -> None:
+        refused: list[int] = []
+
+        def refuse(place: int, error: MessageError) -> None:
+            refused.append(place)
+            self._refuse(topic, error)
+
+        table.check(messages, refuse)
+        for place, message in enumerate(messages):
+            if place not in refused:
+                self._recorder.add(index, message, came[place])
 
     def _refuse(self, topic: Topic, error: MessageError) -> None:
         self.refused += 1
         self._reports.note(topic.name, f"{topic.name} ignored: {error}")
 
-    def _add_clock(self, messages: list[bytes]) -> None:
-        for message in messages:
+    def _add_clock(self, messages: list[bytes], came: list[int]) -> None:
+        for message, time_of_arrival in zip(messages, came, strict=True):
             stamp = stamp_of(message)
             if stamp != self._clock_stamp:  # the master repeats the stamp where it repeats the state
                 self._clock_stamp = stamp
-                self._recorder.add_beside("/clock", "rosgraph_msgs/msg/Clock", message, stamp)
+                self._recorder.add_beside("/clock", "rosgraph_msgs/msg/Clock", message, stamp, time_of_arrival)
 
-    def _add_diagnostics(self, messages: list[bytes]) -> None:
-        stamp = max(self._clock_stamp, 0)
-        for message in messages:
-            self._recorder.add_beside("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", message, stamp)
+    def _add_diagnostics(self, messages: list[bytes], came: list[int]) -> None:
+        kind, stamp = "diagnostic_msgs/msg/DiagnosticArray", max(self._clock_stamp, 0)
+        for message, time_of_arrival in zip(messages, came, strict=True):
+            self._recorder.add_beside("/diagnostics", kind, message, stamp, time_of_arrival)
 
     def take_all(self) -> None:
         """Take every message that has arrived, unless the last look was a moment ago."""
@@ -74,12 +83,14 @@ class RecorderInput:
             return
         self._next_poll = time.monotonic() + POLL_PERIOD
         for reader, add in self._ears:
-            messages = []
-            while (message := reader.take()) is not None:
-                messages.append(message)
+            messages, came = [], []
+            while (taken := reader.take_with_time()) is not None:
+                messages.append(taken[0])
+                came.append(taken[1])
             if messages:
-                add(messages)
+                add(messages, came)
 
 
-def _one(add: Callable[[list[bytes]], None]) -> Callable[[bytes], None]:
-    return lambda message: add([message])
+def _one(add: _Add) -> Callable[[bytes], None]:
+    """Executors of rclpy's own do not tell when a message came."""
+    return lambda message: add([message], [time.time_ns()])

@@ -11,9 +11,9 @@ import numpy as np
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.topics import Topic
+from ev_msgs_py.playback.signals_file import TIME, RecordingError, read_arrays
 from ev_sim.running.recording.atomic import atomic_file
 
-TIME = "time"
 _LITTLE_ENDIAN = np.dtype("<f8")
 _BLOCK = 256  # instants that are turned over at once: they fit into the cache, as frames and as series
 
@@ -74,20 +74,13 @@ def save(recording: Recording, path: Path | str) -> None:
         np.savez(file, **{TIME: recording.time}, **recording.channels)
 
 
-class RecordingError(ValueError):
-    """A file holds no recording; the message names it, in one line."""
-
-
 def load(path: Path | str) -> Recording:
     """Read signals.npz, bit for bit what was saved; OSError if it is not there, RecordingError if it is damaged."""
+    channels = read_arrays(path)
     try:
-        with np.load(path, allow_pickle=False) as arrays:
-            channels = {name: arrays[name] for name in arrays.files}
         return Recording(channels.pop(TIME), channels)
-    except FileNotFoundError:
-        raise
-    except Exception as error:  # whatever numpy, zip and zlib raise for bytes that are none of theirs
-        raise RecordingError(f"{path} holds no signals: {' '.join(str(error).split())[:200]}") from None
+    except (KeyError, ValueError) as error:
+        raise RecordingError(f"{path} holds no signals: {error}") from None
 
 
 def signal_hash(recording: Recording) -> str:

@@ -60,8 +60,11 @@ class RunRecorder:
         ]
         self._beside: dict[str, object] = {}
 
-    def add(self, index: int, message: bytes) -> None:
-        """Keep a message of the topic with this index; one that repeats an earlier stamp adds nothing."""
+    def add(self, index: int, message: bytes, came: int) -> None:
+        """Keep a message of the topic with this index; one that repeats an earlier stamp adds nothing.
+
+        In real time the bag has it under the wall time at which it came [ns], in lockstep under its stamp.
+        """
         kept = self._messages[index]
         step = stamp_of(message) // self._period
         if step == 0 and index in self._masters and (len(kept) > 1 or (kept and message != kept[0])):
@@ -80,7 +83,7 @@ class RunRecorder:
                 return
         kept.append(message)
         if self._bag is not None:
-            self._bag.write(self._handles[index], step * self._period, message)
+            self._bag.write(self._handles[index], came if self._may_skip else step * self._period, message)
 
     def _begin_anew(self) -> None:
         for kept in self._messages:
@@ -101,13 +104,13 @@ class RunRecorder:
         first, last = (stamps.to_seconds(step * self._period) for step in (due, came))
         self.loss = f"{self._topics[index].name} at {first} s did not come, but {last} s did"
 
-    def add_beside(self, name: str, message_type: str, message: bytes, stamp: int) -> None:
+    def add_beside(self, name: str, message_type: str, message: bytes, stamp: int, came: int) -> None:
         """Put a message that is no signal of the contract, such as /clock, into the bag only."""
         if self._bag is None:
             return
         if name not in self._beside:
             self._beside[name] = self._bag.add_topic(name, message_type)
-        self._bag.write(self._beside[name], stamp, message)
+        self._bag.write(self._beside[name], came if self._may_skip else stamp, message)
 
     @property
     def held(self) -> int:

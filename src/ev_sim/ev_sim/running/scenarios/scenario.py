@@ -12,32 +12,11 @@ from ev_msgs_py.lockstep.configuration import Configuration, chosen_method, conf
 from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.nodes.master_parameters import LONGEST, MasterParameters
 from ev_msgs_py.parameters.config_folders import files_in_config
-from ev_msgs_py.parameters.declaration import ParameterError, parameter
-from ev_msgs_py.parameters.values import build, unknown_name
-from ev_sim.report.reports import refuse_unknown_report
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.values import unknown_name
+from ev_sim.running.scenarios.about import NAMESPACE, SCENARIO_NODE, ScenarioParameters, said_by
 from ev_sim.running.scenarios.configured_file import VEHICLE, configured_file, vehicle_file
 from ev_sim.running.scenarios.parameter_file import ParameterFile, matches
-
-NAMESPACE = "/ev"
-_SCENARIO_NODE = "scenario"
-
-
-@dataclass(frozen=True, slots=True)
-class ScenarioParameters:
-    """What a scenario says about itself, in its section /**/scenario.
-
-    The nodes of a run live in the namespace /ev/RUN, or in /ev if there is one run only; so `/**/RUN/driver` means the
-    driver of one run, and `/**/driver` that of all.
-    """
-
-    about: str = parameter("", about="one line for --list")
-    vehicle: str = parameter("audi_a2", about="name of a file in config/vehicles, or path of your own")
-    duration: float = parameter(10.0, unit="s", low=0.01, high=LONGEST, about="simulated time of every run")
-    runs: tuple[str, ...] = parameter((), about="names of the runs, if there are several")
-    report: str = parameter("", about="scenario whose metrics and figures it gets; empty for that of its own name")
-    metrics: tuple[str, ...] = parameter(
-        (), about="metrics of its own, each as NAME = REDUCTION(CHANNEL), such as peak = maximum(imu.yaw_rate)"
-    )
 
 
 @dataclass(frozen=True)
@@ -101,12 +80,12 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     overrides = overrides or Overrides()
     own = ParameterFile(configured_file("scenario", name))
     name = own.path.stem
-    about = _about(own)
+    about = said_by(own)
     car = own.without(f"{VEHICLE}.") if overrides.vehicle else own
     files = [vehicle_file(overrides.vehicle or about.vehicle), car, *map(ParameterFile, overrides.files)]
     namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
     for file in files:
-        _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, _SCENARIO_NODE) if file is car else tuple(ROLES))
+        _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, SCENARIO_NODE) if file is car else tuple(ROLES))
     _refuse_unknown_overrides(overrides)
     duration = about.duration if overrides.duration is None else overrides.duration
     if not 0 < duration <= LONGEST:
@@ -122,20 +101,6 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     left_out = sorted({key for key in own.names() if key.startswith(f"{VEHICLE}.")}) if overrides.vehicle else ()
     notes = (f"left out for another vehicle: {', '.join(left_out)} of {own.path}",) if left_out else ()
     return Scenario(name, about, runs, own.path, notes)
-
-
-def describe_scenario(name: str) -> str:
-    """The one line that a scenario says about itself."""
-    return _about(ParameterFile(configured_file("scenario", name))).about
-
-
-def _about(file: ParameterFile) -> ScenarioParameters:
-    try:
-        about = build(ScenarioParameters, file.values_for(f"{NAMESPACE}/{_SCENARIO_NODE}", by_name=True))
-        refuse_unknown_report(about.report, about.metrics)
-        return about
-    except ParameterError as error:
-        raise ParameterError(f"{file.path}: {error}") from None
 
 
 def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:

@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ev_sim.drives.losses import loss_power
-from ev_sim.report.quantities.circuits import CircuitSums, circuits
+from ev_sim.report.quantities.circuit_sums import CircuitSums
+from ev_sim.report.quantities.circuits import circuits
 from ev_sim.report.quantities.traction_windows import traction
 from ev_sim.report.samples import channel, run_named
 from ev_sim.verdicts.check import Number

@@ -1,0 +1,1 @@
+"""Roles that are played by what was recorded: `method: .../signals.npz`."""

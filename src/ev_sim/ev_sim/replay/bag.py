@@ -1,0 +1,153 @@
+"""A bag as frames: rosbag2, of ours or of any other recorder."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+
+from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.roles import RECORDED
+from ev_msgs_py.contract.topics import TOPICS, Topic
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.wire.layout import MessageError
+from ev_msgs_py.wire.message_format import stamp_of
+from ev_sim.replay.recorded import Recorded, refuse_short
+from ev_sim.running.outcome import RunFailed
+from ev_sim.running.recording.message_table import MessageTable
+from ev_sim.running.recording.recording import recording_of
+from ev_sim.running.scenarios.parameter_file import ParameterFile
+
+
+@dataclass(frozen=True)
+class _Messages:
+    """Those of one topic in the order in which they were recorded: bytes, stamps and times of arrival [ns]."""
+
+    data: Sequence[bytes]
+    stamps: np.ndarray
+    came: np.ndarray
+
+
+def read_bag(bag: Path, namespace: str, told: ParameterFile | None) -> Recorded:
+    """The run in a bag; ParameterError, in one line, if there is none, or RunFailed if nothing here can read bags."""
+    if None in (find_spec("rosbags"), find_spec("sensor_msgs")):
+        raise RunFailed("a bag needs rosbags and the messages of ROS 2, which are not installed here: give signals.npz")
+    namespace, found = _messages(bag, namespace)
+    period = _period(bag, namespace, found, told)
+    first = max(int(messages.stamps.min()) for messages in found.values())
+    for topic, messages in found.items():
+        _refuse_time(bag, topic, messages.stamps, first, period)
+    last = min(int(messages.stamps.max()) for messages in found.values())
+    instants = (last - first) // period + 1
+    refuse_short(bag, instants)
+    frames, there, arrivals = frame.stack(instants, period), {}, {}
+    for topic, messages in found.items():
+        there[topic], arrivals[topic] = _put(bag, topic, messages, first, period, frames)
+    by_stamp = all(np.array_equal(messages.stamps, messages.came) for messages in found.values())
+    notes = _notes(found, first, last, there)
+    recording = recording_of(frames, there)
+    return Recorded(bag, namespace, period, recording, there, {} if by_stamp else arrivals, told, notes)
+
+
+def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
+    """The namespace of the contract's topics and their messages."""
+    from rosbags.rosbag2 import Reader
+
+    data: dict[tuple[str, Topic], list[bytes]] = defaultdict(list)
+    came: dict[tuple[str, Topic], list[int]] = defaultdict(list)
+    try:
+        with Reader(bag) as reader:
+            known = {(c.topic, c.msgtype): _meant(c.topic, c.msgtype) for c in reader.connections}
+            ours = [c for c in reader.connections if known[c.topic, c.msgtype]]
+            for connection, time, message in reader.messages(ours):
+                place = known[connection.topic, connection.msgtype]
+                if place is not None:
+                    data[place].append(bytes(message))
+                    came[place].append(time)
+    except Exception as error:  # whatever the library and its decompressors raise for what is no bag
+        raise ParameterError(f"{bag}: the bag cannot be read: {' '.join(str(error).split())[:200]}") from None
+    namespaces = sorted({namespace for namespace, _ in data})
+    if wanted not in namespaces and (wanted or len(namespaces) != 1):
+        have = f"those of {', '.join(namespaces)}" if namespaces else "none"
+        raise ParameterError(f"{bag}: topics of one graph are wanted (--namespace), the bag has {have}")
+    namespace = wanted or namespaces[0]
+    order = [TOPICS[signal] for signal in RECORDED if (namespace, TOPICS[signal]) in data]
+    try:
+        return namespace, {
+            topic: _Messages(
+                data[namespace, topic],
+                np.array([stamp_of(message) for message in data[namespace, topic]]),
+                np.array(came[namespace, topic]),
+            )
+            for topic in order
+        }
+    except MessageError as error:
+        raise ParameterError(f"{bag}: {error}") from None
+
+
+def _meant(name: str, message_type: str) -> tuple[str, Topic] | None:
+    """The namespace and the topic of the contract that a full name means."""
+    for signal in RECORDED:
+        topic = TOPICS[signal]
+        if name.endswith(f"/{topic.name}") and topic.message_type == message_type:
+            return name.removesuffix(f"/{topic.name}"), topic
+    return None
+
+
+def _period(bag: Path, namespace: str, found: Mapping[Topic, _Messages], told: ParameterFile | None) -> int:
+    """The control period: what the nodes were told, else what most stamps are apart."""
+    values = told.values_for(f"{namespace}/plant") if told else {}
+    if "control_period" in values:
+        return stamps.from_seconds(values["control_period"])
+    steps = np.concatenate([np.diff(np.unique(messages.stamps)) for messages in found.values()])
+    refuse_short(bag, len(steps) + 1)
+    return int(np.median(steps))
+
+
+def _refuse_time(bag: Path, topic: Topic, at: np.ndarray, first: int, period: int) -> None:
+    """ParameterError if stamps are between two steps or go back, as after a reset; a repetition may be there."""
+    if len(odd := at[(at - first) % period != 0]):
+        allowed = f"multiples of {stamps.to_seconds(period):g} s from {stamps.to_seconds(first):g} s on"
+        raise ParameterError(f"{bag}: {topic.name} at {stamps.to_seconds(int(odd[0]))} s, allowed are {allowed}")
+    if len(back := np.flatnonzero(np.diff(at) < -2 * period)):
+        ends = [f"{stamps.to_seconds(int(stamp)):g} s" for stamp in at[back[0] : back[0] + 2]]
+        raise ParameterError(f"{bag}: {topic.name} goes back from {' to '.join(ends)}, allowed is a bag of one run")
+
+
+def _put(
+    bag: Path, topic: Topic, messages: _Messages, first: int, period: int, frames: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Put a topic into the frames; the answers say at which instants a message was there, and when it came [ns]."""
+    steps, once = np.unique((messages.stamps - first) // period, return_index=True)  # a repetition says the same
+    numbers = np.empty((len(once), frame.SIZE))
+    try:
+        MessageTable(topic).read([messages.data[i] for i in once], numbers)
+    except MessageError as error:
+        raise ParameterError(f"{bag}: {topic.name}: {error}") from None
+    instants = np.arange(len(frames))
+    held = np.searchsorted(steps, instants, side="right") - 1
+    there: np.ndarray = steps[held] == instants
+    where = frame.PLACES[topic.signal]
+    frames[:, where] = numbers[held, where]
+    return there, np.where(there, messages.came[once][held], -1)
+
+
+def _notes(
+    found: Mapping[Topic, _Messages], first: int, last: int, there: Mapping[Topic, np.ndarray]
+) -> tuple[str, ...]:
+    """What a replay of this bag leaves out or makes up."""
+    notes = []
+    if first:
+        notes.append(f"time counts from the stamp {stamps.to_seconds(first):g} s on, the first one of all topics")
+    ends = {topic.name: int(messages.stamps.max()) for topic, messages in found.items()}
+    if max(ends.values()) > last:
+        early = [name for name, end in ends.items() if end == last]
+        notes.append(f"ends at {stamps.to_seconds(last):g} s, for that is the last of {', '.join(early)}")
+    for topic, came in there.items():
+        if not came.all():
+            notes.append(f"{topic.name}: {np.sum(~came)} of {len(came)} messages are missing, the one before is held")
+    return tuple(notes)

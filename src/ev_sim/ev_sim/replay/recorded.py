@@ -1,0 +1,119 @@
+"""What a run left behind, to be replayed: a bag, or signals.npz, and the parameters beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import RECORDED
+from ev_msgs_py.contract.topics import TOPICS, Topic
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.playback.signals_file import RecordingError
+from ev_sim.running.recording.recording import Recording, load
+from ev_sim.running.scenarios.parameter_file import ParameterFile
+from ev_sim.running.scenarios.scenario import NAMESPACE
+
+_METADATA, _SIGNALS = "metadata.yaml", "signals.npz"
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """The signals of a run at its instants, from time zero; a message that is missing holds the one before.
+
+    `period` in nanoseconds. By topic, `came` (n,) says at which instants a message was there; `arrivals` (n,) when it
+    was recorded [ns], -1 if it was not; it is empty of a run in lockstep, whose bag knows stamps alone. `parameters`
+    is what the nodes of `namespace` were told, if that is known. `notes`: what has been left out.
+    """
+
+    source: Path
+    namespace: str
+    period: int
+    recording: Recording
+    came: Mapping[Topic, np.ndarray]
+    arrivals: Mapping[Topic, np.ndarray] = field(default_factory=dict)
+    parameters: ParameterFile | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """Those that were recorded, in the order of the topic table."""
+        return tuple(self.came)
+
+    def has(self, signal: type) -> bool:
+        """Whether a signal was recorded."""
+        return TOPICS[signal] in self.came
+
+    @property
+    def duration(self) -> float:
+        """Time of the last instant [s]."""
+        return stamps.to_seconds((len(self.recording.time) - 1) * self.period)
+
+
+def find_recorded(path: Path, namespace: str = "") -> Recorded:
+    """What a folder of a run, a bag or a file of signals holds.
+
+    `namespace` is that of the topics, where a bag has several. ParameterError, in one line, if nothing can be read.
+    """
+    storage, folder = _found(path)
+    parameters = folder / "parameters.yaml"
+    told = ParameterFile(parameters) if parameters.exists() else None
+    if storage.name.endswith(".npz"):
+        return _of_signals(storage, told)
+    from ev_sim.replay.bag import read_bag
+
+    return read_bag(storage, namespace, told)
+
+
+def _found(path: Path) -> tuple[Path, Path]:
+    """The bag or file of signals that a path means, and the folder of the run."""
+    if path.is_dir():
+        if (path / _METADATA).exists():
+            return path, path.parent
+        if (path / "bag" / _METADATA).exists():
+            return path / "bag", path
+        if (path / _SIGNALS).exists():
+            return path / _SIGNALS, path
+        below = sorted(each.name for each in path.iterdir() if (each / "bag").is_dir() or (each / _SIGNALS).exists())
+        if below:
+            raise ParameterError(f"{path} has several runs, allowed is one: {', '.join(str(path / b) for b in below)}")
+    elif path.suffix in (".mcap", ".db3"):
+        bag = path.parent / _METADATA
+        return path, path.parent.parent if bag.exists() else path.parent
+    elif path.suffix == ".npz":
+        return path, path.parent
+    if not path.exists():
+        raise ParameterError(f"{path}: no such bag")
+    raise ParameterError(f"{path} is no recorded run: neither a bag (metadata.yaml, .mcap, .db3) nor signals.npz")
+
+
+def _of_signals(file: Path, told: ParameterFile | None) -> Recorded:
+    try:
+        recording = load(file)
+    except RecordingError as error:
+        raise ParameterError(str(error)) from None
+    except OSError as error:
+        raise ParameterError(f"{file}: {error.strerror}") from None
+    steps = np.rint(recording.time * stamps.NANOSECONDS).astype(np.int64)
+    refuse_short(file, len(steps))
+    period = int(steps[1])
+    if period <= 0 or not np.array_equal(steps, np.arange(len(steps)) * period):
+        raise ParameterError(f"{file}: its instants are not those of a control period from time zero on")
+    topics = [TOPICS[signal] for signal in RECORDED if set(TOPICS[signal].channels) <= set(recording.channels)]
+    there = np.ones(len(steps), bool)
+    return Recorded(file, namespace_of(told), period, recording, dict.fromkeys(topics, there), parameters=told)
+
+
+def namespace_of(told: ParameterFile | None) -> str:
+    """That of the nodes which a parameter file tells something."""
+    sections: Sequence[str] = list(told.sections) if told else []
+    return sections[0].rpartition("/")[0] if sections else NAMESPACE
+
+
+def refuse_short(source: Path, instants: int) -> None:
+    """ParameterError unless there are two instants at least: without a step nothing is answered."""
+    if instants < 2:
+        raise ParameterError(f"{source} holds {instants} whole instants of a run, allowed are two or more")
