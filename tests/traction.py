@@ -45,6 +45,7 @@ CAR = Vehicle(
     wheel_inertia=1.658,
     motor=Motor(rotor_inertia=0.02, nominal_torque=250.0),
 )
+FASTEST = CAR.motor.maximum_speed / CAR.gear_ratio  # rad/s, the set-point of a wheel that is not limited
 INERTIA = 1.658 + 7.4**2 * 0.02  # kg m^2, J of a driven wheel
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from traction import CAR, METHODS, SPEED_MODE, RandomLaunches, configured
+from traction import FASTEST, METHODS, SPEED_MODE, RandomLaunches, configured
 
 from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
@@ -13,7 +13,6 @@ pytestmark = pytest.mark.slow
 
 SEED = 1
 STEPS = 600
-FASTEST = CAR.motor.maximum_speed / CAR.gear_ratio  # [rad/s], the set-point of a wheel that is not limited
 FEWER_STEPS = 200  # of the laws whose state is long, for every number of it is looked at in every step
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}

@@ -10,6 +10,7 @@ from ev_control.shared.first_order_filter import Filtered, filter_share, follow,
 from ev_control.shared.slip_regulator import (
     RegulatedWheel,
     SlipRegulatorParameters,
+    acceleration_with_decay,
     forget_regulation,
     stays_out,
     until_served,
@@ -82,8 +83,6 @@ def modified_lambda(
     before = min(w.limit, wanted)
     if w.limit == inf:
         before = min(max(motion.torque, 0.0), wanted)
-    speed = max(motion.speed, p.regulator.slip.slowest)
-    needed = moving / car.wheel_radius - p.rate * speed * (slip - p.regulator.target)
-    gap = needed / (1.0 - min(slip, 0.9)) - turning
+    gap = acceleration_with_decay(p, car, slip, moving, motion) / (1.0 - min(slip, 0.9)) - turning
     torque = max(before + car.driven_wheel_inertia / p.acceleration_time * gap * period, 0.0)
     return until_served(p.regulator, w, period, torque, wanted)
