@@ -32,6 +32,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_sim"]),
         ("share/ev_sim", ["package.xml"]),
+        ("share/ev_sim/launch", ["launch/scenario.launch.py"]),
     ],
     python_requires=">=3.11",
     install_requires=[

@@ -68,6 +68,15 @@ def test_single_lost_frames_leave_the_last_value_and_no_fault():
     assert all(again[name].tobytes() == values.tobytes() for name, values in lossy.items())
 
 
+def test_without_the_operators_enabling_nothing_is_switched_on():
+    """Steps of the test sequence are the parameter `enabled`: here for the left circuit alone."""
+    left = driven(0.6, ("test_bench", "enabled", "left"), ("inverter_gateway", "fault_stops", "drive"))
+    torque = {side: left[f"bench.shafts.machine_torque.front_{side}"] for side in ("left", "right")}
+    assert not torque["right"].any()
+    assert not left["bench.shafts.load_torque.front_right"].any()
+    assert torque["left"][-1] > 30.0
+
+
 @pytest.mark.parametrize("what", FAULTS)
 def test_a_fault_in_the_loop_ends_the_torque_in_time_and_is_latched_by_name(what):
     """One seed; the study `bench_faults` drives a hundred."""

@@ -20,24 +20,24 @@ from ev_msgs_py.can.bus_model import (
 )
 from ev_msgs_py.can.payload_words import NO_FRAME, joined, words
 from ev_msgs_py.can.response_time import of_layouts
-from ev_msgs_py.can.wire_time import wire_bits, wire_tables
+from ev_msgs_py.can.wire_time import wire_bits
 from ev_msgs_py.compiling.function import compiled, in_memory
 from ev_msgs_py.contract.record import numbers
 from ev_msgs_py.parameters.declaration import number_tree
 
 LAYOUTS = sorted((f for f in ours() if "11" in f.name or "Ecu" in f.name), key=lambda f: f.identifier)
-FRAMES, TABLES = channel_frames(LAYOUTS), wire_tables()
+FRAMES = channel_frames(LAYOUTS)
 TICK = 1000.0  # bits
 LONGEST = 135.0  # bits of a frame of others
 PAYLOAD = (1.0, 2.0)  # words
 BITS = [
-    wire_bits(TABLES, *head, joined(*PAYLOAD), int(length))
+    wire_bits(*head, joined(*PAYLOAD), int(length))
     for *head, length in zip(FRAMES.bits, FRAMES.state, FRAMES.crc, FRAMES.length, strict=True)
 ]  # of a frame with these words in each place
 
 
 def advanced(s: ChannelState, until: float, **values: float) -> ChannelState:
-    advance_channel(FRAMES, TABLES, BusModelParameters(**values), s, 0, until)
+    advance_channel(FRAMES, BusModelParameters(**values), s, 0, until)
     return s
 
 
@@ -122,15 +122,15 @@ def test_compiled_code_gives_the_same_bits():
     p = BusModelParameters(loss=0.05, other_load=0.2, seed=7)
     s, memory, tree = ChannelState(), in_memory(ChannelState()), in_memory(number_tree(p))
     put, go, shift = compiled(release), compiled(advance_channel), compiled(next_tick)
-    chance, frames, tables = random.Random(5), in_memory(FRAMES), in_memory(TABLES)
+    chance, frames = random.Random(5), in_memory(FRAMES)
     for _ in range(100):
         for place in range(PLACES):
             if chance.random() < 0.6:
                 frame = (place, float(chance.randrange(900)), *words(chance.getrandbits(64)))
                 release(s, *frame)
                 put(memory, *frame)
-        advance_channel(FRAMES, TABLES, p, s, 1, bits_per_tick(p))
-        go(frames, tables, tree, memory, 1, TICK)
+        advance_channel(FRAMES, p, s, 1, bits_per_tick(p))
+        go(frames, tree, memory, 1, TICK)
         next_tick(p, s)
         shift(tree, memory)
         assert memory.reshape(1).view(float).tolist() == numbers(s)

@@ -11,8 +11,8 @@ from can_bus.databases import ours
 from ev_msgs_py.can.codec import BitField, byte_of, extracted, inserted, quantised
 from ev_msgs_py.compiling.function import compiled, in_memory
 
-TORQUE = BitField(24.0, 16.0, 1.0, 0.03125, 0.0, -1000.0, 1000.0)
-TEMPERATURE = BitField(12.0, 9.0, 0.0, 0.5, -40.0, -40.0, 215.0)
+TORQUE = BitField(24.0, 16.0, 1.0, 0.03125, 32.0, 0.0, -1000.0, 1000.0)
+TEMPERATURE = BitField(12.0, 9.0, 0.0, 0.5, 2.0, -40.0, -40.0, 215.0)
 
 
 def test_a_negative_number_is_two_s_complement():

@@ -9,7 +9,7 @@ from can_bus.databases import ours
 
 from ev_msgs_py.can.frame_length import crc15, exact_frame, frame_bits, longest_frame, stuff_bits
 from ev_msgs_py.can.response_time import Cyclic, bus_load, response_times
-from ev_msgs_py.can.wire_time import header, wire_bits, wire_tables
+from ev_msgs_py.can.wire_time import header, wire_bits
 
 
 @pytest.mark.parametrize(("length", "bits"), [(0, 55), (1, 65), (8, 135)])
@@ -46,7 +46,7 @@ def test_tables_count_the_same_bits():
     for length in (0, 4, 8) * 300:
         identifier = numbers.getrandbits(11)
         data = bytes(numbers.choice((0, 0xFF, numbers.getrandbits(8))) for _ in range(length))
-        counted = wire_bits(wire_tables(), *header(identifier, length), int.from_bytes(data, "little"), length)
+        counted = wire_bits(*header(identifier, length), int.from_bytes(data, "little"), length)
         assert counted == exact_frame(identifier, data)
 
 

@@ -2,12 +2,15 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+import release
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("ev_control", "ev_msgs_py", "ev_sim")
@@ -29,6 +32,40 @@ def test_versions_agree():
         versions.add(ElementTree.parse(folder / "package.xml").findtext("version"))
         versions.update(re.findall(r'version="([^"]+)"', (folder / "setup.py").read_text()))
     assert len(versions) == 1
+
+
+def test_a_release_moves_all_versions_and_gives_its_notes(tmp_path, capsys):
+    for name in (*release.FILES, release.CHANGELOG):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / name)
+    before = (tmp_path / release.CHANGELOG).read_text()
+    for version in ("0.2", "0.0.9"):
+        with pytest.raises(ValueError, match="is refused"):
+            release.main(tmp_path, version)
+    release.main(tmp_path, "47.11.0")
+    texts = [(tmp_path / name).read_text() for name in release.FILES]
+    old = ElementTree.parse(ROOT / "src" / "ev_sim" / "package.xml").findtext("version")
+    assert all("47.11.0" in text and old not in text for text in texts)
+    after = (tmp_path / release.CHANGELOG).read_text()
+    assert release.notes(after, "Unreleased") == "" and release.notes(after, "47.11.0") == release.notes(
+        before, "Unreleased"
+    )
+    assert (tmp_path / "build" / "release_notes.md").read_text().startswith("### Added")
+    with pytest.raises(ValueError, match="nothing is unreleased"):
+        release.main(tmp_path, "47.12.0")
+    assert "47.11.0; notes" in capsys.readouterr().out
+
+
+def test_pixi_brings_every_message_package_that_the_packages_name():
+    said = tomllib.loads((ROOT / "pixi.toml").read_text())
+    assert said["workspace"]["channels"][0] == "robostack-kilted"
+    names = {name.removeprefix("ros-kilted-").replace("-", "_") for name in said["dependencies"]}
+    needed = set()
+    for package in PACKAGES:
+        tree = ElementTree.parse(ROOT / "src" / package / "package.xml")
+        needed |= {found.text for found in tree.iter("exec_depend") if not found.text.startswith("python3-")}
+    assert needed - set(PACKAGES) <= names
+    assert all((ROOT / task.split()[0]).exists() for task in said["tasks"].values())
 
 
 def test_requirements_are_pinned():

@@ -132,6 +132,20 @@ def test_values_are_numbers_texts_and_units():
     ]
 
 
+def test_parquet_keeps_all_digits_gaps_and_texts(tmp_path):
+    """It is an extra: pyarrow has 50 MB, which nothing else needs."""
+    parquet = pytest.importorskip("pyarrow.parquet")
+    rows = [[1 / 3, "a_b", "10 km/h", 1], [None, "c|d", 5.0, 2]]
+    write_tables(tmp_path, ["peak_slip [%]", "name", "plant.initial_speed", "seed"], rows)
+    found = parquet.read_table(tmp_path / "table.parquet").to_pydict()
+    assert found == {
+        "peak_slip [%]": [1 / 3, None],
+        "name": ["a_b", "c|d"],
+        "plant.initial_speed": ["10 km/h", "5.0"],
+        "seed": [1, 2],
+    }
+
+
 def test_tables_keep_all_digits_for_machines_and_mask_what_latex_knows(tmp_path):
     write_tables(tmp_path, ["peak_slip [%]", "name"], [[1 / 3, "a_b"], [None, "c|d"]])
     assert (tmp_path / "table.csv").read_text() == "peak_slip [%],name\n0.3333333333333333,a_b\n,c|d\n"

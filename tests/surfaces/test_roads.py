@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.offline import run_offline
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 from ev_sim.surfaces.lookup import interpolate, segment_at
 from ev_sim.surfaces.road import RoadParameters, left_and_right
+from ev_sim.surfaces.table import SURFACES, Surface
 
 
 def test_random_sides_are_independent_repeatable_and_have_the_given_shares():
@@ -39,6 +44,47 @@ def test_slope_is_linear_between_points_and_constant_outside():
     at, grade = np.array([10.0, 20.0]), np.array([0.0, 0.1])
     values = [interpolate(at, grade, s, 0)[0] for s in (0.0, 15.0, 30.0)]
     assert values == pytest.approx([0.0, 0.05, 0.1])
+
+
+SNOW = SURFACES["packed_snow_1"]
+OWN = {
+    "own": ("gravel", "oil"),
+    "own_c1": (SNOW.c1, 0.1),
+    "own_c2": (SNOW.c2, 30.0),
+    "own_c3": (SNOW.c3, 0.01),
+    "own_rolling_resistance": (SNOW.rolling_resistance, 0.0),
+}
+
+
+def test_a_surface_of_ones_own_drives_as_one_of_the_table_with_its_numbers():
+    def driven(*road: tuple) -> np.ndarray:
+        pedals = {"time": (0.0, 0.1), "drive_torque": (0.0, 2000.0), "brake_torque": (0.0, 0.0)}
+        values = [("driver", f"pedals.{name}", value) for name, value in pedals.items()]
+        values += [("plant", f"road.{name}", value) for name, value in road]
+        run = load_scenario("launch_split_mu", Overrides((), values, 0.5)).runs[0]
+        return run_offline(run.configurations, run.duration).channels
+
+    table, own = driven(("left", ("packed_snow_1",))), driven(("left", ("gravel",)), *OWN.items())
+    assert all(np.array_equal(own[name], table[name]) for name in table)
+    slippery = driven(("left", ("oil",)), *OWN.items())
+    friction = slippery["tire_forces.friction_coefficient.front_left"]
+    assert friction == pytest.approx(Surface(0.1, 30.0, 0.01).peak_friction)
+    assert 0.0 < slippery["twist.longitudinal"][-1] < table["twist.longitudinal"][-1]
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"left": ("gravl",)}, "unknown surface of left, right or random_surfaces 'gravl'; known: gravel, "),
+        ({"own": ("ice", "oil")}, "own 'ice' is refused: there is such a surface, allowed is another name"),
+        ({"own": ("gravel", "gravel")}, "own 'gravel' is refused"),
+        ({"own_c2": (10.0,)}, "own_c1, own_c2, own_c3 and own_rolling_resistance need one number for each of own"),
+        ({"own_c3": (0.2, 0.1)}, "own 'oil' has no friction at a slip of 1, allowed is a smaller c3"),
+    ],
+)
+def test_surfaces_of_ones_own_that_make_no_sense_are_refused(values, said):
+    with pytest.raises(ParameterError, match=re.escape(said)):
+        RoadParameters(**{**OWN, **values})
 
 
 def test_roads_that_make_no_sense_are_refused():

@@ -56,6 +56,7 @@ class Trial:
     names: str = ""
     from_the_start: bool = False  # whether the fault is there before anything strikes
     must_end: bool = False  # whether what strikes ends the run, so that its end must come soon
+    replaced: bool = False  # whether another run has put its results in the place of those of this one
     about: str = ""
     clean_up: ExitStack = field(default_factory=ExitStack)
 

@@ -107,7 +107,9 @@ def rival(trial: Trial) -> None:
         words = [ROOT / "scripts" / "run.sh", "coast_down", "--offline", "--duration", "0.1", "--out", trial.out]
         second = subprocess.run(words, env=run.environment, capture_output=True, text=True, timeout=60)
         refused = second.returncode == 1 and "another run is writing there" in second.stderr
-        if not refused and run.process.poll() is None:
+        if second.returncode == 0 and run.process.poll() is not None:
+            trial.replaced = True  # on a busy machine it begins when the first one has ended
+        elif not refused and run.process.poll() is None:
             run.remark = f"the second run was not refused: {second.returncode} {second.stderr.strip()[-200:]}"
 
     trial.disturb = disturb

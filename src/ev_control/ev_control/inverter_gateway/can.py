@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 from ev_control.inverter_gateway.diagnosis import latched, latched_names
 from ev_control.inverter_gateway.hearing import ELECTRICAL, FAULTS, MOTION, TEMPERATURES, receive_feedback
-from ev_control.inverter_gateway.leading import advance_gateway, begin_reset, command_device, is_faulty
+from ev_control.inverter_gateway.leading import advance_gateway
+from ev_control.inverter_gateway.orders import press_buttons, take_orders
 from ev_control.inverter_gateway.parameters import LockstepGatewayParameters
-from ev_control.inverter_gateway.plausibility import watch
 from ev_control.inverter_gateway.sending import heartbeat, set_point
 from ev_control.inverter_gateway.state import Device, Gateway
-from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.database import load_database
 from ev_msgs_py.can.frames import BenchFrames, DeviceFrames, bench_frames
 from ev_msgs_py.can.payload_words import NO_FRAME, are_words, joined, words
@@ -22,16 +21,15 @@ from ev_msgs_py.contract.bench_signals import BenchShafts, LoadCommand
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.record import part, series
 from ev_msgs_py.contract.signals import WheelTorqueCommand
-from ev_msgs_py.elementary import isfinite
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.layout import listed
 
-_SAID = 2 * MOST_TICKS  # words of the set-points of a device
-_HEARD = _SAID + 6  # words of its feedback
-_HEARTBEATS = 2 * _SAID  # where theirs stand; behind them come the set-points of the load machines
-_LOADS = _HEARTBEATS + 2
-_ALL_SAID = _LOADS + 2 * _SAID
+SAID = 2 * MOST_TICKS  # words of the set-points of a device
+_HEARD = SAID + 6  # words of its feedback
+HEARTBEATS = 2 * SAID  # where theirs stand; behind them come the set-points of the load machines
+LOADS = HEARTBEATS + 2
+ALL_SAID = LOADS + 2 * SAID
 
 
 class GatewayConstants(NamedTuple):
@@ -48,7 +46,7 @@ class LockstepGateway:
     """The gateway, and the frames of this period."""
 
     gateway: Gateway = part(Gateway)
-    said: list[float] = series(_ALL_SAID, NO_FRAME, unit="1", about="as in SetPointFrames")
+    said: list[float] = series(ALL_SAID, NO_FRAME, unit="1", about="as in SetPointFrames")
     heard: list[float] = series(4 * _HEARD, NO_FRAME, unit="1", about="as in FeedbackFrames")
     noted: list[float] = series(4, unit="1", about="faults of each device since the start, as `diagnosis.latched`")
 
@@ -109,17 +107,12 @@ def can(
 
     The frames of the ticks to come leave in them, one after the other; what is heard came in the ticks before.
     """
-    g, f, right, left = s.gateway, c.frames, int(p.wheel_11), int(p.wheel_12)
+    g, f = s.gateway, c.frames
     s.heard[:] = heard
-    _command(p, g.drive_11, TORQUE_MODE, command.drive[right] / p.gear_ratio)
-    _command(p, g.drive_12, TORQUE_MODE, command.drive[left] / p.gear_ratio)
-    _command_load(p, g.load_11, load, right)
-    _command_load(p, g.load_12, load, left)
-    watch(p.plausibility, g.drive_11, shafts.torque[right], shafts.speed[right], load.speed[right], period)
-    watch(p.plausibility, g.drive_12, shafts.torque[left], shafts.speed[left], load.speed[left], period)
-    s.said[_HEARTBEATS] = s.said[_HEARTBEATS + 1] = NO_FRAME
+    take_orders(p, g, command, load, shafts, period)
+    s.said[HEARTBEATS] = s.said[HEARTBEATS + 1] = NO_FRAME
     for tick in range(int(c.ticks)):
-        _press_buttons(c, g)
+        press_buttons(c.enable_tick, c.reset_tick, g)
         _hear(f, f.drive_11, g.drive_11, s, 0, tick)
         _hear(f, f.drive_12, g.drive_12, s, _HEARD, tick)
         _hear(f, f.load_11, g.load_11, s, 2 * _HEARD, tick)
@@ -127,16 +120,13 @@ def can(
         before = g.tick
         advance_gateway(p, g, 1.0, TICK)
         _say(f, f.drive_11, g.drive_11, s, p.torque_limit, 2 * tick)
-        _say(f, f.drive_12, g.drive_12, s, p.torque_limit, _SAID + 2 * tick)
-        _say(f, f.load_11, g.load_11, s, p.load_torque_limit, _LOADS + 2 * tick)
-        _say(f, f.load_12, g.load_12, s, p.load_torque_limit, _LOADS + _SAID + 2 * tick)
+        _say(f, f.drive_12, g.drive_12, s, p.torque_limit, SAID + 2 * tick)
+        _say(f, f.load_11, g.load_11, s, p.load_torque_limit, LOADS + 2 * tick)
+        _say(f, f.load_12, g.load_12, s, p.load_torque_limit, LOADS + SAID + 2 * tick)
         if is_due(f.heartbeat.ticks, before, g.tick):
             for place in range(2):
-                s.said[_HEARTBEATS + place] = words(heartbeat(f, g, place))[0]
-    s.noted[0] = float(int(s.noted[0]) | latched(g.drive_11))
-    s.noted[1] = float(int(s.noted[1]) | latched(g.drive_12))
-    s.noted[2] = float(int(s.noted[2]) | latched(g.load_11))
-    s.noted[3] = float(int(s.noted[3]) | latched(g.load_12))
+                s.said[HEARTBEATS + place] = words(heartbeat(f, g, place))[0]
+    note_faults(s)
     w = s.said
     return SetPointFrames(
         w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10],
@@ -147,33 +137,12 @@ def can(
 
 
 @compilable
-def _command(p: LockstepGatewayParameters, s: Device, mode: int, value: float) -> None:
-    """A torque [N m] or a speed [rad/s] at the shaft; what is no number is no command."""
-    if isfinite(value):
-        command_device(p, s, mode, value)
-
-
-@compilable
-def _command_load(p: LockstepGatewayParameters, s: Device, load: LoadCommand, wheel: int) -> None:
-    """What the virtual car asks of a load machine; in torque mode what brakes counts forwards there."""
-    if int(load.mode[wheel]) == SPEED_MODE:
-        _command(p, s, SPEED_MODE, load.speed[wheel])
-    else:
-        _command(p, s, TORQUE_MODE, -load.torque[wheel])
-
-
-@compilable
-def _press_buttons(c: GatewayConstants, s: Gateway) -> None:
-    if s.tick == c.enable_tick:
-        s.waits = 1.0
-    if s.tick == c.reset_tick:
-        begin_reset(s.drive_11)
-        begin_reset(s.drive_12)
-        if is_faulty(s.load_11):
-            begin_reset(s.load_11)
-        if is_faulty(s.load_12):
-            begin_reset(s.load_12)
-        s.waits = 1.0
+def note_faults(s: LockstepGateway) -> None:
+    """Keep what is latched, for `notes`."""
+    s.noted[0] = float(int(s.noted[0]) | latched(s.gateway.drive_11))
+    s.noted[1] = float(int(s.noted[1]) | latched(s.gateway.drive_12))
+    s.noted[2] = float(int(s.noted[2]) | latched(s.gateway.load_11))
+    s.noted[3] = float(int(s.noted[3]) | latched(s.gateway.load_12))
 
 
 @compilable
@@ -181,9 +150,9 @@ def _hear(f: BenchFrames, own: DeviceFrames, s: Device, of: LockstepGateway, beg
     """The frame of a tick, and with the first one those that come less often."""
     _take(f, own, s, MOTION, of, begin + 2 * tick)
     if tick == 0:
-        _take(f, own, s, ELECTRICAL, of, begin + _SAID)
-        _take(f, own, s, TEMPERATURES, of, begin + _SAID + 2)
-        _take(f, own, s, FAULTS, of, begin + _SAID + 4)
+        _take(f, own, s, ELECTRICAL, of, begin + SAID)
+        _take(f, own, s, TEMPERATURES, of, begin + SAID + 2)
+        _take(f, own, s, FAULTS, of, begin + SAID + 4)
 
 
 @compilable

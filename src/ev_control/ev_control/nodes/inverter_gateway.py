@@ -4,34 +4,32 @@ from __future__ import annotations
 
 from typing import Any
 
-from std_srvs.srv import SetBool, Trigger
-
 from ev_control.inverter_gateway.commands import Commands
+from ev_control.inverter_gateway.on_bus import GatewayOnBus
+from ev_control.inverter_gateway.panel import Panel
 from ev_control.inverter_gateway.parameters import GatewayParameters
-from ev_control.inverter_gateway.publishing import FeedbackPublisher
 from ev_control.inverter_gateway.station import GatewayStation
 from ev_msgs_py.can.channel import Frame
-from ev_msgs_py.can.frames import DEVICES, DRIVES
-from ev_msgs_py.can.schedule import is_due
-from ev_msgs_py.nodes.bus_node import BusNode, on_bus_or_in_graph
-from ev_msgs_py.nodes.run_role import run_node
+from ev_msgs_py.can.channels import Channels
+from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.nodes.bus_node import BusNode
+from ev_msgs_py.nodes.role_on_bus import RoleOnBus
+from ev_msgs_py.nodes.run_role import make_node, run_node, told
 
-_MOTION_CYCLE, _REST_CYCLE = 10.0, 100.0  # ms
+_ROLE, _METHOD = "inverter_gateway", "can"
 
 
 class InverterGatewayNode(BusNode):
     """Sends what `torque_command` and `load_command` say, by the wall clock; publishes what the inverters answer."""
 
     def __init__(self, **node_arguments: Any) -> None:
-        super().__init__("inverter_gateway", GatewayParameters, **node_arguments)
-        self.create_service(SetBool, "inverter_gateway/enable", self._enable)
-        self.create_service(Trigger, "inverter_gateway/reset", self._reset)
+        super().__init__(_ROLE, GatewayParameters, **node_arguments)
 
     def prepare(self) -> None:
         """What leads the inverters, what hears the graph, what speaks to it."""
         self.station = GatewayStation(self.database, self.parameters)
         self._commands = Commands(self, self.station, lambda: self.parameters, self.reports)
-        self._feedback = FeedbackPublisher(self, self.station.devices)
+        self._panel = Panel(self, lambda: self.station)
 
     def changed(self) -> None:
         """Go on with other limits and time-outs."""
@@ -49,36 +47,43 @@ class InverterGatewayNode(BusNode):
         """Lead the inverters one cycle on, and publish what is due."""
         before = self.station.s.tick
         frames = self.station.step(ticks)
-        rest = is_due(_REST_CYCLE, before, before + ticks)
-        if rest:
-            self._feedback.publish_rest()
-        if is_due(_MOTION_CYCLE, before, before + ticks):
-            self._feedback.publish_motion()
-            self._feedback.diagnose(self.parameters.feedback_timeout, anyway=rest)
+        self._panel.publish_due(before, before + ticks)
         return frames
 
-    def _enable(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        """Enable every device that has had a command, or disable all."""
-        if not request.data:
-            self.station.disable()
-            response.success, response.message = True, "all devices are being disabled"
-            return response
-        commanded = [name for name in DEVICES if self.station.devices[name].command_age <= self._command_timeout]
-        refused = self.station.enable(tuple(commanded or DRIVES))
-        response.success = not refused
-        response.message = refused or f"being enabled: {', '.join(commanded)}"
-        return response
 
-    def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self.station.reset()
-        response.success, response.message = True, "the reset sequence has begun; everything is disabled"
-        return response
+class GatewayRoleOnBus(RoleOnBus):
+    """Plays the role of a run in real time, over the same bus."""
 
-    @property
-    def _command_timeout(self) -> float:
-        return float(self.parameters.command_timeout)
+    def __init__(self, **node_arguments: Any) -> None:
+        super().__init__(_ROLE, **node_arguments)
+        self._panel = Panel(self, lambda: self.player.station)
+
+    def played_by(self, configuration: Configuration) -> GatewayOnBus:
+        """A gateway that leads nothing yet."""
+        return GatewayOnBus(configuration)
+
+    def open_channels(self) -> Channels:
+        """As its parameters say, with their log."""
+        bus = self.configuration.parameters.bus
+        return Channels(bus, bus.log)
+
+    def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
+        """Lead the inverters one cycle on, and publish what is due."""
+        before = self.player.station.s.tick
+        frames = super().cycle(ticks)
+        self._panel.publish_due(before, before + ticks)
+        return frames
+
+
+def make(**node_arguments: Any) -> Any:
+    """The node: of a role in lockstep, of one in real time, or without a graph, of which it is told no method."""
+    given = told(_ROLE, **node_arguments)
+    if given.get("mode") == "realtime" and given.get("method", _METHOD) == _METHOD:
+        return GatewayRoleOnBus(**node_arguments)
+    in_graph = "method" in given or given.get("mode") == "lockstep"
+    return make_node(_ROLE, **node_arguments) if in_graph else InverterGatewayNode(**node_arguments)
 
 
 def main() -> None:
     """ros2 run ev_control inverter_gateway"""
-    run_node("inverter_gateway", lambda: on_bus_or_in_graph("inverter_gateway", InverterGatewayNode))
+    run_node(_ROLE, make)

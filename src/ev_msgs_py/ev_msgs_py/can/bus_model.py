@@ -12,11 +12,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ev_msgs_py.can.bus_parameters import BusInterface
 from ev_msgs_py.can.frame_layout import FrameLayout
 from ev_msgs_py.can.frame_length import longest_frame
 from ev_msgs_py.can.payload_words import NO_FRAME, joined
 from ev_msgs_py.can.schedule import TICK
-from ev_msgs_py.can.wire_time import WireTables, header, wire_bits
+from ev_msgs_py.can.wire_time import header, wire_bits
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, series
 from ev_msgs_py.parameters.declaration import parameter
@@ -27,8 +28,8 @@ _LONGEST = float(longest_frame(8))
 
 
 @dataclass(frozen=True, slots=True)
-class BusModelParameters:
-    """The bus in lockstep."""
+class BusModelParameters(BusInterface):
+    """The bus in lockstep; in real time its frames go over the interface."""
 
     bit_rate: float = parameter(1e6, unit="bit/s", low=1.25e5, high=1e6, about="of both channels", source="assumption")
     phase: float = parameter(
@@ -90,9 +91,7 @@ def release(s: ChannelState, place: int, at: float, low: float, high: float) -> 
 
 
 @compilable
-def advance_channel(
-    c: ChannelFrames, t: WireTables, p: BusModelParameters, s: ChannelState, channel: int, until: float
-) -> None:
+def advance_channel(c: ChannelFrames, p: BusModelParameters, s: ChannelState, channel: int, until: float) -> None:
     """Begin all frames that can begin before `until` [bit]."""
     while s.free_from < until:
         if s.other_bits >= _LONGEST:
@@ -105,7 +104,7 @@ def advance_channel(
         now = _begin_of_next(s, until)
         if now >= until:
             return
-        _send(c, t, p, s, channel, now)
+        _send(c, p, s, channel, now)
 
 
 @compilable
@@ -121,13 +120,13 @@ def _begin_of_next(s: ChannelState, until: float) -> float:
 
 
 @compilable
-def _send(c: ChannelFrames, t: WireTables, p: BusModelParameters, s: ChannelState, channel: int, now: float) -> None:
+def _send(c: ChannelFrames, p: BusModelParameters, s: ChannelState, channel: int, now: float) -> None:
     """The lowest identifier of those that wait goes on the wire."""
     place = 0
     while s.waiting[place] == 0.0 or s.released[place] > now:
         place += 1
     payload = joined(s.low[place], s.high[place])
-    bits = wire_bits(t, c.bits[place], c.state[place], c.crc[place], payload, int(c.length[place]))
+    bits = wire_bits(c.bits[place], c.state[place], c.crc[place], payload, int(c.length[place]))
     s.waiting[place] = 0.0
     s.pending -= 1.0
     s.free_from = now + bits

@@ -22,8 +22,8 @@ DEFAULT_CHANNELS = MappingProxyType(
 
 
 @dataclass(frozen=True, slots=True)
-class BusParameters:
-    """The CAN bus of a node: one channel for each circuit."""
+class BusInterface:
+    """What carries frames in real time: one channel for each circuit."""
 
     interface: str = parameter(
         "udp_multicast",
@@ -39,16 +39,22 @@ class BusParameters:
         read_only=True,
     )
     channel_12: str = parameter("", about="of the left circuit, likewise", read_only=True)
-    database: str = parameter("can/ev_bench.dbc", about="DBC file of the frames", read_only=True)
-    log: str = parameter(
-        "",
-        about="file for all frames that are sent and received: .log (candump), .blf (Vector) or, where asammdf is "
-        "installed, .mf4; empty for none; of a lockstep run it lies beside its signals",
-        read_only=True,
-    )
 
     def channels(self) -> dict[str, str]:
         """The channel of each circuit."""
         usual = DEFAULT_CHANNELS[self.interface]
         named = (self.channel_11, self.channel_12)
         return {circuit: named[place] or usual[place] for place, circuit in enumerate(CIRCUITS)}
+
+
+@dataclass(frozen=True, slots=True)
+class BusParameters(BusInterface):
+    """The CAN bus of a node, its frames and its log."""
+
+    database: str = parameter("can/ev_bench.dbc", about="DBC file of the frames", read_only=True)
+    log: str = parameter(
+        "",
+        about="file for all frames that are sent and received: .log (candump), .blf (Vector) or, where asammdf is "
+        "installed, .mf4; empty for none; that of a run lies beside its signals",
+        read_only=True,
+    )

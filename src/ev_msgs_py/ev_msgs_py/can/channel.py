@@ -8,6 +8,7 @@ from typing import NamedTuple
 import can
 
 from ev_msgs_py.can.bus_log import BusLog
+from ev_msgs_py.can.bus_meter import BusMeter
 from ev_msgs_py.can.opening import open_channel
 
 _LONGEST = 8  # bytes of a classic frame
@@ -23,11 +24,11 @@ class Frame(NamedTuple):
 class Channel:
     """Sends and receives without waiting; what is no such frame, and what cannot be sent, is counted."""
 
-    def __init__(self, interface: str, name: str, log: BusLog | None = None) -> None:
+    def __init__(self, interface: str, name: str, log: BusLog | None = None, meter: BusMeter | None = None) -> None:
         self.name = name
         self._bus = open_channel(interface, name)
         self._hears_itself = interface == "udp_multicast"
-        self._log = log
+        self._log, self._meter = log, meter
         self.sent = self.received = self.refused = self.unsent = 0
         self.trouble = ""  # the newest reason why a frame could not be sent or read
 
@@ -48,8 +49,8 @@ class Channel:
             self.trouble = f"{self.name}: not sent: {error}"
             return
         self.sent += 1
-        if self._log and not self._hears_itself:
-            self._log.write(message)
+        if not self._hears_itself:
+            self._note(message)
 
     def receive(self) -> Frame | None:
         """The next frame that has come; None if there is none."""
@@ -64,11 +65,16 @@ class Channel:
                 return None
             if _is_classic(message):
                 self.received += 1
-                if self._log:
-                    message.channel = self.name
-                    self._log.write(message)
+                message.channel = self.name
+                self._note(message)
                 return Frame(message.arbitration_id, bytes(message.data))
             self.refused += 1
+
+    def _note(self, message: can.Message) -> None:
+        if self._log:
+            self._log.write(message)
+        if self._meter:
+            self._meter.note(message.arbitration_id, bytes(message.data), time.time() - message.timestamp)
 
     def fileno(self) -> int:
         """What `select` can wait for, of udp_multicast and socketcan; NotImplementedError for the others."""

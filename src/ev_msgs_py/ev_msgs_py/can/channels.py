@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from ev_msgs_py.can.bus_log import BusLog
-from ev_msgs_py.can.bus_parameters import BusParameters
+from ev_msgs_py.can.bus_meter import BusMeter
+from ev_msgs_py.can.bus_parameters import BusInterface
 from ev_msgs_py.can.channel import Channel, Frame
 
 _MOST = 500  # frames taken from a channel at one go: a bus that never falls silent shall not hold a node up
@@ -14,12 +15,12 @@ _MOST = 500  # frames taken from a channel at one go: a bus that never falls sil
 class Channels:
     """Opens what the parameters say; BusError or ValueError in one line, and nothing stays open, if it cannot."""
 
-    def __init__(self, p: BusParameters) -> None:
+    def __init__(self, p: BusInterface, log: str = "", meters: Mapping[str, BusMeter] | None = None) -> None:
         self._channels: dict[str, Channel] = {}
-        self._log = BusLog(p.log) if p.log else None
+        self._log = BusLog(log) if log else None
         try:
             for circuit, name in p.channels().items():
-                self._channels[circuit] = Channel(p.interface, name, self._log)
+                self._channels[circuit] = Channel(p.interface, name, self._log, (meters or {}).get(circuit))
         except BaseException:
             self.close()
             raise

@@ -19,6 +19,7 @@ class BitField:
     length: float  # in bits, at most 32
     signed: float  # 1: two's complement
     scale: float  # unit of the signal, above zero
+    steps: float  # per unit of the signal, 1/scale
     offset: float  # unit of the signal
     low: float  # unit of the signal
     high: float  # unit of the signal
@@ -28,7 +29,7 @@ class BitField:
 def raw_number(field: BitField, value: float) -> int:
     """The whole number of steps nearest to a value, which saturates at the ends of its range like a transducer."""
     limited = min(max(value, field.low), field.high)
-    return floor((limited - field.offset) / field.scale + 0.5)
+    return floor((limited - field.offset) * field.steps + 0.5)
 
 
 @compilable

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 EV_BENCH = "can/ev_bench.dbc"
 _GUARD_PLACES = {"Crc": (0, 8), "Counter": (8, 4)}  # start and length in bits, profile 1 variant 1A
+_ENCODING = "cp1252"  # of DBC files
 _LONGEST_SIGNAL = 32  # bits; a float64 and compiled code hold such numbers exactly
 
 
@@ -46,20 +48,27 @@ def load_database(name: str = EV_BENCH) -> Database:
     ParameterError in one line that names file, frame and signal if the file cannot be read or if it has what is not
     spoken here: anything but classic frames with 11-bit identifiers, Intel order, and the protection of profile 1.
     """
-    from cantools.database import load_file  # takes 0.2 s that only nodes on a bus shall spend
-    from cantools.database.errors import Error
-
     path: Path | str = name
     try:
         path = find_file(name)
-        content: Any = load_file(path, database_format="dbc", cache_dir=None)
-        layouts = [_layout(message) for message in content.messages]
+        return _database(path.read_bytes())
     except OSError as error:
         raise ParameterError(f"CAN database {path}: {error.strerror or error}") from None
-    except (Error, UnicodeDecodeError) as error:
-        raise ParameterError(f"CAN database {path}: {' '.join(str(error).split())}") from None
     except ParameterError as error:
         raise ParameterError(f"CAN database {path}: {error}") from None
+
+
+@lru_cache(maxsize=4)
+def _database(content: bytes) -> Database:
+    """The same of the content of a file; to read it takes as long as seconds of a run."""
+    from cantools.database import load_string  # takes 0.2 s that only nodes on a bus shall spend
+    from cantools.database.errors import Error
+
+    try:
+        found: Any = load_string(content.decode(_ENCODING), database_format="dbc")
+        layouts = [_layout(message) for message in found.messages]
+    except (Error, UnicodeDecodeError) as error:
+        raise ParameterError(" ".join(str(error).split())) from None
     return Database({layout.name: layout for layout in layouts})
 
 
@@ -100,6 +109,7 @@ def _field(frame: str, signal: Signal) -> BitField:
         length=float(signal.length),
         signed=float(signal.is_signed),
         scale=float(signal.scale),
+        steps=1.0 / float(signal.scale),
         offset=float(signal.offset),
         low=float(signal.minimum),
         high=float(signal.maximum),

@@ -175,7 +175,7 @@ def _field(frame: FrameLayout, name: str) -> BitField:
     for place, field in enumerate(fields):
         if field.length != 1.0 or field.start != fields[0].start + place:
             raise ParameterError(f"frame {frame.name}: {', '.join(signals)} must be single bits in a row")
-    return BitField(fields[0].start, float(len(fields)), 0.0, 1.0, 0.0, 0.0, float((1 << len(fields)) - 1))
+    return BitField(fields[0].start, float(len(fields)), 0.0, 1.0, 1.0, 0.0, 0.0, float((1 << len(fields)) - 1))
 
 
 def _device(database: Database, device: str) -> DeviceFrames:

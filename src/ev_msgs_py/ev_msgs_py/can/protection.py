@@ -8,7 +8,7 @@ the last: a frame that is right but comes under another identifier is found too.
 from __future__ import annotations
 
 from ev_msgs_py.can.codec import byte_of
-from ev_msgs_py.can.crc8 import crc8_step
+from ev_msgs_py.can.crc8 import crc8_share
 from ev_msgs_py.compiling.compilable import compilable
 
 COUNTERS = 15  # values of the counter; 15 itself means that it is invalid
@@ -17,9 +17,9 @@ COUNTERS = 15  # values of the counter; 15 itself means that it is invalid
 @compilable
 def checksum(payload: int, length: int, data_id: int) -> int:
     """The checksum that belongs into byte 0 of a payload of `length` bytes."""
-    crc = crc8_step(crc8_step(0, data_id & 0xFF), (data_id >> 8) & 0xFF)
+    crc = crc8_share(data_id & 0xFF, length) ^ crc8_share((data_id >> 8) & 0xFF, length - 1)
     for place in range(1, length):
-        crc = crc8_step(crc, byte_of(payload, place))
+        crc ^= crc8_share(byte_of(payload, place), length - 1 - place)
     return crc
 
 

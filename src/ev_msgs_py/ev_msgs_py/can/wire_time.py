@@ -7,28 +7,19 @@ equal ones there are, 1 to 4: a fifth one is followed by a stuff bit of the othe
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import cache
 from typing import NamedTuple
 
 from ev_msgs_py.can.frame_length import CRC_BITS, NEVER_STUFFED, crc15, frame_bits
 from ev_msgs_py.compiling.compilable import compilable
 
 _EQUAL_BITS = 5
-_STATES = 2 * (_EQUAL_BITS - 1)
+_STATES = 2 * (_EQUAL_BITS - 1)  # eight: three bits
+_LONGEST = 8  # bytes of data
 _CRC_MASK = (1 << CRC_BITS) - 1
 
 
-@dataclass(frozen=True, slots=True)
-class WireTables:
-    """What a byte adds: by state and byte the stuff bits and the next state, and by byte the remainder of the CRC."""
-
-    stuffing: list[float]  # 8 x 256, each stuff bits times 8 plus the next state
-    remainders: list[float]  # 256
-
-
 class Header(NamedTuple):
-    """What a frame has before its data: bits on the wire with stuff bits, state of stuffing, CRC so far."""
+    """What a frame has before its data: bits on the wire with stuff bits, state of stuffing, CRC if the data are 0."""
 
     bits: float
     state: float
@@ -54,33 +45,47 @@ def _bits(byte: int) -> list[int]:
     return [byte >> place & 1 for place in reversed(range(8))]
 
 
-@cache
-def wire_tables() -> WireTables:
-    """The tables."""
+def _stuffing() -> bytes:
+    """By state and byte the stuff bits times 8 plus the next state."""
     entries = (_stuffed(state, _bits(byte)) for state in range(_STATES) for byte in range(256))
-    stuffing = [float(count * _STATES + then) for count, then in entries]
-    return WireTables(stuffing, [float(crc15(_bits(byte))) for byte in range(256)])
+    return bytes(count * _STATES + then for count, then in entries)
+
+
+def _remainders() -> list[int]:
+    """By number of bytes behind it, and by byte, what a byte adds to the CRC, which is linear."""
+    first = [crc15(_bits(byte)) for byte in range(256)]
+    found, last = [*first], first
+    for _ in range(_LONGEST - 1):
+        last = [((crc << 8) & _CRC_MASK) ^ first[crc >> (CRC_BITS - 8)] for crc in last]
+        found += last
+    return found
+
+
+# As bytes, which compiled code reads in one instruction.
+_STUFFING = _stuffing()
+_LOW, _HIGH = bytes(crc & 0xFF for crc in _remainders()), bytes(crc >> 8 for crc in _remainders())
 
 
 def header(identifier: int, length: int) -> Header:
     """The header of all frames with this identifier and so many bytes of data."""
     head = list(frame_bits(identifier, bytes(length)))[: -CRC_BITS - 8 * length]
     count, state = _stuffed(_state(head[0], 1), head[1:])
-    return Header(float(len(head) + count), float(state), float(crc15(head)))
+    return Header(float(len(head) + count), float(state), float(crc15([*head, *([0] * 8 * length)])))
 
 
 @compilable
-def wire_bits(c: WireTables, bits: float, state: float, crc: float, payload: int, length: int) -> float:
+def wire_bits(bits: float, state: float, crc: float, payload: int, length: int) -> float:
     """Bits on the wire of a frame with this header, stuff bits and the pause behind it counted."""
-    now, remainder, count = int(state), int(crc), 0
+    now, remainder, count = int(state) & 7, int(crc), 0
     for place in range(length):
         byte = (payload >> (8 * place)) & 0xFF
-        remainder = ((remainder << 8) & _CRC_MASK) ^ int(c.remainders[((remainder >> 7) & 0xFF) ^ byte])
-        entry = int(c.stuffing[256 * now + byte])
-        count += entry // _STATES
-        now = entry % _STATES
-    entry = int(c.stuffing[256 * now + (remainder >> 7)])
+        behind = ((length - 1 - place) & 7) << 8 | byte
+        remainder ^= int(_HIGH[behind]) << 8 | int(_LOW[behind])
+        entry = int(_STUFFING[now << 8 | byte])
+        count += entry >> 3
+        now = entry & 7
+    entry = int(_STUFFING[now << 8 | (remainder >> 7) & 0xFF])
     # One bit more than the CRC has, unlike its last one, so that it adds no stuff bit.
-    rest = int(c.stuffing[256 * (entry % _STATES) + ((remainder & 0x7F) << 1 | (1 - (remainder & 1)))])
-    count += entry // _STATES + rest // _STATES
+    rest = int(_STUFFING[(entry & 7) << 8 | (remainder & 0x7F) << 1 | (1 - (remainder & 1))])
+    count += (entry >> 3) + (rest >> 3)
     return bits + float(8 * length + CRC_BITS + count + NEVER_STUFFED)

@@ -121,6 +121,7 @@ class LawObject:
 
     def __init__(self, law: Law, parameters: Any, vehicle: Vehicle, period: float) -> None:
         given = Given(law, parameters, vehicle, period)
+        self.given = given.values
         self._record = given.values["s"]
         self.step = self.advance = given.bound(law.function)
         if law.outputs is not None:
@@ -141,3 +142,7 @@ class LawObject:
     @state.setter
     def state(self, row: list[float]) -> None:
         fill(self._record, row)
+        self.goes_on()
+
+    def goes_on(self) -> None:
+        """Called when it has been given the state of another object."""

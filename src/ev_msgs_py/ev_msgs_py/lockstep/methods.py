@@ -21,7 +21,7 @@ from ev_msgs_py.vehicle.layout import refusal
 
 T = TypeVar("T")
 
-_NODES = "ev_stack.nodes"  # of entry points, named after their roles
+NODES = "ev_stack.nodes"  # of entry points, named after their roles
 LIBRARIES = (".so", ".dylib")  # what the path of a shared library ends with
 RECORDINGS = ".npz"  # and that of recorded signals
 _REGISTER: dict[str, dict[str, Method]] = {}
@@ -140,7 +140,7 @@ def _stepping(role: str, factory: Any) -> Callable[..., Any]:
 @cache
 def node_package(role: str) -> str:
     """The package with the node of a role; LookupError unless there is exactly one."""
-    found = {point.value.partition(".")[0] for point in entry_points(group=_NODES, name=role)}
+    found = {point.value.partition(".")[0] for point in entry_points(group=NODES, name=role)}
     if len(found) != 1:
         raise LookupError(f"one package is wanted with a node for {role}, found: {sorted(found)}")
     return found.pop()

@@ -19,7 +19,11 @@ def part_of(configuration: Configuration, compiled: bool) -> Part:
     `compiled` asks for compiled code where the method can be compiled; laws that are too heavy for plain Python are
     compiled all the same.
     """
-    part: Part = method_part(configuration, compiled)
+    return behind_sensors(configuration, method_part(configuration, compiled))
+
+
+def behind_sensors(configuration: Configuration, part: Part) -> Part:
+    """The part of a method behind the sensors and faults of its configuration."""
     rows = _rows(configuration)
     return Sensed(part, rows, _restart(configuration, part)) if rows else part
 
@@ -86,10 +90,11 @@ def method_part(configuration: Configuration, compiled: bool) -> Any:
 
 def hand_over(before: Part, after: Part) -> None:
     """Let a part go on with the state of another one of its method; sensors and faults too where both have the same."""
-    _bare(after).state = _bare(before).state
+    bare(after).state = bare(before).state
     if isinstance(before, Sensed) and isinstance(after, Sensed):
         after.go_on_from(before)
 
 
-def _bare(part: Part) -> Any:
+def bare(part: Part) -> Any:
+    """The part of the method, without its sensors and faults."""
     return part.part if isinstance(part, Sensed) else part

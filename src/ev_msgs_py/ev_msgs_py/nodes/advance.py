@@ -44,8 +44,8 @@ class Advance:
         return self._stepper.step_with(now, self._schedule.held_inputs(now))
 
     def _note_overrun(self) -> None:
-        """Time that is lost stays lost: a burst of late steps would be no real time."""
-        self._schedule.pace_from_here()
+        """A burst of late steps would be no real time."""
+        self._schedule.lose_what_is_late()
         self._schedule.timing.overruns += 1
         if self._schedule.timing.overruns == 1:
             at = stamps.to_seconds(self._schedule.now)

@@ -8,13 +8,21 @@ from ev_msgs_py.contract import stamps
 
 
 class Pace:
-    """Both times begin to count at the last call of `start`; the clock is monotonic."""
+    """Both times begin to count at the last call of `start`; the clock is monotonic.
+
+    What `go_on` has let be lost since counts in the summary, but no instant is due earlier for it.
+    """
 
     def __init__(self) -> None:
         self.start(0)
 
     def start(self, stamp: int) -> None:
-        """Time goes on from here."""
+        """Both times begin here."""
+        self.go_on(stamp)
+        self._begun = self._wall, self._stamp
+
+    def go_on(self, stamp: int) -> None:
+        """The next instants are due as if this one were in time."""
         self._wall, self._stamp = time.monotonic(), stamp
 
     def due(self, stamp: int, factor: float) -> float:
@@ -23,5 +31,6 @@ class Pace:
 
     def summary(self, stamp: int, period: int) -> str:
         """What was simulated up to an instant, and how fast."""
-        wall, simulated = time.monotonic() - self._wall, stamp - self._stamp
+        begun, first = self._begun
+        wall, simulated = time.monotonic() - begun, stamp - first
         return f"{stamps.to_seconds(simulated):g} s simulated in {wall:.3f} s, {simulated // period / wall:.1f} steps/s"

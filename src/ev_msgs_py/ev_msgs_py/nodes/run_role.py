@@ -6,15 +6,21 @@ import os
 import re
 import sys
 from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from importlib.metadata import entry_points
 from typing import Any
 
 import rclpy
 from rclpy.exceptions import ParameterException
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.lockstep.methods import NODES
+from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.master_node import MasterNode
 from ev_msgs_py.nodes.security import refuse_weak_security
 from ev_msgs_py.nodes.spinning import spin
@@ -25,6 +31,23 @@ from ev_msgs_py.nodes.stop_request import StopRequest
 def make_node(role: str, **node_arguments: Any) -> SteppedNode:
     """The node of a role; the plant is the master of time."""
     return MasterNode(**node_arguments) if role == MASTER else SteppedNode(role, **node_arguments)
+
+
+def node_maker(role: str) -> Callable[..., Any]:
+    """What makes the node of a role, given the arguments of an rclpy node: `make` of its module, where there is one."""
+    points = entry_points(group=NODES, name=role)
+    modules = {import_module(point.module) for point in points}
+    makers = [module.make for module in modules if hasattr(module, "make")]
+    return makers[0] if len(makers) == len(modules) == 1 else partial(make_node, role)
+
+
+def told(name: str, **node_arguments: Any) -> dict[str, Any]:
+    """The parameters that a node of this name is given; who makes a role's node learns from them which one."""
+    asked = Node(name, automatically_declare_parameters_from_overrides=True, **node_arguments)
+    try:
+        return ros_parameters.overrides(asked)
+    finally:
+        asked.destroy_node()
 
 
 def run_role(role: str) -> None:

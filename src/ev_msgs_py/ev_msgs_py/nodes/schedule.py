@@ -57,6 +57,10 @@ class Schedule:
         """Wall clock and simulated time count from now on."""
         self._pace.start(self.now)
 
+    def lose_what_is_late(self) -> None:
+        """Wall time that was lost stays lost."""
+        self._pace.go_on(self.now)
+
     def note_recorded(self, stamp: int) -> None:
         """The recorder holds everything up to a stamp; one beyond now was said of the run before a reset."""
         if stamp <= self.now:

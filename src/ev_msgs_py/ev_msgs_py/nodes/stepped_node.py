@@ -40,9 +40,9 @@ class SteppedNode(Node, Polled):
         configuration = configure(role, ros_parameters.overrides(self), self.extra_parameters)
         self.polling_place = _POLLING_ORDER.index(role)
         self.reports = Reports(self, role)
-        self.live = LiveParameters(self, configuration, _new_part, self._take_over)
+        self.live = LiveParameters(self, configuration, self.new_part, self._take_over)
         self.stepper = Stepper(
-            configuration.method, lambda: _new_part(self.configuration), configuration.period, self.realtime
+            configuration.method, lambda: self.new_part(self.configuration), configuration.period, self.realtime
         )
         self.reception = Reception(self.stepper, self.reports, self.publish)
         writes = sorted(configuration.method.writes, key=arrival_place)
@@ -68,6 +68,10 @@ class SteppedNode(Node, Polled):
     def realtime(self) -> bool:
         """Whether the wall clock drives the graph, so that steps may be skipped."""
         return self.configuration.common.mode == "realtime"
+
+    def new_part(self, configuration: Configuration) -> Part:
+        """What plays the role, at rest; ValueError if it cannot."""
+        return part_of(configuration, compiled=is_compiled(configuration))
 
     def also_reads(self, reads: tuple[type, ...]) -> tuple[type, ...]:
         """The signals to subscribe to, by default those that the method reads."""
@@ -98,7 +102,3 @@ class SteppedNode(Node, Polled):
     def wanted(self) -> tuple[type, ...]:
         """The signals that the next step waits for; in real time all: a step that lacks one will not be taken."""
         return self.stepper.reads if self.realtime else self.stepper.inbox.missing()
-
-
-def _new_part(configuration: Configuration) -> Part:
-    return part_of(configuration, compiled=is_compiled(configuration))

@@ -20,6 +20,7 @@ COMMANDS = {  # name -> module with main(words), words put in front, what it doe
     "schema": ("schema", (), "JSON Schema of scenario, vehicle and parameter files, for editors"),
     "fmu": ("fmu", (), "a car or a law as an FMU (FMI 2.0 co-simulation): ev-stack fmu SCENARIO --out NAME.fmu"),
     "urdf": ("urdf", (), "a car as URDF, for RViz and Foxglove: ev-stack urdf VEHICLE"),
+    "parameters": ("parameters", (), "what the nodes of a run are told, as files, and how they are started"),
     "visualization": (
         "visualization",
         (),

@@ -1,10 +1,11 @@
-"""One circuit on its channel: frames in, one cycle, frames out. No bus, no clock: time is counted from outside."""
+"""One circuit on its channel: frames in, cycles, frames out. No bus, no clock: time is counted from outside."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from ev_msgs_py.can.channel import Frame
+from ev_msgs_py.can.checking import is_valid
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.frames import SENT, BenchFrames, DeviceFrames, bench_frames
 from ev_msgs_py.can.schedule import TICK
@@ -28,15 +29,20 @@ class InverterStation:
     def __init__(self, frames: BenchFrames, own: DeviceFrames, s: Inverter) -> None:
         self.s = s
         self._frames, self._own = frames, own
+        self.lost = 0.0  # set-points, as their counters tell
         self._lengths = [int(getattr(frames, kind.lower()).length) for kind in SENT]
 
     def receive(self, frame: Frame) -> None:
         """Take a frame if it is a set-point of this inverter; one with another length counts as damaged."""
         if frame.identifier != self._own.set_point:
             return
-        layout = self._frames.set_point
-        payload = int.from_bytes(frame.data, "little") if len(frame.data) == layout.length else _DAMAGED
-        receive_set_point(layout, self._own, self.s, payload)
+        length = self._frames.set_point.length
+        self.hear(int.from_bytes(frame.data, "little") if len(frame.data) == length else _DAMAGED)
+
+    def hear(self, payload: int) -> None:
+        """Take a set-point, and count those that were lost before it."""
+        if is_valid(receive_set_point(self._frames.set_point, self._own, self.s, payload)):
+            self.lost += self.s.check.lost_data
 
     def due(self, before: float, now: float, speed: float) -> list[Frame]:
         """The frames whose cycle ends between two ticks."""
@@ -50,8 +56,37 @@ class InverterStation:
         ]
 
 
-class CircuitStation:
-    """The two inverters of a circuit on one channel, with their shaft."""
+class ChannelStation:
+    """The two inverters of a channel, behind a shaft that a subclass turns."""
+
+    inverters: tuple[InverterStation, InverterStation]
+
+    def receive(self, frame: Frame) -> None:
+        """Take a frame of the channel."""
+        for inverter in self.inverters:
+            inverter.receive(frame)
+
+    def advance(self, tick: float) -> tuple[float, float]:
+        """Make the cycle of a tick; the speeds of both machines [rad/s]."""
+        raise NotImplementedError
+
+    def make_cycles(self, before: float, ticks: int) -> list[Frame]:
+        """Advance by some cycles of 1 ms, after the frames of this cycle; what is to be sent then.
+
+        After more than a few the machines stand still for the rest, as a burst of late cycles would be no real time;
+        the set-points get older all the same.
+        """
+        lost, speeds = max(ticks - _MADE_GOOD, 0), (0.0, 0.0)
+        for inverter in self.inverters:
+            grow_older(inverter.s, lost * TICK)
+        for tick in range(lost, ticks):
+            speeds = self.advance(before + tick)
+        both = zip(self.inverters, speeds, strict=True)
+        return [frame for inverter, speed in both for frame in inverter.due(before, before + ticks, speed)]
+
+
+class CircuitStation(ChannelStation):
+    """The two inverters of a circuit on one channel, with their shaft, which is rigid."""
 
     def __init__(self, database: Database, circuit: str, parameters: CircuitParameters) -> None:
         self.s = Circuit()
@@ -67,21 +102,13 @@ class CircuitStation:
         self.p = namespace(number_tree(parameters))
         self.inverters[0].p, self.inverters[1].p = self.p.drive, self.p.load
 
-    def receive(self, frame: Frame) -> None:
-        """Take a frame of the channel."""
-        for inverter in self.inverters:
-            inverter.receive(frame)
+    def advance(self, tick: float) -> tuple[float, float]:
+        """Both inverters and the shaft."""
+        advance_circuit(self.p, self.s, TICK)
+        return self.s.speed, self.s.speed
 
     def step(self, ticks: int = 1) -> list[Frame]:
-        """Advance by some cycles of 1 ms, after the frames of this cycle; what is to be sent then.
-
-        After more than a few the machines stand still for the rest, as a burst of late cycles would be no real time;
-        the set-points get older all the same.
-        """
-        before, lost = self.s.tick, max(ticks - _MADE_GOOD, 0)
-        for inverter in self.inverters:
-            grow_older(inverter.s, lost * TICK)
-        for _ in range(ticks - lost):
-            advance_circuit(self.p, self.s, TICK)
+        """Advance by some cycles of 1 ms, after the frames of this cycle; what is to be sent then."""
+        before = self.s.tick
         self.s.tick += ticks
-        return [f for inverter in self.inverters for f in inverter.due(before, self.s.tick, self.s.speed)]
+        return self.make_cycles(before, ticks)

@@ -9,11 +9,11 @@ from typing import Any
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from ev_msgs_py.nodes.run_role import run_node
+from ev_msgs_py.nodes.run_role import run_node, told
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_sim.test_bench.sequence import OBJECTS, STEPS, Sequence, begun
 
-_ENABLED = "enabled"
+_ROLE, _ENABLED = "test_bench", "enabled"
 
 
 class TestBenchNode(SteppedNode):
@@ -22,7 +22,7 @@ class TestBenchNode(SteppedNode):
     __test__ = False
 
     def __init__(self, **node_arguments: Any) -> None:
-        super().__init__("test_bench", **node_arguments)
+        super().__init__(_ROLE, **node_arguments)
         self.sequence = begun(self.configuration.values()[_ENABLED])
         for step in STEPS[1:]:
             self._serve(step, partial(self._after, step))
@@ -51,6 +51,16 @@ class TestBenchNode(SteppedNode):
         return response
 
 
+def make(**node_arguments: Any) -> SteppedNode:
+    """The node: in real time behind a bus it speaks on that, else bus or none are within the graph."""
+    given = told(_ROLE, **node_arguments)
+    if given.get("mode") == "realtime" and given.get("method") == "circuits_on_can":
+        from ev_sim.nodes.test_bench_on_bus import TestBenchOnBus  # it needs python-can, which others do without
+
+        return TestBenchOnBus(**node_arguments)
+    return TestBenchNode(**node_arguments)
+
+
 def main() -> None:
     """ros2 run ev_sim test_bench"""
-    run_node("test_bench", TestBenchNode)
+    run_node(_ROLE, make)

@@ -24,8 +24,15 @@ def write_tables(folder: Path, columns: Sequence[str], rows: Sequence[Sequence[A
         import pyarrow
         import pyarrow.parquet
 
-        series = {column: [row[i] for row in rows] for i, column in enumerate(columns)}
+        series = {column: _of_one_kind([row[i] for row in rows]) for i, column in enumerate(columns)}
         pyarrow.parquet.write_table(pyarrow.table(series), folder / f"{NAME}.parquet")
+
+
+def _of_one_kind(values: Sequence[Any]) -> Sequence[Any]:
+    """A column as Parquet takes it: what is not all of numbers is text."""
+    if all(value is None or isinstance(value, int | float) for value in values):
+        return values
+    return [None if value is None else str(value) for value in values]
 
 
 def cell(value: Any) -> str:

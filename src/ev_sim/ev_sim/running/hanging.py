@@ -27,7 +27,7 @@ class Hanging:
     """
 
     def __init__(self, observer: Observer, pids: Mapping[str, int], patience: float) -> None:
-        self._observer, self._pids = observer, pids
+        self._observer, self._pids = observer, dict(pids)
         self._wait = max(patience - _HEARKEN - 0.2, 0.1)
         self._since = self._hearkens = time.monotonic()
         self._time = observer.time
@@ -57,6 +57,10 @@ class Hanging:
             self._begin()
         return None
 
+    def has_ended(self, name: str) -> None:
+        """A node has come to its end: it need not answer any more."""
+        self._pids.pop(name, None)
+
     def _begin(self) -> None:
         for signal, topic in TOPICS.items():
             if WRITERS.get(signal) in self._pids:
@@ -78,6 +82,8 @@ class Hanging:
                 self._heard[writer] = max(self._heard.get(writer, 0), stamp)
 
     def _who(self) -> str:
+        if MASTER not in self._pids:
+            return RECORDER
         order = [role for role in step_order(ROLES) if role in self._pids]
         others = [role for role in (*order, *ROLES) if role in self._pids and role != MASTER]
         if MASTER not in self._heard:

@@ -12,7 +12,7 @@ import rclpy
 from rclpy.parameter import Parameter
 
 from ev_msgs_py.contract.roles import RECORDER
-from ev_msgs_py.nodes.run_role import make_node
+from ev_msgs_py.nodes.run_role import node_maker
 from ev_msgs_py.nodes.security import security_is_asked_for
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.nodes.stepped_node import SteppedNode
@@ -23,6 +23,7 @@ from ev_sim.running.node_parameters import node_parameters, write_parameter_file
 from ev_sim.running.observer import Observer
 from ev_sim.running.outcome import Outcome, Progress, RunFailed, not_reproducible
 from ev_sim.running.progress_bar import announce
+from ev_sim.running.real_bus import real_bus
 from ev_sim.running.recording.recording import load
 from ev_sim.running.scenarios.scenario import Run
 
@@ -36,10 +37,14 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
     """
     if security_is_asked_for(os.environ):
         raise RunFailed("--in-process: DDS security gives keys to processes, not to nodes; drive one process per node")
-    parameters = node_parameters(run, directory, bag)
-    write_parameter_file(directory / "parameters.yaml", run, parameters)
     nodes: list[SteppedNode] = []
-    with free_domain() as domain, StopRequest(patient=True) as stop:
+    with (
+        free_domain() as domain,
+        StopRequest(patient=True) as stop,
+        real_bus(run, domain, directory) as bus,
+    ):
+        parameters = node_parameters(run, directory, bag, bus)
+        write_parameter_file(directory / "parameters.yaml", run, parameters)
         announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         context = rclpy.Context()
         rclpy.init(context=context, domain_id=domain)
@@ -84,4 +89,4 @@ def _node(name: str, namespace: str, values: dict, context: rclpy.Context) -> ob
         "namespace": namespace,
         "parameter_overrides": parameter_overrides(values),
     }
-    return RecorderNode(**arguments) if name == RECORDER else make_node(name, **arguments)
+    return RecorderNode(**arguments) if name == RECORDER else node_maker(name)(**arguments)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +20,16 @@ def recorded_topics(run: Run) -> list[Topic]:
     return [topic for signal, topic in TOPICS.items() if signal in RECORDED and signal in written]
 
 
-def node_parameters(run: Run, directory: Path, bag: bool) -> dict[str, dict[str, Any]]:
-    """Dotted names and values for every role and the recorder; `directory` is where the recorder writes."""
+def node_parameters(
+    run: Run, directory: Path, bag: bool, besides: Mapping[str, Mapping[str, Any]] | None = None
+) -> dict[str, dict[str, Any]]:
+    """Dotted names and values for every role and the recorder; `directory` is where the recorder writes.
+
+    What roles are told `besides` goes before their own.
+    """
     nodes = {
         role: {name: _plain(value) for name, value in configuration.values().items() if value != ()}
+        | dict((besides or {}).get(role, {}))
         for role, configuration in run.configurations.items()
     }
     nodes[MASTER]["await_recorder"] = True

@@ -77,7 +77,7 @@ class Observer(Node):
         return (space == self.get_namespace() and name in (*ROLES, RECORDER)) or "_UNKNOWN_" in name
 
     def _note(self, status: DiagnosticStatus) -> None:
-        if status.name.endswith(HEALTH):
+        if status.name.endswith(HEALTH) or status.hardware_id:  # of a device: its node notes what is latched
             return
         if status.name.endswith(TIMING):
             self.timing = json.loads(next(value.value for value in status.values if value.key == TIMING))

@@ -24,11 +24,13 @@ from ev_sim.running.observer import Observer
 from ev_sim.running.observing import observing
 from ev_sim.running.outcome import Outcome, Progress, RunFailed, not_reproducible
 from ev_sim.running.progress_bar import announce
+from ev_sim.running.real_bus import real_bus
 from ev_sim.running.recording.recording import load
 from ev_sim.running.scenarios.scenario import Run
 
 _LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
 _PATIENCE = 2.0  # s for a process to stop when it is asked to, and for a last word to arrive
+_TO_CATCH_UP = 20.0  # s more for a recorder behind a plant in real time that said that it has come to its end
 
 
 def run_in_processes(
@@ -41,14 +43,15 @@ def run_in_processes(
     RunFailed, with a line that names the node, if one ends before the run does; KeyboardInterrupt if Ctrl-C or SIGTERM
     came. All nodes are stopped then.
     """
-    parameters = node_parameters(run, directory, bag)
     file = directory / "parameters.yaml"
-    write_parameter_file(file, run, parameters)
     with (
         free_domain() as domain,
         StopRequest(patient=True) as stop,
         observing(run.namespace, domain) as observer,
+        real_bus(run, domain, directory) as bus,
     ):
+        parameters = node_parameters(run, directory, bag, bus)
+        write_parameter_file(file, run, parameters)
         announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         nodes: list[NodeProcess] = []
         try:
@@ -113,8 +116,9 @@ def _watch(
             code = node.process.poll()
             if code == 0 and node.name in (MASTER, RECORDER):
                 ending.discard(node.name)
+                hanging.has_ended(node.name)
                 patience = min(patience, time.monotonic() + _PATIENCE)
-                if observer.time < last and time.monotonic() > patience:
+                if observer.time < last and time.monotonic() > patience + (_TO_CATCH_UP if observer.timing else 0.0):
                     raise RunFailed(f"{node.failure()} at {observer.time:g} s of simulated time")
             elif code is not None:
                 raise RunFailed(f"{node.failure()}, at {observer.time:g} s of simulated time")

@@ -65,7 +65,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     """QUANTITIES, None for what the plant does not write, and CURVES."""
     plant = run.configurations[MASTER]
     vehicle, road = plant.common.vehicle, getattr(plant.parameters, "road", None)
-    surfaces = tuple({*road.left, *road.right, *road.random_surfaces}) if road else ()
+    surfaces = tuple(map(road.surface, {*road.left, *road.right, *road.random_surfaces})) if road else ()
     return {
         "peak_sideslip": handling.peak_sideslip(recording),
         "yaw_rate_error": handling.yaw_rate_error(recording, vehicle),

@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ev_msgs_py.elementary import exp
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.surfaces.random_segments import random_segments
-from ev_sim.surfaces.table import SURFACES
+from ev_sim.surfaces.table import SURFACES, Surface
 
 PATTERNS = ("constant", "segments", "checkerboard", "random")
 
-_NAMES = tuple(SURFACES)
+_KNOWN = f"of the table ({', '.join(SURFACES)}) or of `own`"
 _FAR = 1e9  # [m], the last segment lies there for ever
 
 
@@ -26,14 +28,14 @@ class RoadParameters:
         about="constant: left[0] | right[0]; segments: in order of `length`; checkerboard: sides swap in each "
         "segment; random: drawn for each side on its own",
     )
-    left: tuple[str, ...] = parameter(("dry_asphalt",), choices=_NAMES, about="surfaces under the left wheels")
-    right: tuple[str, ...] = parameter(("dry_asphalt",), choices=_NAMES, about="surfaces under the right wheels")
+    left: tuple[str, ...] = parameter(("dry_asphalt",), about=f"surfaces under the left wheels, {_KNOWN}")
+    right: tuple[str, ...] = parameter(("dry_asphalt",), about="surfaces under the right wheels")
     length: tuple[float, ...] = parameter(
         (10.0,), unit="m", low=0.1, high=1e6, about="lengths of the segments; the last one given repeats"
     )
     seed: int = parameter(1, low=0, high=2**31 - 1, about="seed of the random segments")
     random_surfaces: tuple[str, ...] = parameter(
-        ("wet_asphalt_1", "packed_snow_1"), choices=_NAMES, about="surfaces that random segments are drawn from"
+        ("wet_asphalt_1", "packed_snow_1"), about="surfaces that random segments are drawn from"
     )
     random_probability: tuple[float, ...] = parameter(
         (0.4, 0.6), unit="1", low=0.0, high=1.0, about="share of the distance of each random surface",
@@ -67,6 +69,15 @@ class RoadParameters:
         about="rise over run to the left at `slope_distance`",
         lateral=True,
     )
+    own: tuple[str, ...] = parameter((), about="names of surfaces of your own; one number of each list below for each")
+    own_c1: tuple[float, ...] = parameter(
+        (), unit="1", low=0.0, high=5.0, about="friction use = c1 (1 - exp(-c2 slip)) - c3 slip, as Burckhardt has it"
+    )
+    own_c2: tuple[float, ...] = parameter((), unit="1", low=1.0, high=1000.0, about="c2 of the same")
+    own_c3: tuple[float, ...] = parameter((), unit="1", low=0.0, high=5.0, about="c3 of the same")
+    own_rolling_resistance: tuple[float, ...] = parameter(
+        (), unit="1", low=0.0, high=1.0, about="rolling resistance coefficient that the surface adds to that of the car"
+    )
 
     def __post_init__(self) -> None:
         if not (self.left and self.right and self.length):
@@ -79,6 +90,28 @@ class RoadParameters:
             raise ParameterError("slope_distance, grade and side_slope need the same number of elements")
         if any(b <= a for a, b in zip(self.slope_distance, self.slope_distance[1:], strict=False)):
             raise ParameterError("slope_distance must rise")
+        self._check_surfaces()
+
+    def _check_surfaces(self) -> None:
+        numbers = (self.own_c1, self.own_c2, self.own_c3, self.own_rolling_resistance)
+        if any(len(each) != len(self.own) for each in numbers):
+            raise ParameterError("own_c1, own_c2, own_c3 and own_rolling_resistance need one number for each of own")
+        for i, name in enumerate(self.own):
+            if name in SURFACES or name in self.own[:i]:
+                raise ParameterError(f"own {name!r} is refused: there is such a surface, allowed is another name")
+            if self.own_c1[i] * (1.0 - exp(-self.own_c2[i])) - self.own_c3[i] <= 0.0:
+                raise ParameterError(f"own {name!r} has no friction at a slip of 1, allowed is a smaller c3")
+        for name in (*self.left, *self.right, *self.random_surfaces):
+            if name not in SURFACES and name not in self.own:
+                raise unknown_name("surface of left, right or random_surfaces", name, (*SURFACES, *self.own))
+
+    def surface(self, name: str) -> Surface:
+        """The surface of the table or of one's own with this name."""
+        if name in SURFACES:
+            return SURFACES[name]
+        i = self.own.index(name)
+        rolling = self.own_rolling_resistance[i]
+        return Surface(self.own_c1[i], self.own_c2[i], self.own_c3[i], (rolling, rolling))
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,14 +60,14 @@ SURFACES = {
 REFERENCE = "dry_asphalt"
 
 
-def tyre_on_road(tyre: Tyre, surface: str, rolling_resistance_scale: float = 1.0) -> TyreOnRoad:
-    """A tyre on a surface whose f_surface is scaled.
+def tyre_on_road(tyre: Tyre, surface: str | Surface, rolling_resistance_scale: float = 1.0) -> TyreOnRoad:
+    """A tyre on a surface, one of the table by its name, whose f_surface is scaled.
 
     A Burckhardt tyre takes the coefficients of the surface. The friction of every other tyre is scaled by the peak of
     the surface over that of dry asphalt (an assumption, the sources give such tyres for one road only), and an mf_tyre
     keeps its slip stiffness by that; a linear tyre keeps its slope, and its available friction is that of the surface.
     """
-    of = SURFACES[surface]
+    of = SURFACES[surface] if isinstance(surface, str) else surface
     curve, (c0, c1, c2, c3) = tyre.curve, tyre.coefficients
     scale = of.peak_friction / SURFACES[REFERENCE].peak_friction
     rolling_resistance = rolling_resistance_scale * of.rolling_resistance
@@ -83,7 +83,7 @@ def tyre_on_road(tyre: Tyre, surface: str, rolling_resistance_scale: float = 1.0
     return TyreOnRoad(c0, c1, c2, c3, rolling_resistance, available)
 
 
-def curve_on_road(tyre: Tyre, surface: str) -> tuple[str, Coefficients]:
+def curve_on_road(tyre: Tyre, surface: str | Surface) -> tuple[str, Coefficients]:
     """The friction curve of a tyre on a surface, as `tyres.curve` has it; that of a front mf_tyre at nominal load."""
     of = tyre_on_road(tyre, surface)
     if tyre.curve != "mf_tyre":

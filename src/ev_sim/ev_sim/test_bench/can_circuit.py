@@ -17,31 +17,20 @@ from ev_msgs_py.can.bus_model import (
     release,
     take,
 )
-from ev_msgs_py.can.drive_states import OPERATION_ENABLED
-from ev_msgs_py.can.frames import BenchFrames, DeviceFrames
+from ev_msgs_py.can.frames import DeviceFrames
 from ev_msgs_py.can.payload_words import NO_FRAME, are_words, joined, words
 from ev_msgs_py.can.schedule import TICK
-from ev_msgs_py.can.wire_time import WireTables
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.bus_signals import MOST_TICKS
 from ev_msgs_py.contract.record import part, series
 from ev_sim.inverter.frames import FAULTS, MOTION, is_sent, made
-from ev_sim.inverter.inverter import end_inverter_cycle, lead_inverter
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.set_points import receive_set_point
 from ev_sim.inverter.state import Inverter
 from ev_sim.test_bench.bus_faults import LOAD_LIMIT, FaultState, on_the_way, present, put_in
+from ev_sim.test_bench.can_cycle import CanConstants, make_cycle
 from ev_sim.test_bench.can_parameters import CanCircuitsParameters
-from ev_sim.test_bench.circuit import (
-    CircuitsConstants,
-    begin_period,
-    end_period,
-    follow_of_load,
-    largest_torques,
-    send_to_load,
-    turn_shaft,
-)
-from ev_sim.test_bench.set_points import follow, send
+from ev_sim.test_bench.circuit import begin_period, end_period
 from ev_sim.test_bench.state import CircuitState
 
 DRIVE, LOAD = range(2)  # the two devices of a channel
@@ -60,20 +49,6 @@ class Line:
     fault: FaultState = part(FaultState)
     said: list[float] = series(2 * SAID + 1, NO_FRAME, unit="1", about="set-points of both devices, heartbeat")
     heard: list[float] = series(2 * HEARD, NO_FRAME, unit="1", about="feedback of both devices")
-
-
-class CanConstants(NamedTuple):
-    """What is computed once."""
-
-    circuits: CircuitsConstants
-    ticks: float  # of 1 ms in a control period
-    steps: float  # of the shafts in a tick
-    frames: BenchFrames
-    channel_11: ChannelFrames
-    channel_12: ChannelFrames
-    tables: WireTables
-    right: float  # place of its wheel
-    left: float
 
 
 class Circuit(NamedTuple):
@@ -108,20 +83,16 @@ def _tick(
     kind = present(p.inject, now, which.number)
     put_in(p.inject, s, kind)
     _release_set_points(line, tick)
-    advance_channel(which.channel, c.tables, p.bus, channel, which.number, phase)
+    advance_channel(which.channel, p.bus, channel, which.number, phase)
     low, high = take(channel, SET_POINT + DRIVE, phase)
     arrived = on_the_way(p.inject, line.fault, kind, low, high)
     _receive(c, which.drive, s.machine, arrived.low, arrived.high)
     low, high = take(channel, SET_POINT + LOAD, phase)
     _receive(c, which.load, s.load, low, high)
-    lead_inverter(machine, s.machine, s.speed, TICK)
-    lead_inverter(p.load, s.load, s.load_speed, TICK)
-    _follow(p, c, s, now, kind == LOAD_LIMIT)
-    end_inverter_cycle(machine, s.machine, TICK)
-    end_inverter_cycle(p.load, s.load, TICK)
+    make_cycle(p, c, which.number, s, now, kind == LOAD_LIMIT)
     _release_feedback(c, which.drive, machine, s.machine, channel, DRIVE, s.speed, now, phase)
     _release_feedback(c, which.load, p.load, s.load, channel, LOAD, s.load_speed, now, phase)
-    advance_channel(which.channel, c.tables, p.bus, channel, which.number, end)
+    advance_channel(which.channel, p.bus, channel, which.number, end)
     _hear(line, tick, end)
     next_tick(p.bus, channel)
 
@@ -142,29 +113,6 @@ def _release_set_points(line: Line, tick: int) -> None:
 def _receive(c: CanConstants, own: DeviceFrames, s: Inverter, low: float, high: float) -> None:
     if are_words(low, high):
         receive_set_point(c.frames.set_point, own, s, joined(low, high))
-
-
-@compilable
-def _follow(p: CanCircuitsParameters, c: CanConstants, s: CircuitState, now: float, limited: bool) -> None:
-    """The machines and the shaft over a tick; the inverters take what has arrived as they would without a bus."""
-    machine, load, path, steps = s.machine, s.load, s.torque_path, int(c.steps)
-    asked, asked_load, asked_speed, limit = (
-        machine.command.torque, load.command.torque, load.command.speed, load.command.torque_limit
-    )  # fmt: skip
-    change = c.circuits.h * p.set_point.torque_rate
-    send(path, now, asked, c.circuits.machine.machine.peak_torque, p.set_point.torque_resolution)
-    send_to_load(p, s, now, -asked_load, asked_speed)
-    if limited:
-        load.command.torque_limit = p.inject.value
-    largest = largest_torques(p, c.circuits, s)
-    for n in range(steps):
-        machine.command.torque = follow(path, now, steps, n, c.circuits.delay, change)
-        follow_of_load(p, c.circuits, s, now, steps, n)
-        if machine.state != OPERATION_ENABLED:
-            path.now = 0.0
-        turn_shaft(p, c.circuits, s, largest)
-    machine.command.torque = asked
-    load.command.torque, load.command.speed, load.command.torque_limit = asked_load, asked_speed, limit
 
 
 @compilable

@@ -11,7 +11,6 @@ from ev_msgs_py.can.frame_layout import FrameLayout
 from ev_msgs_py.can.frames import bench_frames
 from ev_msgs_py.can.payload_words import NO_FRAME
 from ev_msgs_py.can.schedule import TICK, ticks_of
-from ev_msgs_py.can.wire_time import wire_tables
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, BusStates, FeedbackFrames, SetPointFrames
@@ -23,7 +22,8 @@ from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.test_bench.bus_faults import measured, present
-from ev_sim.test_bench.can_circuit import SAID, CanConstants, Circuit, Line, advance_can_circuit
+from ev_sim.test_bench.can_circuit import SAID, Circuit, Line, advance_can_circuit
+from ev_sim.test_bench.can_cycle import CanConstants
 from ev_sim.test_bench.can_parameters import CanCircuitsParameters
 from ev_sim.test_bench.circuits import constants
 from ev_sim.test_bench.circuits import outputs as outputs_of_circuits
@@ -61,7 +61,6 @@ def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) 
         bench_frames(database),
         channel_frames(_of_channel(database, "11")),
         channel_frames(_of_channel(database, "12")),
-        wire_tables(),
         float(right),
         float(left),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import inlined
@@ -48,12 +48,11 @@ def road_tables(road: RoadParameters, vehicle: Vehicle) -> RoadTables:
     left, right = left_and_right(road)
     scale = road.rolling_resistance_scale
     slope = Slope(road.slope_distance, road.grade, road.side_slope)
-    return RoadTables(_track(left, vehicle, scale), _track(right, vehicle, scale), slope)
+    of = {name: tyre_on_road(vehicle.tyre, road.surface(name), scale) for name in {*left.surface, *right.surface}}
+    return RoadTables(_track(left, of), _track(right, of), slope)
 
 
-def _track(segments: Segments, vehicle: Vehicle, scale: float) -> Track:
-    tyre = vehicle.tyre
-    of = {name: tyre_on_road(tyre, name, scale) for name in set(segments.surface)}
+def _track(segments: Segments, of: Mapping[str, TyreOnRoad]) -> Track:
     return Track(segments.start, tuple(number for name in segments.surface for number in of[name]))
 
 

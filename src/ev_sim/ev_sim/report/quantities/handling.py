@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from ev_sim.report.quantities.car_axes import wheel_directions
 from ev_sim.report.quantities.understeer import understeer_gradient
 from ev_sim.report.samples import channel
 from ev_sim.running.recording.recording import Recording
-from ev_sim.surfaces.table import curve_on_road, tyre_on_road
+from ev_sim.surfaces.table import Surface, curve_on_road, tyre_on_road
 from ev_sim.tyres.curve import peak_slip
 
 SLOWEST = 1.0  # [m/s], below which the direction of travel and slip ratios say little
@@ -79,7 +79,7 @@ def drive_work(run: Recording) -> np.ndarray:
     return work
 
 
-def time_over_limit(run: Recording, vehicle: Vehicle, surfaces: tuple[str, ...]) -> float:
+def time_over_limit(run: Recording, vehicle: Vehicle, surfaces: Iterable[Surface]) -> float:
     """Time in which any wheel of the moving car slips beyond the peak of its friction curve [s].
 
     The slip is the resultant of slip ratio and sine of the slip angle; `surfaces` are those of the road, told apart by
@@ -94,7 +94,7 @@ def time_over_limit(run: Recording, vehicle: Vehicle, surfaces: tuple[str, ...])
     return float(np.count_nonzero(over[1:]) * (run.time[1] - run.time[0]))
 
 
-def _peak_slips(vehicle: Vehicle, surfaces: tuple[str, ...]) -> Mapping[float, float]:
+def _peak_slips(vehicle: Vehicle, surfaces: Iterable[Surface]) -> Mapping[float, float]:
     """Available friction [1] -> slip of the peak [1], of each surface."""
     return {
         tyre_on_road(vehicle.tyre, surface).friction: peak_slip(*curve_on_road(vehicle.tyre, surface))

@@ -15,7 +15,8 @@ from ev_sim.surfaces.table import SURFACES, tyre_on_road
 def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
     """The surface of the table whose friction comes closest to that under the wheel, at each sample, (n,) str.
 
-    The closest one, for a sensor may add noise. Surfaces whose friction is the same for the tyre are not told apart.
+    The closest one, for a sensor may add noise. Surfaces whose friction is the same for the tyre are not told apart,
+    and those of one's own are not known here.
     """
     friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
     available = np.array([tyre_on_road(vehicle.tyre, name).friction for name in SURFACES])

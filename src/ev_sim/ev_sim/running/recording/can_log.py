@@ -14,7 +14,7 @@ from ev_msgs_py.can.frame_layout import FrameLayout
 from ev_msgs_py.can.frames import DEVICES, SENT
 from ev_msgs_py.can.payload_words import joined
 from ev_msgs_py.can.schedule import TICK
-from ev_msgs_py.can.wire_time import header, wire_bits, wire_tables
+from ev_msgs_py.can.wire_time import header, wire_bits
 from ev_msgs_py.contract.bus_signals import MOST_TICKS
 from ev_sim.running.recording.recording import Recording
 
@@ -68,11 +68,11 @@ def logged_frames(recording: Recording, bus: BusModelParameters, database: Datab
         for kind in _kinds(database, period, bus.phase)
         for time, payload in _released(recording, kind)
     )
-    tables, free = wire_tables(), dict.fromkeys(CIRCUITS, 0.0)
+    free = dict.fromkeys(CIRCUITS, 0.0)
     found = []
     for time, identifier, payload, kind in waiting:
         head, length = header(identifier, kind.layout.length), kind.layout.length
-        bits = wire_bits(tables, *head, payload, length)
+        bits = wire_bits(*head, payload, length)
         free[kind.circuit] = max(free[kind.circuit], time) + bits / bus.bit_rate
         found.append(LoggedFrame(free[kind.circuit], kind.circuit, identifier, kind.layout.data(payload)))
     yield from sorted(found)

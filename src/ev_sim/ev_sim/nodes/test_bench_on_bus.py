@@ -1,0 +1,32 @@
+"""The node of the role test_bench in real time, with its inverters on a CAN bus."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from ev_msgs_py.can.bus_meter import BusMeter
+from ev_msgs_py.can.channels import Channels
+from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.nodes.role_on_bus import RoleOnBus
+from ev_sim.nodes.test_bench import TestBenchNode
+from ev_sim.test_bench.on_bus import BenchOnBus, meters_of
+
+
+class TestBenchOnBus(RoleOnBus, TestBenchNode):
+    """The same in real time with its inverters on a CAN bus."""
+
+    _meters: Mapping[str, BusMeter] = MappingProxyType({})
+
+    def played_by(self, configuration: Configuration) -> BenchOnBus:
+        """A bench at rest."""
+        return BenchOnBus(configuration, self._meters_of(configuration))
+
+    def open_channels(self) -> Channels:
+        """As its parameters say, and measured; the log is the gateway's."""
+        return Channels(self.configuration.parameters.bus, meters=self._meters_of(self.configuration))
+
+    def _meters_of(self, configuration: Configuration) -> Mapping[str, BusMeter]:
+        if not self._meters:
+            self._meters = meters_of(configuration.parameters.database)
+        return self._meters

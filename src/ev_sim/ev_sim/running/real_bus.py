@@ -1,0 +1,91 @@
+"""The CAN bus of a run in real time: which channels its nodes share, and a hub where there is no multicast."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ev_msgs_py.can.bus_parameters import CIRCUITS, BusInterface
+from ev_msgs_py.can.socketcand_hub import HOST
+from ev_sim.running.children import ends_with_us
+from ev_sim.running.outcome import RunFailed
+from ev_sim.running.progress_bar import announce
+from ev_sim.running.scenarios.scenario import Run
+
+_ENDS = ("inverter_gateway", "test_bench")
+_FIRST_PORT = 43111  # two for each ROS domain, so that runs at the same time do not hear each other
+_PATIENCE = 0.5  # s for a frame to come back
+
+
+@contextmanager
+def real_bus(run: Run, domain: int, directory: Path) -> Iterator[dict[str, dict[str, Any]]]:
+    """What the nodes at both ends of a bus are told besides, by name; nothing in lockstep and where there is none.
+
+    Channels without a name get one of this run alone. RunFailed if a hub is needed and does not start.
+    """
+    if not (run.realtime and all(name in run.configurations for name in _ENDS)):
+        yield {}
+        return
+    bus = run.configurations[_ENDS[0]].parameters.bus
+    with _channels(bus, domain) as (interface, channels):
+        announce(f"{run.name}: CAN over {interface}, {' and '.join(channels)}")
+        names = [f"bus.channel_{circuit}" for circuit in CIRCUITS]
+        told = {"bus.interface": interface, **dict(zip(names, channels, strict=True))}
+        log = {"bus.log": str(directory / bus.log)} if bus.log else {}
+        yield {_ENDS[0]: told | log, _ENDS[1]: told}
+
+
+@contextmanager
+def _channels(bus: BusInterface, domain: int) -> Iterator[tuple[str, list[str]]]:
+    """Interface and channels, those that are named or free ones."""
+    named = list(bus.channels().values())
+    if bus.channel_11 or bus.channel_12 or bus.interface not in ("udp_multicast", "socketcand"):
+        yield bus.interface, named
+        return
+    if bus.interface == "udp_multicast":
+        free = [f"{name.partition(':')[0]}:{_FIRST_PORT + 2 * domain + n}" for n, name in enumerate(named)]
+        if _works(free[0]):
+            yield bus.interface, free
+            return
+    with _hub() as place:
+        yield "socketcand", [f"can{circuit}@{place}" for circuit in CIRCUITS]
+
+
+def _works(channel: str) -> bool:
+    """Whether what is sent to a multicast group comes back."""
+    from ev_msgs_py.can.channel import Channel, Frame
+    from ev_msgs_py.can.opening import BusError
+
+    try:
+        probe = Channel("udp_multicast", channel)
+    except BusError:
+        return False
+    try:
+        probe.send(Frame(0, b""))
+        end = time.monotonic() + _PATIENCE
+        while probe.unsent == probe.received == 0 and time.monotonic() < end:
+            probe.receive()
+        return probe.received > 0
+    finally:
+        probe.close()
+
+
+@contextmanager
+def _hub() -> Iterator[str]:
+    """HOST:PORT of a hub that lasts as long as the block."""
+    words = [sys.executable, "-m", "ev_sim.commands.can_hub", "--port", "0"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, preexec_fn=ends_with_us()) as hub:
+        try:
+            assert hub.stdout is not None
+            said = hub.stdout.readline().strip()
+            place = said.rpartition(" ")[2]
+            if not place.startswith(f"{HOST}:"):
+                raise RunFailed(f"the hub for CAN frames did not start: {said or 'it said nothing'}")
+            yield place
+        finally:
+            hub.terminate()
