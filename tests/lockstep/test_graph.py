@@ -39,7 +39,7 @@ def test_the_chain_of_the_design():
     """design.md: driver -> electronic_differential -> asr -> plant; plant and column speak first."""
     answering = ("driver", "electronic_differential", "asr", "inverter_gateway")
     assert step_order(ROLES) == answering
-    assert sequence(ROLES) == ("plant", "steering_column", "test_bench", *answering)
+    assert sequence(ROLES) == ("plant", "steering_column", "rear_steering", "test_bench", *answering)
 
 
 @given(st.permutations(range(6)), st.data())

@@ -154,7 +154,8 @@ def test_bad_words_of_a_scenario_about_itself_name_its_file(scenario, config):
 def test_a_section_that_means_no_node_is_refused(scenario, more, pattern):
     """A mistyped name would else be a silent nothing; `driver` alone means the root namespace, as in ROS."""
     text = section(pattern, "{seed: 1}")
-    known = "known: plant, steering_column, test_bench, driver, electronic_differential, asr, inverter_gateway"
+    known = "known: plant, steering_column, rear_steering, test_bench, driver, electronic_differential, asr, "
+    known += "inverter_gateway"
     own = refused(scenario(HEAD + text))
     assert f"section {pattern!r} means no node; {known}" in own
     path = more(text)

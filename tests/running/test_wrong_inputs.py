@@ -60,7 +60,7 @@ def refused(*words: str, out: Path) -> str:
         (
             ["shchur2019", "--offline", "--set", "vehicle.mass=1000"],
             "unknown node 'vehicle'; known: asr, driver, electronic_differential, inverter_gateway, plant, "
-            "steering_column, test_bench; the car is that of all nodes: '*.vehicle.mass'",
+            "rear_steering, steering_column, test_bench; the car is that of all nodes: '*.vehicle.mass'",
         ),
         (
             ["shchur2019", "--offline", "--set", "*.vehicle.driven_wheels=[front_left, front_left]"],

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from ev_msgs_py.contract.actuator_signals import RearSteeringState
 from ev_msgs_py.contract.bench_signals import (
     BenchElectrical,
     BenchEnergy,
@@ -80,7 +81,14 @@ ROLES = {
         Role(
             "plant",
             RoleKind.INTEGRATES,
-            reads=(WheelTorqueCommand, SteeringColumnState, WheelSpeedCommand, BenchShafts, BenchElectrical),
+            reads=(
+                WheelTorqueCommand,
+                SteeringColumnState,
+                WheelSpeedCommand,
+                RearSteeringState,
+                BenchShafts,
+                BenchElectrical,
+            ),
             writes=(*_BODY, TireForces, *_ELECTRICAL, LoadCommand),
             default_method="kinematic",
         ),
@@ -90,6 +98,14 @@ ROLES = {
             reads=(DriverCommand, WheelStates, TireForces),
             writes=(SteeringColumnState,),
             default_method="powered",
+        ),
+        Role(
+            "rear_steering",
+            RoleKind.INTEGRATES,
+            reads=(SteeringColumnState, BodyVelocity, TireForces),
+            writes=(RearSteeringState,),
+            default_method="speed_dependent",
+            optional=True,
         ),
         Role(
             "test_bench",

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_msgs_py.contract.actuator_signals import RearSteeringState
 from ev_msgs_py.contract.bench_signals import (
     BenchElectrical,
     BenchEnergy,
@@ -79,6 +80,7 @@ TOPICS = {
         Topic("motor_electrics", MotorElectrics, JOINT_STATE),
         Topic("motor_temperatures", MotorTemperatures, JOINT_STATE),
         Topic("battery/cell", CellCondition, "sensor_msgs/msg/BatteryState"),
+        Topic("rear_steering/state", RearSteeringState, JOINT_STATE),
         Topic("bench/load_command", LoadCommand, JOINT_STATE),
         Topic("bench/shafts", BenchShafts, JOINT_STATE),
         Topic("bench/electrical", BenchElectrical, JOINT_STATE),

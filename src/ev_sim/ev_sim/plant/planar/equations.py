@@ -74,7 +74,7 @@ def _advance(y: Row, p: One, cars: One, bodies: One, steps: One, stages: One, h:
 
 @inlined
 def _hold(cars: One, steps: One, angle: float) -> None:
-    steer(cars[0], steps[0], angle)
+    steer(cars[0], steps[0], angle, 0.0)
 
 
 @inlined

@@ -51,7 +51,7 @@ def seen(
     find_road(y, c.body, step, c.road, True)
     if s.faults.is_struck == 1.0:
         deflate(s.faults, p, car, c.body, step)
-    steer(car, step, s.road_wheel_angle)
+    steer(car, step, s.road_wheel_angle, s.rear_angle)
     rates(y, stages[0].k1, p, car, c.body, step, True)
     shaft_speeds(car, y[WHEEL_SPEED : WHEEL_SPEED + 4], step.shaft)
     slip_x, slip_y = step.asked, step.target  # memory that nothing else needs here

@@ -143,7 +143,8 @@ def _run(
         find_road(y, c.body, step, c.road, n == 0 or is_struck)
         if is_struck:
             deflate(s.faults, p, car, c.body, step)
-        steer(car, step, angle + rate * ((n + 0.5) * h))
+        time = (n + 0.5) * h
+        steer(car, step, angle + rate * time, s.rear_angle + s.rear_rate * time)
         apply(s, p, car, c.power, c.lags, step, h)
         vx, vy, heading = y[VX], y[VY], y[HEADING]
         for i in range(4):

@@ -60,6 +60,8 @@ class PlanarState:
     drives: list[DriveState] = each_wheel(DriveState)  # of brushless motors
     mean_drive: list[float] = per_wheel(unit="N m", about="drive torque at the wheel, mean over the last period")
     road_wheel_angle: float = entry(unit="rad", about="mean of the front wheels, at the end of the last period")
+    rear_angle: float = entry(unit="rad", about="of the rear wheels by an actuator, at the end of the last period")
+    rear_rate: float = entry(unit="rad/s", about="of the rear wheels by an actuator, over the last period")
     imposed_acceleration: float = entry(unit="m/s^2", about="that an outer force gave the body over the last period")
     periods: float = entry(unit="1", about="number of periods so far")
     lifted: list[float] = per_wheel(unit="1", about="1 if the wheel has been off the ground at the end of a period")

@@ -9,19 +9,18 @@ from ev_sim.plant.planar.memory import Step
 
 
 @inlined
-def steer(car: Car, step: Step, angle: float) -> None:
+def steer(car: Car, step: Step, angle: float, apart: float) -> None:
     """Set the direction of the wheels from the mean road-wheel angle of the front ones [rad].
 
-    Both rear wheels follow it by the vehicle's `rear_steering_ratio`, 0 for straight ones. Source: Ge & Ni 2005, eq 3.
+    Both rear wheels follow it by the vehicle's `rear_steering_ratio`, 0 for straight ones, and an actuator of their own
+    may turn them `apart` from that [rad]. Source: Ge & Ni 2005, eq 3.
     """
     cos_left, sin_left, cos_right, sin_right = front_wheels(car, angle)
     step.cos_steer[0], step.sin_steer[0] = cos_left, sin_left
     step.cos_steer[1], step.sin_steer[1] = cos_right, sin_right
-    step.cos_steer[2] = step.cos_steer[3] = 1.0
-    if car.rear_steering_ratio != 0.0:
-        rear = car.rear_steering_ratio * angle
-        step.cos_steer[2] = step.cos_steer[3] = cos(rear)
-        step.sin_steer[2] = step.sin_steer[3] = sin(rear)
+    rear = car.rear_steering_ratio * angle + apart
+    step.cos_steer[2] = step.cos_steer[3] = cos(rear) if rear != 0.0 else 1.0
+    step.sin_steer[2] = step.sin_steer[3] = sin(rear)
 
 
 @inlined

@@ -29,9 +29,10 @@ class Force(NamedTuple):
 
 
 def wheel_directions(run: Recording, vehicle: Vehicle) -> Mapping[str, Direction]:
-    """Where each wheel points, by the vehicle's steering geometry."""
+    """Where each wheel points, by the vehicle's steering geometry and what turns its rear wheels."""
     mean = channel(run, derived.ROAD_WHEEL_ANGLE)
-    angle, rear = np.tan(mean), np.tan(vehicle.rear_steering_ratio * mean)
+    apart = run.channels.get("rear_steering.state.angle", 0.0)
+    angle, rear = np.tan(mean), np.tan(vehicle.rear_steering_ratio * mean + apart)
     outward = angle * vehicle.front_track / 2 * (vehicle.steering_geometry == "ackermann")
     length = vehicle.wheelbase
     tangents = (length * angle / (length - outward), length * angle / (length + outward), rear, rear)

@@ -1,0 +1,17 @@
+"""Signals of actuators that only some cars have."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from ev_msgs_py.contract.field import Field, leftward
+
+
+class RearSteeringState(NamedTuple):
+    """The steered rear wheels, the motor that turns them, and what it takes."""
+
+    angle: Annotated[float, leftward("rad", "of both rear wheels", "rear_wheels.position")]
+    rate: Annotated[float, leftward("rad/s", "of both rear wheels", "rear_wheels.velocity")]
+    motor_speed: Annotated[float, leftward("rad/s", "of the shaft of the steering motor", "steering_motor.velocity")]
+    motor_torque: Annotated[float, leftward("N m", "at the shaft of the steering motor", "steering_motor.effort")]
+    power: Annotated[float, Field("W", "from the supply, mean over the last period", "supply.effort")]
