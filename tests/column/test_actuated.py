@@ -64,10 +64,10 @@ def test_road_feel_is_that_of_a_mechanical_column(share):
 
 
 def test_rate_is_what_the_actuator_can_do():
-    """Steering wheel thrown to more than 16 rad/s: the road wheels turn no faster than 1 rad/s, but by a hundredth."""
+    """Steering wheel thrown to more than 16 rad/s: the road wheels turn no faster than 1 rad/s, but for an overshoot of 4 %."""
     column, last, fastest = Actuated(), 0.0, 0.0
     for _ in range(60):
         state = column.hold(PERIOD, 10.0)
         fastest, last = max(fastest, (state["actuator.angle"] - last) / PERIOD), state["actuator.angle"]
     assert state["angle"] > 16.0 * state["actuator.angle"]
-    assert 0.9 < fastest < 1.01
+    assert 0.9 < fastest < 1.05

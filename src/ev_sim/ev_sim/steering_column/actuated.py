@@ -27,7 +27,7 @@ class FeelParameters:
         unit="1",
         low=0.0,
         high=5.0,
-        about="of the actuator's torque at the road wheels over the steering ratio that the motor brings to the "
+        about="of the moment of the road on the road wheels over the steering ratio that the motor brings to the "
         "steering wheel; 1 feels like a mechanical column",
         source="Shchur 2019, introduction: no feedback; a motor for it is an assumption",
     )
@@ -123,12 +123,13 @@ def actuated(
     Steer-by-wire as in the introduction of Shchur (2019): wanted angle a/i, a dedicated electric actuator with a
     position loop (`steering_motor.turn`), no feedback to the column (`feel.share` 0). Road wheels: eq 3 with the
     actuator in the place of i M_b, so the torque difference of the drives disturbs. Steering wheel: as `by_wire`, and
-    the motor's torque, minus `feel.share` times the actuator's over i. Left positive.
+    the motor's torque, `feel.share` times the moment of the road over i, as a sensor at the rack shows it (the torque
+    of the actuator would bring its own acceleration back, and swing). Left positive.
     """
     road = drive_moment(car, p.drive_inertia, period, wheels, s.wheel_speed_difference) - p.stiffness * s.actuator.angle
     s.wheel_speed_difference = speed_difference(wheels)
     s.hand_torque = driver.hand_torque
-    felt = -p.feel.share * p.actuator.gear_ratio * s.actuator.torque / car.steering_ratio
+    felt = p.feel.share * road / car.steering_ratio
     s.feel = min(max(felt, -p.feel.peak_torque), p.feel.peak_torque)
     turn(p.actuator, c.servo, s.actuator, s.angle / car.steering_ratio, road)
     angle = s.angle
