@@ -64,7 +64,7 @@ def test_road_feel_is_that_of_a_mechanical_column(share):
 
 
 def test_rate_is_what_the_actuator_can_do():
-    """Steering wheel thrown to more than 16 rad/s: the road wheels turn no faster than 1 rad/s, but for an overshoot of 4 %."""
+    """Steering wheel thrown at more than 16 rad/s: the road wheels turn at 1 rad/s, with an overshoot of 4 %."""
     column, last, fastest = Actuated(), 0.0, 0.0
     for _ in range(60):
         state = column.hold(PERIOD, 10.0)
