@@ -130,6 +130,13 @@ record_environment() {
     ' >install/environment.bash
 }
 
+# The Python of .venv knows the packages by itself, as a kernel of Jupyter has to.
+record_paths() {
+    local packages
+    packages="$(.venv/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')"
+    printf '%s\n' "$root"/build/{ev_msgs_py,ev_control,ev_sim} >"$packages/ev_stack.pth"
+}
+
 source_fingerprint() {
     find src -name __pycache__ -prune -o -name '*.py' -print | sort | xargs cat | sha256sum
 }
@@ -145,6 +152,7 @@ build_workspace() {
     rm -f install/.complete
     step "building the workspace" .venv/bin/python -m colcon build --symlink-install --base-paths src
     record_environment
+    record_paths
     [[ "$(cat install/.compiled 2>/dev/null)" == "$(source_fingerprint)" ]] ||
         step "compiling plants and laws (once)" compile_methods
     build_fingerprint >install/.complete

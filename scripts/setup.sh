@@ -53,4 +53,3 @@ unset PYTHONDONTWRITEBYTECODE
 
 # One thread per process: faster to start, and sums are always added up in the same order.
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1
-export MPLBACKEND=Agg

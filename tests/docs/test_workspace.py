@@ -117,3 +117,11 @@ def test_every_page_is_in_the_site():
     """scripts/site.sh builds it from mkdocs.yml; README and CHANGELOG are its first and its last page."""
     listed = set(re.findall(r": (\w+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE))
     assert listed == {page.name for page in (ROOT / "docs").glob("*.md")} | {"index.md", "changelog.md"}
+
+
+@pytest.mark.slow
+def test_the_python_of_the_environment_knows_the_packages_by_itself():
+    """As the kernel of a notebook, which nobody has sourced anything for."""
+    said = "import ev_sim, ev_control, ev_msgs_py; print(ev_sim.run.__name__)"
+    found = subprocess.run([sys.executable, "-E", "-c", said], cwd="/", check=True, capture_output=True, text=True)
+    assert found.stdout == "run\n"

@@ -97,6 +97,30 @@ def test_what_goes_wrong_once_more_at_the_end_is_one_line_too(monkeypatch):
         run_role_module.run_node("recorder", lambda: SimpleNamespace(close=fail, done=False))
 
 
+STOPPED_IN_A_DESTRUCTOR = """
+import signal
+from ev_msgs_py.nodes.stop_request import interrupt_destructors
+
+class Interrupted:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+interrupt_destructors()
+try:
+    Interrupted()
+    while True:
+        pass
+except KeyboardInterrupt:
+    print("stopped")
+"""
+
+
+def test_ctrl_c_in_a_destructor_is_not_lost():
+    """Python's own way is a traceback, and to go on: what the campaign found with seed 805."""
+    process = start([sys.executable, "-c", STOPPED_IN_A_DESTRUCTOR])
+    assert process.communicate(timeout=PATIENCE)[0] == "stopped\n"
+
+
 BAD = {
     "out of range": (["--ros-args", "-p", "vehicle.mass:=-3.0"], "vehicle.mass: -3.0 is refused"),
     "of a wrong type": (["--ros-args", "-p", "vehicle.mass:=heavy"], "vehicle.mass: 'heavy' is refused"),

@@ -10,6 +10,8 @@ from rclpy.node import Node
 
 _SOON, _LATER = 0.01, 0.2  # s of wall time between looks into the graph for a sender: not known yet, refused
 _KEPT = 100  # senders of whom it is known when they were looked up
+NAMELESS = "_UNKNOWN_"  # in the names that the middleware gives to what it knows no name of
+_LONG = 3.0  # s for the graph to tell whose publisher has been heard
 
 Refuse = Callable[[str, str], None]  # is told the node that is refused, and a line about it
 
@@ -34,6 +36,7 @@ class Speaker:
         self._allowed = f"{node.get_namespace().rstrip('/')}/{name}"
         self.admitted: bytes | None = None
         self._next_look: dict[bytes, float] = {}  # when senders that are not admitted are looked up again
+        self._nameless_since: float | None = None
         self.refused = 0
 
     def admits(self, info: Mapping[str, Any]) -> bool:
@@ -65,9 +68,11 @@ class Speaker:
             bytes(end.endpoint_gid): f"{end.node_namespace.rstrip('/')}/{end.node_name}"
             for end in self._node.get_publishers_info_by_topic(self._topic)
         }
+        if gid:
+            self._note_nameless(there.get(gid, NAMELESS))
         allowed = [other for other, name in there.items() if name == self._allowed]
         for other, name in there.items():
-            if name != self._allowed and "_UNKNOWN_" not in name and (not gid or other == gid):
+            if name != self._allowed and NAMELESS not in name and (not gid or other == gid):
                 self._next_look[gid] = time.monotonic() + _LATER
                 self._refuse(name, f"{name} is refused: {self._topic} is for {self._allowed} alone")
         if len(allowed) > 1 and self.admitted not in allowed:
@@ -75,6 +80,17 @@ class Speaker:
                 self._allowed, f"{self._allowed} is refused: {len(allowed)} nodes of this name on {self._topic}"
             )
         return allowed == [gid] if gid else len(there) == len(allowed) == 1
+
+    def _note_nameless(self, name: str) -> None:
+        """A sender whose node the graph does not tell is not heard; where that lasts, whoever waits shall be told."""
+        if NAMELESS not in name:
+            self._nameless_since = None
+            return
+        now = time.monotonic()
+        if self._nameless_since is None:
+            self._nameless_since = now
+        elif now - self._nameless_since > _LONG:
+            self._refuse(NAMELESS, f"a sender on {self._topic} is not heard: the graph does not tell whose node it is")
 
 
 _UNTOLD = {"data": b""}

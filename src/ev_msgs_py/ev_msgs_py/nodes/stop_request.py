@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import signal
+import sys
+import threading
+from _thread import interrupt_main
 from types import FrameType, TracebackType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_A_MOMENT = 0.001  # s
 
 
 def hold_back() -> None:
@@ -16,6 +20,19 @@ def hold_back() -> None:
 def let_in() -> None:
     """Let in what has been held back, by us or by who has started us."""
     signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+
+
+def interrupt_destructors() -> None:
+    """Let Ctrl-C end the program where it meets a destructor, too: Python would print a traceback and go on."""
+    report = sys.unraisablehook
+
+    def hook(unraisable: sys.UnraisableHookArgs) -> None:
+        if issubclass(unraisable.exc_type, KeyboardInterrupt):
+            threading.Timer(_A_MOMENT, interrupt_main).start()  # at once it would be raised in here, and lost again
+        else:
+            report(unraisable)
+
+    sys.unraisablehook = hook
 
 
 class StopRequest:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from importlib import import_module
 
-from ev_msgs_py.nodes.stop_request import let_in
+from ev_msgs_py.nodes.stop_request import interrupt_destructors, let_in
 
 _INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
 
@@ -45,6 +45,7 @@ def main(argv: list[str] | None = None) -> None:
         sys.exit(2)
     module, first, _ = COMMANDS[words[0]]
     try:
+        interrupt_destructors()
         let_in()  # scripts/run.sh holds signals back until here, where they are one line
         import_module(f"ev_sim.commands.{module}").main([*first, *words[1:]])
     except KeyboardInterrupt:  # while it is loaded as well, which takes half a second

@@ -18,6 +18,7 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes.health import HEALTH
 from ev_msgs_py.nodes.reports import NOTED
 from ev_msgs_py.nodes.signal_io import Reader, SignalReader
+from ev_msgs_py.nodes.speaker import NAMELESS
 from ev_msgs_py.nodes.time_services import TIME
 from ev_msgs_py.nodes.timing import TIMING
 from ev_msgs_py.wire.layout import MessageError
@@ -74,7 +75,7 @@ class Observer(Node):
             for end in self.get_publishers_info_by_topic("/diagnostics"):
                 self._nodes[bytes(end.endpoint_gid)] = end.node_namespace, end.node_name
         space, name = self._nodes.get(gid, (self.get_namespace(), RECORDER))
-        return (space == self.get_namespace() and name in (*ROLES, RECORDER)) or "_UNKNOWN_" in name
+        return (space == self.get_namespace() and name in (*ROLES, RECORDER)) or NAMELESS in name
 
     def _note(self, status: DiagnosticStatus) -> None:
         if status.name.endswith(HEALTH) or status.hardware_id:  # of a device: its node notes what is latched

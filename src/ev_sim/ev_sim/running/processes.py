@@ -125,8 +125,11 @@ def _watch(
     now = time.monotonic()
     wall_time = (ended or now) - (started or now)
     progress(run.duration)
+    recording = load(directory / "signals.npz")
+    if recording.time[-1] < last - 0.5 * stamps.to_seconds(run.period):  # real time does not wait for its recorder
+        raise RunFailed(f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time")
     warnings, notes = not_reproducible(run, observer.warnings), observer.notes
-    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes, observer.timing)
+    return Outcome(recording, wall_time, warnings, notes, observer.timing)
 
 
 def _stop(nodes: list[NodeProcess]) -> None:

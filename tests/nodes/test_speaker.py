@@ -1,0 +1,68 @@
+"""Who may speak on a topic, as the graph tells it, by a clock that the test turns."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from ev_msgs_py.nodes import speaker as speaker_module
+from ev_msgs_py.nodes.speaker import Speaker
+
+OURS, ANOTHER = b"ours", b"another"
+
+
+class Graph:
+    """A node's view of the publishers of /ev/imu: gid and full name of the node."""
+
+    def __init__(self, **names: str) -> None:
+        self.names = names
+
+    def get_namespace(self) -> str:
+        return "/ev"
+
+    def resolve_topic_name(self, name: str) -> str:
+        return f"/ev/{name}"
+
+    def get_publishers_info_by_topic(self, _topic: str) -> list[SimpleNamespace]:
+        return [
+            SimpleNamespace(endpoint_gid=gid.encode(), node_namespace="/ev", node_name=name)
+            for gid, name in self.names.items()
+        ]
+
+
+@pytest.fixture
+def wall(monkeypatch):
+    clock = [10.0]
+    monkeypatch.setattr(speaker_module.time, "monotonic", lambda: clock[0])
+    return clock
+
+
+def heard(speaker: Speaker, gid: bytes) -> bool:
+    return speaker.admits({"publisher_gid": {"data": gid}})
+
+
+def test_only_the_node_whose_task_it_is_is_heard_and_another_one_is_named_once_for_each_look(wall):
+    said: list[str] = []
+    speaker = Speaker(Graph(ours="plant", another="stranger"), "imu", "plant", lambda _, line: said.append(line))
+    assert heard(speaker, OURS)
+    assert not heard(speaker, ANOTHER)
+    assert not heard(speaker, ANOTHER)
+    assert said == ["/ev/stranger is refused: /ev/imu is for /ev/plant alone"]
+    assert speaker.refused == 2
+
+
+def test_whose_node_is_not_known_is_heard_when_it_is_and_told_of_when_it_takes_long(wall):
+    """The middleware tells the node of a publisher some milliseconds after the publisher, as a rule."""
+    graph, said = Graph(ours="_NODE_NAME_UNKNOWN_"), []
+    speaker = Speaker(graph, "imu", "plant", lambda _, line: said.append(line))
+    for _ in range(29):
+        assert not heard(speaker, OURS)
+        wall[0] += 0.1
+    assert said == []
+    for _ in range(3):
+        assert not heard(speaker, OURS)
+        wall[0] += 0.1
+    assert set(said) == {"a sender on /ev/imu is not heard: the graph does not tell whose node it is"}
+    graph.names["ours"] = "plant"
+    assert heard(speaker, OURS)
