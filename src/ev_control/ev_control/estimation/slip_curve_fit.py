@@ -6,6 +6,7 @@ g(x) = sqrt(x) in the equations; x^2 in the text, which names the template of th
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from ev_control.shared.compensated_sum import EMPTY_SUM, plus, rounded
 from ev_msgs_py.compiling.compilable import compilable
@@ -54,7 +55,7 @@ def shape(x: float, offset: float, template: float) -> float:
 
 
 @compilable
-def add_sample(fit: SlipCurveFit, size: float, offset: float, x: float, y: float, template: float = 0.0) -> None:
+def add_sample(fit: SlipCurveFit, size: float, offset: float, x: float, y: float, template: Any = 0.0) -> None:
     """Take one sample in, and the oldest one out where the window of this size is full."""
     x, size = max(x, 0.0), min(size, float(CAPACITY))
     is_changed = size != fit.size or offset != fit.offset or template != fit.template

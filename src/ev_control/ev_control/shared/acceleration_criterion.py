@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.shared.wheel_dynamics import WheelMotion
@@ -54,7 +53,7 @@ def forget_accelerations(s: Accelerations) -> None:
 
 
 @compilable
-def gains_on_car(p: Any, s: Accelerations, period: float, motion: WheelMotion) -> bool:
+def gains_on_car(p: AccelerationCriterionParameters, s: Accelerations, period: float, motion: WheelMotion) -> bool:
     """Whether a_x/w' < threshold, compared without dividing, and only while w' is more than noise."""
     share = filter_share(period, p.filter_time)
     turning = follow(s.wheel, motion.acceleration, share)

@@ -71,7 +71,8 @@ def acceleration_with_decay(p: Any, car: Car, slip: float, body_acceleration: fl
     From S = 1 - V/(r w), S' = ((1 - S) w' - V'/r)/w.
     """
     speed = max(motion.speed, p.regulator.slip.slowest)
-    return body_acceleration / car.wheel_radius - p.rate * speed * (slip - p.regulator.target)
+    decay: float = p.rate * speed * (slip - p.regulator.target)
+    return body_acceleration / car.wheel_radius - decay
 
 
 @compilable

@@ -79,14 +79,22 @@ class SpeedSetPointWheel(LimitedWheel):
 
 
 @compilable
-def forget_set_point(w: Any) -> None:
+def forget_set_point(w: SpeedSetPointWheel) -> None:
     """Put what these laws know of a wheel back to the start."""
     w.limit = inf
     w.served = 0.0
 
 
 @compilable
-def moved(p: Any, car: Car, w: Any, period: float, motion: WheelMotion, wanted: float, course: float) -> float:
+def moved(
+    p: SpeedSetPointParameters,
+    car: Car,
+    w: SpeedSetPointWheel,
+    period: float,
+    motion: WheelMotion,
+    wanted: float,
+    course: float,
+) -> float:
     """The set-point [rad/s] after a period: lowered if `course` is below zero, raised above it, else held.
 
     It begins at the speed that the wheel has, and ends once the drive has given what is wanted [N m] for a while.
