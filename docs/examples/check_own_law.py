@@ -1,11 +1,19 @@
-"""Hold the methods of own_method.py and own_law.py against the contract; in a test it is the same."""
+"""Hold the methods of own_method.py, own_law.py and yaw_moment.py against the contract; in a test it is the same."""
 
 import own_law
 import own_method
+import yaw_moment
 
 from ev_msgs_py.check.method import check_method
 
-for module, name in ((own_method, "limit"), (own_law, "limit_in_python"), (own_law, "limit_compiled")):
-    check_method("asr", name)
-    check_method("asr", name, {"limit": 150.0, "vehicle.driven_wheels": ["rear_left", "rear_right"]})
+REAR = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}
+
+for role, module, name, values in (
+    ("asr", own_method, "limit", {"limit": 150.0}),
+    ("asr", own_law, "limit_in_python", {"limit": 150.0}),
+    ("asr", own_law, "limit_compiled", {"limit": 150.0}),
+    ("electronic_differential", yaw_moment, "yaw_moment", {"control": "sliding_mode"}),
+):
+    check_method(role, name)
+    check_method(role, name, {**values, **REAR})
     print(f"{name} of {module.__name__} keeps the contract")

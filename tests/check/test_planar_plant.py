@@ -7,6 +7,7 @@ import pytest
 from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.lockstep.configuration import configure
+from ev_sim.running.scenarios.configured_file import vehicle_file
 
 pytestmark = pytest.mark.slow
 
@@ -41,6 +42,9 @@ CHOICES = {
     "slopes": {**SLOPES, "initial_speed": -10.0, "step": 7e-4},
     "held speed": {"speed": "held", "initial_speed": 12.0},
     "imposed speed": {"speed": "imposed", "imposed_speed.time": [0.0, 0.1], "imposed_speed.speed": [0.0, 1.0]},
+    "an axle with a differential and one without": vehicle_file("layout_1_8_b").values_for("/ev/plant"),
+    "centre differential with DCCD": {**vehicle_file("centre_dccd").values_for("/ev/plant"), **SPLIT},
+    "engine": {**vehicle_file("engine_4x4").values_for("/ev/plant"), "initial_speed": 10.0},
     "ideal drives": {"drive": "ideal", "initial_speed": 5.0},
     "averaged drives": {"drive": "averaged", "initial_speed": 5.0},
 }

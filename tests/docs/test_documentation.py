@@ -145,15 +145,33 @@ def test_own_node_replaces_the_built_in_one(tmp_path: Path):
 def test_own_methods_are_held_against_the_contract():
     command = [sys.executable, str(EXAMPLES / "check_own_law.py")]
     said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    assert said.count("keeps the contract") == 3
+    assert said.count("keeps the contract") == 4
 
 
 def test_own_package_offers_the_own_method(tmp_path: Path):
-    for file in ("own_method.py", "own_package/setup.py"):
+    for file in ("own_method.py", "yaw_moment.py", "own_package/setup.py"):
         shutil.copy(EXAMPLES / file, tmp_path)
     subprocess.run([sys.executable, "setup.py", "-q", "egg_info"], cwd=tmp_path, check=True, capture_output=True)
     offered = (tmp_path / "own_laws.egg-info" / "entry_points.txt").read_text()
-    assert offered.split() == ["[ev_stack.methods]", "asr", "=", "own_method"]
+    assert offered.split("\n")[1:3] == ["asr = own_method", "electronic_differential = yaw_moment"]
+
+
+def test_yaw_moment_lowers_the_error_that_the_page_says():
+    """In a process of its own: methods that are registered are there for all other tests."""
+    code = (
+        "import yaw_moment, ev_sim; from ev_sim.report.quantities.handling import yaw_rate_error as error\n"
+        "for name, values in (('equal_torque', {}), ('yaw_moment', {}), ('yaw_moment', {'control': 'sliding_mode'})):\n"
+        "    values = {f'electronic_differential.{key}': value for key, value in {'method': name, **values}.items()}\n"
+        "    result = ev_sim.run('double_lane_change', set=values)\n"
+        "    (run,) = result.runs.values()\n"
+        "    print(round(error(run, result.summary().vehicle), 3))\n"
+    )
+    found = subprocess.run(
+        [sys.executable, "-c", code], cwd=EXAMPLES, check=True, capture_output=True, text=True
+    ).stdout
+    page = (ROOT / "docs" / "own_things.md").read_text()
+    said = re.search(r"falls from ([\d.]+) rad/s \(equal torques\) to ([\d.]+) and ([\d.]+),", page)
+    assert found.split() == list(said.groups())
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from adaptive_reference import DrivenPlant, end_of_run
+from manoeuvres import MANOEUVRES
 from plant.planar.car import kinetic_energy
 
 from ev_msgs_py.vehicle.description import Vehicle
@@ -22,17 +23,7 @@ from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 pytestmark = pytest.mark.slow
 
 PERIOD = 0.01
-SCENARIOS = (
-    "coast_down",
-    "double_lane_change",
-    "hill_start",
-    "launch_split_mu",
-    "sine_with_dwell",
-    "steady_circle",
-    "step_steer",
-    "straight_brake_split_mu",
-)
-CASES = [(scenario, run.name) for scenario in SCENARIOS for run in load_scenario(scenario).runs]
+CASES = [(scenario, run.name) for scenario in MANOEUVRES for run in load_scenario(scenario).runs]
 # The adaptive solver begins anew with every command: on lines, which have no limit to come to, less than 100 s will do.
 CUT = {("steady_circle", "linear"): 30.0, ("steady_circle", "constant_radius_linear"): 30.0}
 
@@ -117,7 +108,7 @@ def test_power_balance_closes(scenario, name):
     assert work("drive_work") == pytest.approx(gain + sum(sinks), rel=0, abs=1e-3 * flow)
 
 
-@pytest.mark.parametrize("scenario", SCENARIOS)
+@pytest.mark.parametrize("scenario", MANOEUVRES)
 def test_every_metric_is_measured(scenario):
     assert [name for name, value in metrics_of(scenario).items() if value is None] == []
 

@@ -12,6 +12,7 @@ from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand, WheelTo
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group
 from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.layout import each_driven, equal_motors
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +29,7 @@ class LimpHomeState:
     motors: PlausibilityState = part(PlausibilityState)
 
 
-@method("asr", "limp_home", LimpHomeParameters, state=LimpHomeState, mirrored=True)
+@method("asr", "limp_home", LimpHomeParameters, state=LimpHomeState, needs=(each_driven, equal_motors), mirrored=True)
 @compilable
 def limp_home(
     p: LimpHomeParameters,

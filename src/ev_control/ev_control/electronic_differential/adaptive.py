@@ -13,7 +13,7 @@ from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import any_driven
+from ev_msgs_py.vehicle.layout import each_driven
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class AdaptiveState:
 
 
 @method(
-    "electronic_differential", "adaptive", AdaptiveParameters, state=AdaptiveState, needs=(any_driven,), mirrored=True
+    "electronic_differential", "adaptive", AdaptiveParameters, state=AdaptiveState, needs=(each_driven,), mirrored=True
 )
 @compilable
 def adaptive(

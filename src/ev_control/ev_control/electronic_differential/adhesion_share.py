@@ -28,7 +28,7 @@ from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import any_driven
+from ev_msgs_py.vehicle.layout import each_driven
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ def begin(p: AdhesionShareParameters) -> AdhesionShareState:
     AdhesionShareParameters,
     state=AdhesionShareState,
     start=begin,
-    needs=(any_driven, free_wheels_for("estimate.reference")),
+    needs=(each_driven, free_wheels_for("estimate.reference")),
     mirrored=True,
 )
 @compilable

@@ -12,7 +12,7 @@ from ev_msgs_py.elementary import tanh
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import any_driven
+from ev_msgs_py.vehicle.layout import each_driven
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class LimitedSlipParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "limited_slip", LimitedSlipParameters, needs=(any_driven,), mirrored=True)
+@method("electronic_differential", "limited_slip", LimitedSlipParameters, needs=(each_driven,), mirrored=True)
 @compilable
 def limited_slip(p: LimitedSlipParameters, car: Car, driver: DriverCommand, wheels: WheelStates) -> WheelTorqueRequest:
     """Give the slower wheel of each driven axle K times the torque of the faster one.

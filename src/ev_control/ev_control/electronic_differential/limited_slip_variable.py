@@ -11,7 +11,7 @@ from ev_msgs_py.contract.signals import DriverCommand, WheelStates, WheelTorqueR
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import any_driven
+from ev_msgs_py.vehicle.layout import each_driven
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class LimitedSlipVariableParameters:
     "electronic_differential",
     "limited_slip_variable",
     LimitedSlipVariableParameters,
-    needs=(any_driven,),
+    needs=(each_driven,),
     mirrored=True,
 )
 @compilable

@@ -14,7 +14,7 @@ from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.layout import any_driven
+from ev_msgs_py.vehicle.layout import each_driven
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ def prepare(parameters: LoadProportionalParameters, vehicle: Vehicle, _period: f
     "load_proportional",
     LoadProportionalParameters,
     prepare=prepare,
-    needs=(any_driven,),
+    needs=(each_driven,),
     mirrored=True,
 )
 @compilable

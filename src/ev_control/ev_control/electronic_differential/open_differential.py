@@ -11,7 +11,7 @@ from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group
 from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import any_driven
+from ev_msgs_py.vehicle.layout import any_driven, equal_motors
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,13 @@ class OpenDifferentialParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "open_differential", OpenDifferentialParameters, needs=(any_driven,), mirrored=True)
+@method(
+    "electronic_differential",
+    "open_differential",
+    OpenDifferentialParameters,
+    needs=(any_driven, equal_motors),
+    mirrored=True,
+)
 @compilable
 def open_differential(p: OpenDifferentialParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
     """Equal torques left and right as behind a mechanical differential, whose wheels cannot get more than both grip.

@@ -25,7 +25,7 @@ class SteeringCorrectionParameters:
     axle: str = parameter(
         "automatic",
         choices=AXLES,
-        about="axle whose torques differ; automatic: the front axle if both its wheels are driven, else the rear axle",
+        about="axle whose torques differ; automatic: front if both its wheels are driven, each on its own, else rear",
         source="Tatar & Chudzik: front of front and all-wheel drive, rear of rear drive",
     )
     gain: float = parameter(
@@ -75,7 +75,8 @@ def steering_correction(
     equal = split(p.brake, car, driver, 0.0)
     correction = min(max(p.gain * column.road_wheel_angle, -p.largest_correction), p.largest_correction)
     front_left, front_right, rear_left, rear_right = equal.drive
-    if p.axle == FRONT or (p.axle == AUTOMATIC and car.driven[0] == 1.0 and car.driven[1] == 1.0):
+    front_can = car.driven[0] == 1.0 and car.driven[1] == 1.0 and car.differential[0] == 0.0
+    if p.axle == FRONT or (p.axle == AUTOMATIC and front_can):
         front_left, front_right = front_left - front_left * correction, front_left + front_left * correction
     else:
         rear_left, rear_right = rear_left - rear_left * correction, rear_left + rear_left * correction

@@ -7,6 +7,7 @@ from typing import Any
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.parameters.declaration import number_tree
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import drive_train_numbers
 
 GRAVITY = 9.81  # [m/s^2], as in all sources
 
@@ -20,6 +21,15 @@ class Car(Vehicle):
     rolling_resistance_growth: float
     pitch_height: float
     roll_height: float
+    gear: list[float]
+    motors: list[float]
+    differential: list[float]
+    axle_preload: list[float]
+    axle_locking: list[float]
+    centre_preload: float
+    centre_locking: float
+    one_input: float
+    engine_driven: float
 
 
 def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
@@ -30,7 +40,8 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
     - `rolling_resistance_growth`: of the rolling resistance coefficient over V^2 [s^2/m^2],
     - `front_roll_share`: of the front axle in the lateral load transfer [1], by roll stiffness where that is given,
     - `pitch_height`, `roll_height`: height of the centre of mass [m] by which longitudinal and lateral acceleration
-      move the wheel loads, 0 for what `load_transfer` leaves out.
+      move the wheel loads, 0 for what `load_transfer` leaves out,
+    - those of its drives, `drive_train.drive_train_numbers`.
     """
     driven = [float(name in vehicle.driven_wheels) for name in WHEEL_NAMES]
     return {
@@ -41,5 +52,6 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
         "rolling_resistance_growth": vehicle.rolling_resistance_growth,
         "front_roll_share": vehicle.front_share_of_roll,
         "pitch_height": vehicle.centre_of_mass_height if vehicle.load_transfer == "both" else 0.0,
+        **drive_train_numbers(vehicle),
         "roll_height": 0.0 if vehicle.load_transfer == "none" else vehicle.centre_of_mass_height,
     }

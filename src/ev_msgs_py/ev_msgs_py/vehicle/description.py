@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
 from ev_msgs_py.vehicle.battery import Battery
+from ev_msgs_py.vehicle.drive_train import refuse_drive_train
 from ev_msgs_py.vehicle.driveline import Driveline
+from ev_msgs_py.vehicle.engine import Engine
 from ev_msgs_py.vehicle.motor import Motor
 from ev_msgs_py.vehicle.suspension import Suspension
 from ev_msgs_py.vehicle.tyre import Tyre
@@ -144,6 +146,7 @@ class Vehicle:
     tyre: Tyre = group(Tyre)
     motor: Motor = group(Motor)
     driveline: Driveline = group(Driveline)
+    engine: Engine = group(Engine)
     battery: Battery = group(Battery)
 
     def __post_init__(self) -> None:
@@ -155,6 +158,7 @@ class Vehicle:
             raise ParameterError(f"driven_wheels names a wheel twice: {', '.join(self.driven_wheels)}")
         if len(self.wheel_radius_ratio) != 4:
             raise ParameterError("wheel_radius_ratio needs four elements, one for each wheel")
+        refuse_drive_train(self)
         if self.suspension.has_roll_stiffness:
             if self.centre_of_mass_height <= 0.0:
                 raise ParameterError("suspension.front_roll_stiffness needs centre_of_mass_height above 0")
@@ -167,7 +171,7 @@ class Vehicle:
     @property
     def free_wheel_inertia(self) -> float:
         """Inertia of a wheel without motor [kg m^2]."""
-        return self.wheel_inertia * self.undriven_inertia_ratio + self._carried_inertia
+        return self.wheel_inertia * self.undriven_inertia_ratio + self.carried_inertia
 
     @property
     def front_share_of_roll(self) -> float:
@@ -187,10 +191,10 @@ class Vehicle:
     @property
     def driven_wheel_inertia(self) -> float:
         """Inertia of a driven wheel with its rotor behind the gear, J = J_w + i^2 J_r [kg m^2]."""
-        own = self.wheel_inertia + self._carried_inertia
+        own = self.wheel_inertia + self.carried_inertia
         return own + self.gear_ratio * self.gear_ratio * self.motor.rotor_inertia
 
     @property
-    def _carried_inertia(self) -> float:
+    def carried_inertia(self) -> float:
         """What eq 1 of Tatar & Chudzik adds to each wheel as printed [kg m^2]."""
         return self.mass / 4.0 * self.wheel_radius * self.wheel_radius if self.printed_wheel_inertia else 0.0

@@ -7,16 +7,19 @@ from typing import Any
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import couplings, has_equal_motors, single_wheels
 
 # Says what a method with these parameters needs and this vehicle lacks; an empty text if there is nothing.
 Need = Callable[[Any, Vehicle], str]
 
 
 def driven(*needed: str) -> Need:
-    """These wheels must be among the driven ones."""
+    """These wheels must be among the driven ones, each with a torque of its own."""
 
     def lacks(_parameters: Any, vehicle: Vehicle) -> str:
-        return "" if set(needed) <= set(vehicle.driven_wheels) else f"{listed(needed)} among the driven wheels"
+        if not set(needed) <= set(vehicle.driven_wheels):
+            return f"{listed(needed)} among the driven wheels"
+        return "" if set(needed) <= set(single_wheels(vehicle)) else f"a motor or a clutch for each of {listed(needed)}"
 
     return lacks
 
@@ -35,6 +38,18 @@ def any_driven(_parameters: Any, vehicle: Vehicle) -> str:
     return "" if vehicle.driven_wheels else "at least one driven wheel"
 
 
+def each_driven(_parameters: Any, vehicle: Vehicle) -> str:
+    """At least one wheel must be driven, and all that are must have a torque of their own."""
+    if single_wheels(vehicle) != vehicle.driven_wheels:
+        return "a motor or a clutch for each driven wheel"
+    return any_driven(_parameters, vehicle)
+
+
+def equal_motors(_parameters: Any, vehicle: Vehicle) -> str:
+    """All driven wheels must have the same motor and gear."""
+    return "" if has_equal_motors(vehicle) else "equal motors and gears at all driven wheels, and no engine"
+
+
 FRONT_WHEELS_DRIVEN = driven("front_left", "front_right")
 REAR_WHEELS_DRIVEN = driven("rear_left", "rear_right")
 ALL_WHEELS_DRIVEN = driven(*WHEEL_NAMES)
@@ -51,5 +66,6 @@ def refusal(role: str, method: str, needs: tuple[Need, ...], parameters: Any, ve
         lacking = need(parameters, vehicle)
         if lacking:
             drives = ", ".join(vehicle.driven_wheels) or "none"
-            return f"{role} method {method} needs {lacking}, vehicle {vehicle.name} drives {drives}"
+            how = f" with {' and '.join(couplings(vehicle))}" if single_wheels(vehicle) != vehicle.driven_wheels else ""
+            return f"{role} method {method} needs {lacking}, vehicle {vehicle.name} drives {drives}{how}"
     return ""

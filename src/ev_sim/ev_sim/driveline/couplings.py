@@ -1,4 +1,4 @@
-"""Couplings between the motors and the wheels: individual, open, limited-slip, clutch."""
+"""Couplings between motors, or an engine, and the wheels: differentials with and without locks, and clutches."""
 
 from __future__ import annotations
 
@@ -7,18 +7,19 @@ from collections.abc import MutableSequence, Sequence
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.elementary import tanh
 from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.driveline import COUPLINGS
 
-COUPLINGS = ("individual", "open", "limited_slip", "clutch")
-INDIVIDUAL, OPEN, LIMITED_SLIP, CLUTCH = range(len(COUPLINGS))
+INDIVIDUAL, OPEN, LIMITED_SLIP, CLUTCH, CENTRE = range(len(COUPLINGS))
 
 
 @inlined
 def shaft_speeds(car: Car, wheel_speed: Sequence[float], shaft: MutableSequence[float]) -> None:
     """Speed of the shaft of each wheel's motor, at the wheel side of the gear [rad/s], into `shaft`.
 
-    A differential turns at the mean of its wheels. Slipping clutches only pass torque from a faster to a slower
-    shaft, so the one shaft before them turns with the fastest driven wheel. A motor of an axle or of the whole car
-    is treated as equal parts, one for each wheel, on a common shaft.
+    A differential turns at the mean of its wheels, a centre differential at that of its axles, each by its share of the
+    torque. Slipping clutches only pass torque from a faster to a slower shaft, so the one shaft before them turns with
+    the fastest driven wheel. A motor of an axle or of the whole car is treated as equal parts, one for each wheel, on a
+    common shaft.
     """
     coupling, driven = car.driveline.coupling, car.driven
     if coupling == CLUTCH:
@@ -32,9 +33,14 @@ def shaft_speeds(car: Car, wheel_speed: Sequence[float], shaft: MutableSequence[
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
         shaft[left], shaft[right] = wheel_speed[left], wheel_speed[right]
-        if coupling != INDIVIDUAL and driven[left] == 1.0 and driven[right] == 1.0:
+        if car.differential[axle] == 1.0:
             mean = 0.5 * (wheel_speed[left] + wheel_speed[right])
             shaft[left] = shaft[right] = mean
+    if coupling == CENTRE:
+        share = car.driveline.front_share
+        mean = share * shaft[0] + (1.0 - share) * shaft[2]
+        for i in range(4):
+            shaft[i] = mean
 
 
 @inlined
@@ -42,21 +48,21 @@ def motor_commands(car: Car, command: Sequence[float], motor: MutableSequence[fl
     """Torque asked of each motor, at the wheel side of the gear [N m], into `motor`.
 
     What is commanded at wheels without a motor is not delivered. Behind a differential only the sum of an axle
-    counts, behind clutches only the sum of all.
+    counts, behind clutches and a centre differential only the sum of all.
     """
-    coupling, driven = car.driveline.coupling, car.driven
+    driven = car.driven
     for i in range(4):
         motor[i] = command[i] * driven[i]
-    if coupling == CLUTCH:
+    if car.one_input == 1.0:
         count = (driven[0] + driven[1]) + (driven[2] + driven[3])
         total = (motor[0] + motor[1]) + (motor[2] + motor[3])
         for i in range(4):
             motor[i] = driven[i] * total / max(count, 1.0)
-    elif coupling != INDIVIDUAL:
-        for axle in range(2):
-            left, right = 2 * axle, 2 * axle + 1
-            if driven[left] == 1.0 and driven[right] == 1.0:
-                motor[left] = motor[right] = 0.5 * (motor[left] + motor[right])
+        return
+    for axle in range(2):
+        left, right = 2 * axle, 2 * axle + 1
+        if car.differential[axle] == 1.0:
+            motor[left] = motor[right] = 0.5 * (motor[left] + motor[right])
 
 
 @inlined
@@ -85,10 +91,10 @@ def wheel_torques(
 ) -> None:
     """Drive torque of each wheel [N m], into `wheel`, from the torques behind the gears and the shares of the clutches.
 
-    An open differential passes equal torques. A limited-slip differential adds the locking torque
-    preload + locking_ratio |T| from the faster to the slower wheel, its sign smoothed over `locking_speed` [rad/s].
+    An open differential passes equal torques, a centre one those of its share. One that locks moves half its locking
+    torque, preload + share |T|, from the faster to the slower side; its sign is smoothed over `locking_speed` [rad/s].
     """
-    driveline, driven = car.driveline, car.driven
+    driveline = car.driveline
     if driveline.coupling == CLUTCH:
         total = (motor[0] + motor[1]) + (motor[2] + motor[3])
         for i in range(4):
@@ -96,11 +102,17 @@ def wheel_torques(
         return
     for i in range(4):
         wheel[i] = motor[i]
-    if driveline.coupling == LIMITED_SLIP:
-        for axle in range(2):
-            left, right = 2 * axle, 2 * axle + 1
-            if driven[left] == 1.0 and driven[right] == 1.0:
-                locking = driveline.preload + driveline.locking_ratio * abs(motor[left] + motor[right])
-                moved = 0.5 * locking * tanh((wheel_speed[left] - wheel_speed[right]) / driveline.locking_speed)
-                wheel[left] -= moved
-                wheel[right] += moved
+    if driveline.coupling == CENTRE:
+        total = (motor[0] + motor[1]) + (motor[2] + motor[3])
+        apart = 0.5 * (wheel_speed[0] + wheel_speed[1]) - 0.5 * (wheel_speed[2] + wheel_speed[3])
+        locking = car.centre_preload + car.centre_locking * abs(total)
+        front = driveline.front_share * total - 0.5 * locking * tanh(apart / driveline.locking_speed)
+        wheel[0] = wheel[1] = 0.5 * front
+        wheel[2] = wheel[3] = 0.5 * (total - front)
+    for axle in range(2):
+        left, right = 2 * axle, 2 * axle + 1
+        if car.differential[axle] == 1.0 and car.axle_preload[axle] + car.axle_locking[axle] > 0.0:
+            locking = car.axle_preload[axle] + car.axle_locking[axle] * abs(wheel[left] + wheel[right])
+            moved = 0.5 * locking * tanh((wheel_speed[left] - wheel_speed[right]) / driveline.locking_speed)
+            wheel[left] -= moved
+            wheel[right] += moved

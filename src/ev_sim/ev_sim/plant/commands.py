@@ -15,6 +15,7 @@ from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.elementary import isfinite
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import drive_train_numbers, motors_behind
 
 
 class GuardLimits(NamedTuple):
@@ -40,9 +41,11 @@ def guard_limits(vehicle: Vehicle, motor_torque: float, angle: float) -> GuardLi
 
     Coupled wheels may get the torque of all motors.
     """
-    motors = 1 if vehicle.driveline.coupling == "individual" else len(vehicle.driven_wheels)
-    limit = motor_torque * vehicle.gear_ratio * motors
-    drive = Wheels(*(limit if name in vehicle.driven_wheels else 0.0 for name in WHEEL_NAMES))
+    gears = drive_train_numbers(vehicle)["gear"]
+    limits = (motor_torque * gear * motors_behind(vehicle, name) for name, gear in zip(WHEEL_NAMES, gears, strict=True))
+    drive = Wheels(
+        *(limit if name in vehicle.driven_wheels else 0.0 for name, limit in zip(WHEEL_NAMES, limits, strict=True))
+    )
     return GuardLimits(drive, vehicle.maximum_brake_torque, angle)
 
 

@@ -11,6 +11,7 @@ from ev_msgs_py.elementary import cos, sin
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.vehicle.car import GRAVITY, Car
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.layout import equal_motors
 from ev_sim.drives.drive import advance_drive
 from ev_sim.plant.commands import GuardLimits, guard_limits, guarded_angle, guarded_torques
 from ev_sim.plant.kinematic.ackermann import course_offset, path_curvature, wheel_speed_ratios
@@ -38,6 +39,7 @@ def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float
     outputs=outputs,
     notes=notes,
     writes=SIGNALS,
+    needs=(equal_motors,),
     heavy=True,
     mirrored=True,
 )

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.contract.record import each_wheel, entry, per_wheel
-from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.car import GRAVITY
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import wheel_inertias
 from ev_msgs_py.vehicle.mf_tyre import MfTyre
 
 
@@ -56,9 +56,7 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
         wheel_x=list(x),
         wheel_y=list(y),
         wheel_radius=[v.wheel_radius * ratio for ratio in v.wheel_radius_ratio],
-        wheel_inertia=[
-            v.driven_wheel_inertia if name in v.driven_wheels else v.free_wheel_inertia for name in WHEEL_NAMES
-        ],
+        wheel_inertia=wheel_inertias(v),
         cornering_stiffness=[front_stiffness, front_stiffness, rear_stiffness, rear_stiffness],
         mf=[MfTyre(*numbers) for numbers in (tyre.front_mf, tyre.front_mf, tyre.rear_mf, tyre.rear_mf)],
         damping_x=tyre.longitudinal_stiffness * tyre.longitudinal_damping_time,

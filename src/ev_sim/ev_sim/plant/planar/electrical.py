@@ -59,7 +59,7 @@ def heat_motors(s: PlanarState, car: Car, c: Electrical, step: Step) -> None:
     """Heat windings by the copper loss of this step, power stages by what grows with the torque."""
     motor = car.motor
     for i in range(4):
-        torque, speed = step.motor[i], step.shaft[i] * car.gear_ratio
+        torque, speed = step.motor[i], step.shaft[i] * car.gear[i]
         copper = motor.copper_loss * torque * torque * car.driven[i]
         if car.driven[i] == 1.0:
             copper += weakening_loss(motor, torque, step.voltage, speed)

@@ -43,9 +43,9 @@ def _with_electrics(
     for i in range(4):
         if car.driven[i] == 0.0:
             continue
-        torque, speed = s.motor_torque[i], step.shaft[i] * car.gear_ratio
+        torque, speed = s.motor_torque[i], step.shaft[i] * car.gear[i]
         current[i], voltage[i] = phase_values(motor, torque, step.voltage, speed)
-        power[i] = torque * speed + drive_loss(p, car, c.power, step, i, torque, step.shaft[i])
+        power[i] = torque * speed * car.motors[i] + drive_loss(p, car, c.power, step, i, torque, step.shaft[i])
         winding[i] = thermal.coolant + s.winding_rise[i]
         inverter[i] = thermal.coolant + s.inverter_rise[i]
         inlet[i] = thermal.coolant

@@ -33,6 +33,7 @@ class PowerConstants(NamedTuple):
     resistance: float  # of the battery, at once [ohm]
     map: EfficiencyMap
     electrical: Electrical
+    gearbox: tuple[float, ...]  # ratios of an engine's gears
 
 
 @inlined
@@ -86,7 +87,8 @@ def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerCon
         left_loss = drive_loss(p, car, power, step, left, target[left], shaft[left])
         right_loss = drive_loss(p, car, power, step, right, target[right], shaft[right])
         wanted += left_loss + right_loss
-        mechanical += (target[left] * shaft[left] + target[right] * shaft[right]) * car.gear_ratio
+        powers = (target[left] * shaft[left] + target[right] * shaft[right]) * car.gear[left]
+        mechanical += powers * car.motors[left]
     wanted += mechanical + car.battery.auxiliary_power
     give, take = _limits(s, car, power)
     give, take = s.faults.power * give, s.faults.power * take
@@ -110,30 +112,31 @@ def battery_scale(s: PlanarState, p: PlanarParameters, car: Car, power: PowerCon
 def drive_loss(
     p: PlanarParameters, car: Car, power: PowerConstants, step: Step, i: int, torque: float, shaft: float
 ) -> float:
-    """Loss of the motor of wheel i [W], at the speed of its shaft behind the gear [rad/s]; none where there is none.
+    """Loss of the motors of wheel i [W], at the speed of the shaft behind the gear [rad/s]; none where there is none.
 
     A map knows what field weakening takes.
     """
     if car.driven[i] == 0.0:
         return 0.0
-    loss = motor_loss(p, car, power.map, torque, shaft * car.gear_ratio)
+    speed = shaft * car.gear[i]
+    loss = motor_loss(p, car, power.map, torque, speed)
     if power.electrical.modelled == 0.0 or len(power.map.efficiency) > 0:
-        return loss
-    return loss + weakening_loss(car.motor, torque, step.voltage, shaft * car.gear_ratio)
+        return loss * car.motors[i]
+    return (loss + weakening_loss(car.motor, torque, step.voltage, speed)) * car.motors[i]
 
 
 @inlined
 def account(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants, step: Step, h: float) -> None:
     """Book the energies of this step of h [s], in which the wheels have `turned`, and discharge the battery."""
-    shaft, mean_speed, motor, gear = step.shaft, step.mean_speed, step.motor, car.gear_ratio
+    shaft, mean_speed, motor = step.shaft, step.mean_speed, step.motor
     for i in range(4):
         mean_speed[i] = step.turned[i] / h
     shaft_speeds(car, mean_speed, shaft)
     mechanical = loss = drive = 0.0
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
-        left_speed, right_speed = shaft[left] * gear, shaft[right] * gear
-        mechanical += motor[left] * left_speed + motor[right] * right_speed
+        left_speed, right_speed = shaft[left] * car.gear[left], shaft[right] * car.gear[right]
+        mechanical += (motor[left] * left_speed + motor[right] * right_speed) * car.motors[left]
         left_loss = drive_loss(p, car, power, step, left, motor[left], shaft[left])
         loss += left_loss + drive_loss(p, car, power, step, right, motor[right], shaft[right])
         drive += step.drive[left] * mean_speed[left] + step.drive[right] * mean_speed[right]
@@ -142,6 +145,9 @@ def account(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants
         for axle in range(2):
             loss += s.drives[2 * axle].electrical_power + s.drives[2 * axle + 1].electrical_power
         loss -= mechanical
+    if car.engine_driven == 1.0:
+        s.driveline_loss += (s.engine.taken - mechanical) * h
+        loss = -mechanical  # of a battery that gives nothing to the engine
     given = mechanical + loss + car.battery.auxiliary_power
     current = current_at_power(source_voltage(s, power), power.resistance, given)
     if power.electrical.modelled == 1.0:
@@ -152,7 +158,7 @@ def account(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants
     s.state_of_charge -= current * h / power.capacity
     s.battery_power = given
     s.battery_work += given * h
-    s.motor_loss += loss * h
+    s.motor_loss += loss * h * (1.0 - car.engine_driven)
     s.driveline_loss += (mechanical - drive) * h
     s.auxiliary_work += car.battery.auxiliary_power * h
     s.drive_work += drive * h

@@ -42,7 +42,7 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
         y[WHEEL_SPEED + i] = (speed / (1.0 - slip) if force * speed > 0.0 else speed * (1.0 - slip)) / radius[i]
         y[SLIP_X + i] = slip if force >= 0.0 else -slip
         y[DEFLECTION_X + i] = force / car.tyre.longitudinal_stiffness
-        s.motor_torque[i] = asked / car.gear_ratio
+        s.motor_torque[i] = asked / car.gear[i] / car.motors[i]
         s.mean_drive[i] = torque
 
 

@@ -15,6 +15,7 @@ from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelT
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import has_equal_motors, has_own_motors
 from ev_sim.battery.resistive import current_at_power
 from ev_sim.plant.commands import accepted
 from ev_sim.plant.planar.drive_torques import Lags, behind_gear
@@ -56,8 +57,10 @@ def at_start(p: PlanarOnBenchParameters, car: Car, c: PlanarConstants) -> Planar
 
 def individual_machines(_parameters: PlanarOnBenchParameters, vehicle: Vehicle) -> str:
     """A circuit of the bench is one machine behind one wheel, and its torque is what the laws ask for."""
-    if vehicle.driveline.coupling != "individual":
+    if not has_own_motors(vehicle):
         return "driveline.coupling individual"
+    if not has_equal_motors(vehicle):
+        return "equal motors and gears at all driven wheels, and no engine"
     return "blend_brakes false" if vehicle.blend_brakes else ""
 
 

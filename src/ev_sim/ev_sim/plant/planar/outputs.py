@@ -56,13 +56,14 @@ def seen(
     shaft_speeds(car, y[WHEEL_SPEED : WHEEL_SPEED + 4], step.shaft)
     slip_x, slip_y = step.asked, step.target  # memory that nothing else needs here
     for i in range(4):
-        step.shaft[i] = step.shaft[i] * car.driven[i] * car.gear_ratio
+        step.shaft[i] = step.shaft[i] * car.driven[i] * car.gear[i]
+        step.motor[i] = s.motor_torque[i] * car.motors[i]
         slip_x[i], sine = slips(y, car, c.body, step, i)
         slip_y[i] = -asin(min(max(sine, -1.0), 1.0))
     tyre = step.tyre
     return (
         WheelStates(wheels_from(y, WHEEL_ANGLE), wheels_from(y, WHEEL_SPEED), wheels_from(s.mean_drive, 0)),
-        MotorStates(wheels_from(step.shaft, 0), wheels_from(s.motor_torque, 0)),
+        MotorStates(wheels_from(step.shaft, 0), wheels_from(step.motor, 0)),
         InertialMeasurement(y[YAW_RATE], step.acceleration_x, step.acceleration_y),
         BodyVelocity(y[VX], y[VY], y[YAW_RATE]),
         BodyPose(s.x, s.y, sin(y[HEADING] / 2), cos(y[HEADING] / 2)),

@@ -9,6 +9,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.elementary import expm1
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import has_equal_motors, has_own_motors
 from ev_sim.drives.drive import DRIVES
 from ev_sim.plant.commands import GuardLimits, guard_limits
 from ev_sim.plant.planar.constants import BodyConstants, body_constants
@@ -42,6 +43,8 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
     """The constants of a plant; ParameterError if a file that it names has not been read."""
     p = parameters
     brushless = p.drive in DRIVES
+    if brushless and not has_equal_motors(vehicle):
+        raise ParameterError(f"drive {p.drive} needs equal motors and gears at all driven wheels, and no engine")
     steps = number_of_steps(p, vehicle, period)
     motor_torque = p.motor.torque_limit if brushless else vehicle.motor.peak_torque
     return PlanarConstants(
@@ -56,6 +59,7 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
             resistance=vehicle.battery.resistance,
             map=EfficiencyMap((), (), ()) if brushless else efficiency_map(vehicle),
             electrical=Electrical(),
+            gearbox=vehicle.engine.gearbox.ratios,
         ),
         road=road_tables(p.road, vehicle),
         initial_drive_torque=checked_initial_torque(p, vehicle),
@@ -68,6 +72,8 @@ def prepare_electrical(parameters: PlanarParameters, vehicle: Vehicle, period: f
     """The same with cells and the electrical side of the motors."""
     if parameters.drive in DRIVES:
         raise ParameterError(f"planar_electrical needs drive torque_controlled, not {parameters.drive}")
+    if vehicle.engine.peak_power > 0.0:
+        raise ParameterError("planar_electrical needs motors, not vehicle.engine")
     c, cells = prepare(parameters, vehicle, period), vehicle.battery.cells
     power = c.power._replace(
         voltage=tuple(cells.in_series * voltage for voltage in cells.open_circuit_voltage),
@@ -86,7 +92,7 @@ def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tu
     for lacks, needed in (
         (parameters.initial_speed == 0.0, "an initial_speed other than 0"),
         (parameters.drive in DRIVES, "drive torque_controlled"),
-        (vehicle.driveline.coupling != "individual", "vehicle.driveline.coupling individual"),
+        (not has_own_motors(vehicle), "vehicle.driveline.coupling individual"),
         (undriven, f"a motor at {', '.join(undriven)}"),
     ):
         if any(torques) and lacks:

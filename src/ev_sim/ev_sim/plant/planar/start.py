@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ev_msgs_py.vehicle.car import Car
+from ev_sim.drives.engine import begin_engine
 from ev_sim.plant.planar.contact import contact, friction, within_friction
 from ev_sim.plant.planar.equilibrium import begin_driven
 from ev_sim.plant.planar.lift import note_lifted
@@ -38,6 +39,9 @@ def begin(s: PlanarState, p: PlanarParameters, car: Car, c: PlanarConstants) -> 
     for i in range(4):
         y[WHEEL_SPEED + i] = p.initial_speed / c.body.wheel_radius[i]
         s.torque_share[i] = car.driven[i] / max(car.number_driven, 1.0)
+    if car.engine_driven == 1.0:
+        turning = (car.gear[i] * y[WHEEL_SPEED + i] for i in range(4) if car.driven[i] == 1.0)
+        begin_engine(s.engine, car.engine, c.power.gearbox, next(turning))
     if p.initial_speed == 0.0:
         _park(s, car, c)
     if any(c.initial_drive_torque):

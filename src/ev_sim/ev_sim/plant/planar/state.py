@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.contract.record import Place, each_wheel, entry, names, part, per_wheel, row, wheel_places
+from ev_sim.drives.engine import EngineState
 from ev_sim.drives.state import DriveState
 from ev_sim.plant.commands import GuardState
 from ev_sim.plant.planar.faults.state import FaultState
@@ -65,6 +66,7 @@ class PlanarState:
     imposed_acceleration: float = entry(unit="m/s^2", about="that an outer force gave the body over the last period")
     periods: float = entry(unit="1", about="number of periods so far")
     lifted: list[float] = per_wheel(unit="1", about="1 if the wheel has been off the ground at the end of a period")
+    engine: EngineState = part(EngineState)
     guard: GuardState = part(GuardState)
     faults: FaultState = part(FaultState)
 

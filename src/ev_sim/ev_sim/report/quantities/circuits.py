@@ -6,6 +6,7 @@ import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import has_equal_motors, has_own_motors
 from ev_sim.drives.losses import loss_power
 from ev_sim.drives.losses_over_time import map_loss_powers
 from ev_sim.report.metric import NotMeasured
@@ -22,8 +23,10 @@ def circuit_shares(run: Recording, vehicle: Vehicle) -> dict[str, CircuitShares]
     M_f follows from the balance of the wheel, M_f = M_k - F_x r - J w'. What a motor takes is its power at the shaft
     and the losses of motor and inverter by the vehicle's loss model or map, as for torque-controlled drives; on a test
     bench torque, speed, voltage and current are those that were measured.
-    NotMeasured if there is no free wheel beside a driven one.
+    NotMeasured if there is no free wheel beside a driven one, or if the motors are no circuits that are alike.
     """
+    if not (has_own_motors(vehicle) and has_equal_motors(vehicle)):
+        raise NotMeasured("a circuit is one of equal motors, each of one wheel")
     period = np.diff(run.time, prepend=run.time[0])
     inertia = vehicle.driven_wheel_inertia
     shares = {}

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import wheel_inertias
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.over_time import over_time
@@ -27,8 +28,7 @@ UPPER, LOWER = 100 / 3.6, 80 / 3.6  # [m/s], between which the coast-down is tim
 
 def effective_mass(vehicle: Vehicle) -> float:
     """Mass and rotating inertias, m + sum (J_w + J_m n^2)/r^2 [kg]."""
-    rotors = len(vehicle.driven_wheels) * vehicle.motor.rotor_inertia * vehicle.gear_ratio**2
-    return vehicle.mass + (4 * vehicle.wheel_inertia + rotors) / vehicle.wheel_radius**2
+    return vehicle.mass + sum(wheel_inertias(vehicle)) / vehicle.wheel_radius**2
 
 
 def decelerations(run: Recording) -> tuple[np.ndarray, np.ndarray]:

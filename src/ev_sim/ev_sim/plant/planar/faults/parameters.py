@@ -63,6 +63,7 @@ def _refuse(fault: Fault, vehicle: Vehicle, period: float, is_brushless: bool, p
     coupling = vehicle.driveline.coupling
     for lacks, needed in (
         (of_motor and not driven, f"a motor there, of {', '.join(vehicle.driven_wheels)}"),
+        (of_motor and vehicle.engine.peak_power > 0.0, "motors, not vehicle.engine"),
         (fault.kind == "hall_stuck" and not is_brushless, "drive ideal, averaged or switched"),
         (fault.kind == "hall_stuck" and coupling != "individual", "vehicle.driveline.coupling individual"),
         (fault.kind == "puncture" and not puncture_fits, "vehicle.tyre.lateral_curve same"),

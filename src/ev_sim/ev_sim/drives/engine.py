@@ -1,0 +1,100 @@
+"""A combustion engine with torque converter and automatic gearbox, in the place of motors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry
+from ev_msgs_py.vehicle.engine import Engine
+from ev_sim.driveline.torque_converter import converter_torques
+from ev_sim.drives.torque_controlled import SPEED_FADE
+
+
+@dataclass(slots=True)
+class EngineState:
+    """Crankshaft, gear, and the work that they have done."""
+
+    speed: float = entry(unit="rad/s", about="of crankshaft and pump")
+    torque: float = entry(unit="N m", about="of the engine at its crankshaft")
+    gear: float = entry(1.0, unit="1", about="that is in, from 1 on; -1 is the reverse gear")
+    since_shift: float = entry(unit="s", about="time that it has been in")
+    work: float = entry(unit="J", about="given by the engine at its crankshaft")
+    taken: float = entry(unit="W", about="by the converter, mean over the last step")
+
+
+@compilable
+def full_load_torque(e: Engine, speed: float) -> float:
+    """Largest torque of the engine [N m] at a speed [rad/s].
+
+    M = P/w_P (1 + w/w_P - (w/w_P)^2) of a spark ignition engine, from the power P at w_P alone (Genta, Motor Vehicle
+    Dynamics, 1997, section on the engine's characteristics); it fades where fuel is cut off.
+    """
+    over = speed / e.peak_power_speed
+    fade = min(max((e.maximum_speed - speed) / (SPEED_FADE * e.maximum_speed), 0.0), 1.0)
+    return max(e.peak_power / e.peak_power_speed * (1.0 + over - over * over), 0.0) * fade
+
+
+@compilable
+def gear_ratio(e: Engine, ratios: tuple[float, ...], gear: float) -> float:
+    """Speed of the turbine over that of the gearbox' output [1], negative in reverse."""
+    return -e.gearbox.reverse if gear < 0.0 else ratios[int(gear) - 1]
+
+
+@compilable
+def begin_engine(s: EngineState, e: Engine, ratios: tuple[float, ...], shaft: float) -> None:
+    """Set an engine to a gearbox whose output turns [rad/s]: the highest gear above its downshift, without torque."""
+    s.gear = -1.0 if shaft < 0.0 else 1.0
+    while 0.0 < s.gear < len(ratios) and ratios[int(s.gear)] * shaft > e.gearbox.downshift_speed:
+        s.gear += 1.0
+    s.since_shift = e.gearbox.dwell
+    s.speed = max(gear_ratio(e, ratios, s.gear) * shaft, e.idle_speed)
+
+
+@compilable
+def advance_engine(
+    s: EngineState, e: Engine, ratios: tuple[float, ...], wanted: float, shaft: float, h: float
+) -> float:
+    """Advance the engine by h [s]; the torque of the gearbox' output [N m] over that time.
+
+    `wanted` is the torque asked there [N m], `shaft` the speed of the output [rad/s]. The pedal asks for a torque as in
+    a car whose engine control thinks in torques: the engine goes, with its lag, for what gives the wanted torque
+    through gear and converter, between its drag and full load; below idle speed the idle control pulls it up.
+    """
+    _shift(s, e, ratios, wanted, shaft, h)
+    ratio = gear_ratio(e, ratios, s.gear)
+    turbine = ratio * shaft
+    taken, given = converter_torques(e.converter_size, s.speed, turbine)
+    multiplied = given / taken if given > taken > 0.0 else 1.0
+    asked = wanted / ratio
+    asked = asked / e.gearbox.efficiency if asked >= 0.0 else asked * e.gearbox.efficiency
+    most, least = full_load_torque(e, s.speed), -(e.drag_torque + e.drag_growth * s.speed)
+    target = max(asked / multiplied, least, e.idle_gain * (e.idle_speed - s.speed) if s.speed < e.idle_speed else least)
+    s.torque += h / (e.torque_lag + h) * (min(target, most) - s.torque)
+    before = s.speed
+    s.speed = max(before + h * (s.torque - taken) / e.inertia, 0.0)
+    mean = 0.5 * (before + s.speed)
+    s.work += s.torque * mean * h
+    s.taken = taken * mean
+    passed = given * e.gearbox.efficiency if given * turbine >= 0.0 else given / e.gearbox.efficiency
+    return passed * ratio
+
+
+@compilable
+def _shift(s: EngineState, e: Engine, ratios: tuple[float, ...], wanted: float, shaft: float, h: float) -> None:
+    """Change gear by the speed of the turbine, and the direction near rest by what is wanted."""
+    s.since_shift += h
+    if s.since_shift < e.gearbox.dwell:
+        return
+    gear, turbine, slow = s.gear, gear_ratio(e, ratios, s.gear) * shaft, e.gearbox.selector_speed
+    if gear < 0.0:
+        if wanted > 0.0 and shaft > -slow:
+            s.gear = 1.0
+    elif wanted < 0.0 and shaft < slow:
+        s.gear = -1.0
+    elif turbine > e.gearbox.upshift_speed and gear < len(ratios):
+        s.gear += 1.0
+    elif turbine < e.gearbox.downshift_speed and gear > 1.0:
+        s.gear -= 1.0
+    if s.gear != gear:
+        s.since_shift = 0.0
