@@ -135,11 +135,11 @@ def speed_controlled(
         watch(limit_of, forget, reference, p, car, s, period, request, column, wheels, imu)
     else:
         s.control.measured = 0.0
-    drive, most = request.drive, car.motor.maximum_speed / car.gear_ratio
+    drive, fastest = request.drive, car.motor.maximum_speed
     speeds = Wheels(
-        copysign(min(s.wheels[0].limit, most), drive[0]),
-        copysign(min(s.wheels[1].limit, most), drive[1]),
-        copysign(min(s.wheels[2].limit, most), drive[2]),
-        copysign(min(s.wheels[3].limit, most), drive[3]),
+        copysign(min(s.wheels[0].limit, fastest / car.gear[0]), drive[0]),
+        copysign(min(s.wheels[1].limit, fastest / car.gear[1]), drive[1]),
+        copysign(min(s.wheels[2].limit, fastest / car.gear[2]), drive[2]),
+        copysign(min(s.wheels[3].limit, fastest / car.gear[3]), drive[3]),
     )
     return WheelTorqueCommand(drive, request.brake), WheelSpeedCommand(speeds)

@@ -12,6 +12,7 @@ from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import has_own_motors
 from ev_sim.drives.speed_control import SpeedControlParameters, speed_control
 from ev_sim.plant.commands import accepted
 from ev_sim.plant.planar.drive_torques import Lags, apply_drives
@@ -50,7 +51,7 @@ def at_start(p: PlanarSpeedModeParameters, car: Car, c: PlanarConstants) -> Plan
 
 def a_motor_for_each_wheel(_parameters: PlanarSpeedModeParameters, vehicle: Vehicle) -> str:
     """A drive controls the speed of its own wheel."""
-    return "" if vehicle.driveline.coupling == "individual" else "driveline.coupling individual"
+    return "" if has_own_motors(vehicle) else "driveline.coupling individual"
 
 
 @method(
@@ -84,8 +85,8 @@ def planar_speed_mode(
     M = K e + (K/T) integral(e) within 0..M_command, e = w* - w at the shaft, in every step of the plant; motor, its
     limits, lag and losses are those of the plant in torque mode. A set-point out of reach is torque mode, to the bit.
     """
-    most = car.motor.maximum_speed / car.gear_ratio
     for i in range(4):
+        most = car.motor.maximum_speed / car.gear[i]
         s.set_point[i] = accepted(s.guard, speeds.speed[i], s.set_point[i], -most, most)
     advance(p, car, c, s, period, command, column, _apply, account)
 
@@ -101,9 +102,10 @@ def _apply(
     h: float,
 ) -> None:
     """Set the torques of a step of h [s] as in torque mode, by the torque that each speed control asks for."""
-    command, gear, control = step.drive_command, car.gear_ratio, p.speed_control
+    command, control = step.drive_command, p.speed_control
     front_left, front_right, rear_left, rear_right = command[0], command[1], command[2], command[3]
     for i in range(4):
+        gear = car.gear[i]
         least, most = min(command[i], 0.0) / gear, max(command[i], 0.0) / gear
         error = gear * (s.set_point[i] - s.motion[WHEEL_SPEED + i])
         asked, s.speed_integral[i] = speed_control(
