@@ -47,6 +47,18 @@ ANGLES = tuple(range(3, 11))  # of the road wheels [deg]
 SIZE = len(FORCES) * len(ANGLES)
 
 Values = tuple[tuple[str, str, Any], ...]
+MOTORS = "motors"
+# An engine of the same 60 kW with converter, gearbox and final drive, as docs/drivelines.md has them, in place of the
+# motors; `motor` is the drive as laws know it. All of it is assumed: the source gives neither values nor equations.
+ENGINE: Values = (
+    ("*", "vehicle.engine.peak_power", 60e3),
+    ("*", "vehicle.gear_ratio", 4.1),
+    ("*", "vehicle.motor.peak_torque", 400.0),
+    ("*", "vehicle.motor.nominal_torque", 400.0),
+    ("*", "vehicle.motor.peak_power", 60e3),
+    ("*", "vehicle.motor.maximum_speed", 812.0),
+)
+DRIVES: Mapping[str, Values] = {MOTORS: (), "engine": ENGINE}
 
 
 def cases_of(controls: Iterable[str], values: Values = (), variant: str = "") -> list[Case]:

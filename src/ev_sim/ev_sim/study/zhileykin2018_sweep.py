@@ -25,12 +25,13 @@ SUMS = ("cases", "rear_drive_spins", "holds_", "calm_")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """There are none: the grid is that of the page docs/zhileykin2018.md."""
+    """The drive; the grid is that of the page docs/zhileykin2018.md."""
+    parser.add_argument("--drive", choices=grid.DRIVES, default=grid.MOTORS, help="default: motors, as on the page")
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every control at every force and angle."""
-    return grid.cases_of(SWEPT)
+    return grid.cases_of(SWEPT, grid.DRIVES[getattr(given, "drive", grid.MOTORS)])
 
 
 measure = grid.measure
