@@ -13,8 +13,10 @@ from can_bus.lockstep_runs import driven
 from ev_msgs_py.can.bus_log import BusLog
 from ev_msgs_py.can.bus_model import BusModelParameters
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.offline import run_offline
 from ev_sim.running.recording.can_log import write_can_log
 from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study import bench_faults
 from ev_sim.study.bench_fault_trial import FAULTS, trial
 from ev_sim.study.case import drive_case
@@ -69,12 +71,21 @@ def test_single_lost_frames_leave_the_last_value_and_no_fault():
 
 
 def test_without_the_operators_enabling_nothing_is_switched_on():
-    """Steps of the test sequence are the parameter `enabled`: here for the left circuit alone."""
-    left = driven(0.6, ("test_bench", "enabled", "left"), ("inverter_gateway", "fault_stops", "drive"))
-    torque = {side: left[f"bench.shafts.machine_torque.front_{side}"] for side in ("left", "right")}
-    assert not torque["right"].any()
-    assert not left["bench.shafts.load_torque.front_right"].any()
-    assert torque["left"][-1] > 30.0
+    """Steps of the test sequence are the parameter `enabled`: here for the left load machine, and no pair of drives."""
+    left = driven(0.4, ("test_bench", "enabled", "left"))
+    for part, side, works in (("machine", "left", False), ("load", "right", False), ("load", "left", True)):
+        assert left[f"bench.shafts.{part}_torque.front_{side}"].any() == works
+
+
+def test_a_wheel_that_grips_again_is_no_fault():
+    """The urban cycle up to where rotors that slow down by 2000 rad/s^2 once were taken for a wrong transducer."""
+    values = [("test_bench", "method", "circuits_on_can")]
+    (run,) = load_scenario("urban_mixed_bench", Overrides(values=values, duration=28.0)).runs
+    noted: list[str] = []
+    channels = run_offline(run.configurations, run.duration, note=lambda _, text: noted.append(text)).channels
+    speed = channels["bench.shafts.speed.front_right"]
+    assert np.diff(speed).min() < -0.005 * 1500.0
+    assert noted == []
 
 
 @pytest.mark.parametrize("what", FAULTS)

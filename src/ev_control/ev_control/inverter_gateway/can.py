@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ev_control.inverter_gateway.diagnosis import latched, latched_names
 from ev_control.inverter_gateway.hearing import ELECTRICAL, FAULTS, MOTION, TEMPERATURES, receive_feedback
 from ev_control.inverter_gateway.leading import advance_gateway
-from ev_control.inverter_gateway.orders import press_buttons, take_orders
+from ev_control.inverter_gateway.orders import press_buttons, take_orders, watch_bench
 from ev_control.inverter_gateway.parameters import LockstepGatewayParameters
 from ev_control.inverter_gateway.sending import heartbeat, set_point
 from ev_control.inverter_gateway.state import Device, Gateway
@@ -22,6 +22,7 @@ from ev_msgs_py.contract.bus_signals import MOST_TICKS, FeedbackFrames, SetPoint
 from ev_msgs_py.contract.record import part, series
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.layout import listed
 
@@ -95,6 +96,7 @@ def notes(s: LockstepGateway) -> tuple[str, ...]:
 @compilable
 def can(
     p: LockstepGatewayParameters,
+    car: Car,
     c: GatewayConstants,
     s: LockstepGateway,
     period: float,
@@ -109,7 +111,7 @@ def can(
     """
     g, f = s.gateway, c.frames
     s.heard[:] = heard
-    take_orders(p, g, command, load, shafts, period)
+    take_orders(p, g, command, load)
     s.said[HEARTBEATS] = s.said[HEARTBEATS + 1] = NO_FRAME
     for tick in range(int(c.ticks)):
         press_buttons(c.enable_tick, c.reset_tick, g)
@@ -117,6 +119,8 @@ def can(
         _hear(f, f.drive_12, g.drive_12, s, _HEARD, tick)
         _hear(f, f.load_11, g.load_11, s, 2 * _HEARD, tick)
         _hear(f, f.load_12, g.load_12, s, 3 * _HEARD, tick)
+        if tick == int(c.ticks) - 1:
+            watch_bench(p, car.motor.rotor_inertia, g, load, shafts, period)
         before = g.tick
         advance_gateway(p, g, 1.0, TICK)
         _say(f, f.drive_11, g.drive_11, s, p.torque_limit, 2 * tick)

@@ -31,6 +31,8 @@ def receive_feedback(f: BenchFrames, own: DeviceFrames, s: Feedback, kind: int, 
         if _is_good(s, s.motion, payload, f.motion.length, data_id):
             s.age, s.state = 0.0, float(state_of(int(extracted(payload, f.motion.statusword))))
             s.torque = extracted(payload, f.motion.torque)
+            s.torque_sum += s.torque
+            s.torque_count += 1.0
             s.speed = RPM * extracted(payload, f.motion.speed)
     elif kind == ELECTRICAL:
         if _is_good(s, s.electrical, payload, f.electrical.length, data_id):

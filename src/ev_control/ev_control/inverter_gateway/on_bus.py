@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 
 from ev_control.inverter_gateway.can import ALL_SAID, HEARTBEATS, LOADS, SAID, note_faults
-from ev_control.inverter_gateway.orders import press_buttons, take_orders
+from ev_control.inverter_gateway.orders import press_buttons, take_orders, watch_bench
 from ev_control.inverter_gateway.station import GatewayStation
 from ev_msgs_py.can.bus_parameters import CIRCUITS
 from ev_msgs_py.can.channel import Frame
@@ -41,6 +41,7 @@ class GatewayOnBus(LawObject):
         }
         self._set_points: dict[int, deque[int]] = {place: deque(maxlen=MOST_TICKS) for place in _PLACES}
         self._heartbeats: dict[int, int] = {}
+        self._heard_before = [(0.0, 0.0), (0.0, 0.0)]
         self._has_begun = False
         self.step = self._answer
 
@@ -71,7 +72,14 @@ class GatewayOnBus(LawObject):
         """Take the orders of an instant; with the first one time begins for the buttons."""
         if not self._has_begun:
             self._has_begun, self.station.s.tick = True, 0.0
-        take_orders(self.given["p"], self.station.s, command, load, shafts, self._period)
+        p, g = self.given["p"], self.station.s
+        take_orders(p, g, command, load)
+        # The bench says at an instant what it measured before the last one (`BenchOnBus`).
+        for place, device in enumerate((g.drive_11, g.drive_12)):
+            of = device.feedback
+            now, (of.torque_sum, of.torque_count) = (of.torque_sum, of.torque_count), self._heard_before[place]
+            self._heard_before[place] = now
+        watch_bench(p, self.given["car"].motor.rotor_inertia, g, load, shafts, self._period)
         note_faults(self.given["s"])
         return SetPointFrames(*self._said())
 

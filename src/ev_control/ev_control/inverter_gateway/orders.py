@@ -15,17 +15,24 @@ from ev_msgs_py.elementary import isfinite
 
 @inlined
 def take_orders(
-    p: LockstepGatewayParameters, g: Gateway, command: WheelTorqueCommand, load: LoadCommand, shafts: BenchShafts,
-    period: float,
+    p: LockstepGatewayParameters, g: Gateway, command: WheelTorqueCommand, load: LoadCommand
 ) -> None:  # fmt: skip
-    """Torques of the drives, torques or speeds of the load machines; and whether the bench measures what can be."""
+    """Torques of the drives, torques or speeds of the load machines."""
     right, left = int(p.wheel_11), int(p.wheel_12)
     _command(p, g.drive_11, TORQUE_MODE, command.drive[right] / p.gear_ratio)
     _command(p, g.drive_12, TORQUE_MODE, command.drive[left] / p.gear_ratio)
     _command_load(p, g.load_11, load, right)
     _command_load(p, g.load_12, load, left)
-    watch(p.plausibility, g.drive_11, shafts.torque[right], shafts.speed[right], load.speed[right], period)
-    watch(p.plausibility, g.drive_12, shafts.torque[left], shafts.speed[left], load.speed[left], period)
+
+
+@inlined
+def watch_bench(
+    p: LockstepGatewayParameters, rotor: float, g: Gateway, load: LoadCommand, shafts: BenchShafts, period: float
+) -> None:
+    """Whether the bench measures what can be, once all frames of a period were heard; rotors of an inertia [kg m^2]."""
+    right, left = int(p.wheel_11), int(p.wheel_12)
+    watch(p.plausibility, g.drive_11, rotor, shafts.torque[right], shafts.speed[right], load.speed[right], period)
+    watch(p.plausibility, g.drive_12, rotor, shafts.torque[left], shafts.speed[left], load.speed[left], period)
 
 
 @compilable

@@ -9,14 +9,22 @@ from __future__ import annotations
 
 from ev_msgs_py.can.codec import byte_of
 from ev_msgs_py.can.crc8 import crc8_share
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compiling.compilable import compilable, inlined
 
+LONGEST = 8  # bytes of a classic frame
 COUNTERS = 15  # values of the counter; 15 itself means that it is invalid
 
 
 @compilable
 def checksum(payload: int, length: int, data_id: int) -> int:
     """The checksum that belongs into byte 0 of a payload of `length` bytes."""
+    if length == LONGEST:  # nearly all are so long, and the compiler unrolls a loop whose length it knows
+        return _checksum(payload, LONGEST, data_id)
+    return _checksum(payload, length, data_id)
+
+
+@inlined
+def _checksum(payload: int, length: int, data_id: int) -> int:
     crc = crc8_share(data_id & 0xFF, length) ^ crc8_share((data_id >> 8) & 0xFF, length - 1)
     for place in range(1, length):
         crc ^= crc8_share(byte_of(payload, place), length - 1 - place)

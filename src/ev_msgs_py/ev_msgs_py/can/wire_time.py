@@ -10,11 +10,11 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from ev_msgs_py.can.frame_length import CRC_BITS, NEVER_STUFFED, crc15, frame_bits
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.can.protection import LONGEST
+from ev_msgs_py.compiling.compilable import compilable, inlined
 
 _EQUAL_BITS = 5
 _STATES = 2 * (_EQUAL_BITS - 1)  # eight: three bits
-_LONGEST = 8  # bytes of data
 _CRC_MASK = (1 << CRC_BITS) - 1
 
 
@@ -55,7 +55,7 @@ def _remainders() -> list[int]:
     """By number of bytes behind it, and by byte, what a byte adds to the CRC, which is linear."""
     first = [crc15(_bits(byte)) for byte in range(256)]
     found, last = [*first], first
-    for _ in range(_LONGEST - 1):
+    for _ in range(LONGEST - 1):
         last = [((crc << 8) & _CRC_MASK) ^ first[crc >> (CRC_BITS - 8)] for crc in last]
         found += last
     return found
@@ -76,6 +76,13 @@ def header(identifier: int, length: int) -> Header:
 @compilable
 def wire_bits(bits: float, state: float, crc: float, payload: int, length: int) -> float:
     """Bits on the wire of a frame with this header, stuff bits and the pause behind it counted."""
+    if length == LONGEST:  # as in `protection.checksum`
+        return _wire_bits(bits, state, crc, payload, LONGEST)
+    return _wire_bits(bits, state, crc, payload, length)
+
+
+@inlined
+def _wire_bits(bits: float, state: float, crc: float, payload: int, length: int) -> float:
     now, remainder, count = int(state) & 7, int(crc), 0
     for place in range(length):
         byte = (payload >> (8 * place)) & 0xFF

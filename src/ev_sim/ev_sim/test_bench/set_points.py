@@ -8,7 +8,7 @@ from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.bench_signals import LoadCommand
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.elementary import remainder
+from ev_msgs_py.elementary import floor, remainder
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.test_bench.state import LINE, SetPointState
 
@@ -37,7 +37,8 @@ def set_points(car: Car, command: WheelTorqueCommand, load: LoadCommand) -> SetP
 def send(path: SetPointState, periods: float, value: float, largest: float, resolution: float) -> None:
     """Let a set-point set out, within its range and rounded; at the start everything was zero."""
     sent = min(max(value, -largest), largest)
-    if resolution > 0.0:
+    # What came over a bus is mostly such a multiple already.
+    if resolution > 0.0 and resolution * floor(sent / resolution + 0.5) != sent:
         sent -= remainder(sent, resolution)
     path.line[int(periods) % LINE] = sent
 

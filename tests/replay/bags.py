@@ -1,0 +1,66 @@
+"""Bags as the recorder writes them in real time, and as others do; what a replay finds in them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.roles import RECORDED
+from ev_msgs_py.contract.topics import TOPICS
+from ev_sim.replay.comparing import differences_of
+from ev_sim.replay.graph import replay_of
+from ev_sim.replay.outputs import replay_folder
+from ev_sim.replay.recorded import Recorded
+from ev_sim.running.offline import drive_offline
+from ev_sim.running.recording.durable_bag import DurableBag
+from ev_sim.running.recording.message_table import MessageTable
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.recording.run_recorder import RunRecorder
+from ev_sim.running.scenarios.scenario import Overrides
+
+PERIOD = 10_000_000  # ns, of shchur2019
+
+
+def differences(recorded: Recorded, out: Path, role: str, vehicle: str | None = None):
+    replay = replay_of(recorded, role, "", Overrides(vehicle=vehicle))
+    run, _ = replay_folder(replay, out)
+    return differences_of(replay, drive_offline(run).recording)
+
+
+def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:
+    """A folder with a bag as the recorder writes it in real time; `lost`: of which topics one instant is missing.
+
+    All of it is 20 ms late, the driver 2 ms after the plant, and so on.
+    """
+    after = {"driver/command": 2, "torque_request": 3, "torque_command": 4, "steering_column/state": -1}  # ms
+    topics = [TOPICS[s] for s in RECORDED if set(TOPICS[s].channels) <= set(of.channels)]
+    recorder = RunRecorder(topics, [f"/ev/{t.name}" for t in topics], PERIOD, folder / "bag", may_skip=True)
+    frames = frame.stack(len(of.time), PERIOD)
+    for topic in topics:
+        frames[:, frame.PLACES[topic.signal]] = np.stack([of.channels[name] for name in topic.channels], axis=1)
+    at = np.arange(len(of.time)) * PERIOD
+    messages = [MessageTable(topic).serialize(at, frames) for topic in topics]
+    for step in range(len(of.time)):
+        for index, topic in enumerate(topics):
+            if lost.get(topic.name) != step:
+                late = 20 + after.get(topic.name, 0)
+                recorder.add(index, messages[index][step], 10**18 + int(at[step]) + late * 1_000_000)
+    recorder.close()
+    return folder
+
+
+def foreign_bag(of: Recording, folder: Path, stamps: list[int], names: dict[str, str]) -> Path:
+    """A bag of another recorder, with a part of the graph: by full name the topic, a message for each stamp [ns]."""
+    with DurableBag(folder / "bag") as bag:
+        for full, name in names.items():
+            topic = next(topic for topic in TOPICS.values() if topic.name == name)
+            numbers = np.zeros((len(stamps), frame.SIZE))
+            numbers[:, frame.PLACES[topic.signal]] = np.stack(
+                [of.channels[each][: len(stamps)] for each in topic.channels], axis=1
+            )
+            handle = bag.add_topic(full, topic.message_type)
+            for i, message in enumerate(MessageTable(topic).serialize(np.array(stamps), numbers)):
+                bag.write(handle, 10**18 + i * PERIOD, message)
+    return folder

@@ -1,0 +1,71 @@
+"""Bags of real time, of hardware and of other recorders, as far as they can be replayed."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from replay.bags import PERIOD, differences, foreign_bag, realtime_bag
+
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.replay.comparing import in_words
+from ev_sim.replay.graph import replay_of
+from ev_sim.replay.latency import latency_of
+from ev_sim.replay.recorded import find_recorded
+from ev_sim.running.recording.recording import load
+from ev_sim.running.scenarios.scenario import Overrides
+
+PART = {"/a/wheel_states": "wheel_states", "/a/torque_request": "torque_request", "/a/torque_command": "torque_command"}
+STEPS = [PERIOD * step for step in range(20)]
+
+
+def test_bag_in_real_time_keeps_arrivals_and_compares_where_both_sides_are_known(turn: Path, tmp_path: Path):
+    folder = realtime_bag(load(turn / "signals.npz"), tmp_path, {"torque_request": 1050, "driver/command": 1060})
+    shutil.copy(turn / "parameters.yaml", folder)
+    recorded = find_recorded(folder)
+    assert [note.partition(" of")[0] for note in recorded.notes] == [
+        "driver/command: 1", "torque_request: 1"
+    ]  # fmt: skip
+    found = differences(recorded, tmp_path / "out", "electronic_differential")
+    assert {each.compared for each in found} == {1101 - 2} and in_words(found).startswith("bit-identical")
+    timing = latency_of(recorded)
+    for topic, expected in (("torque_request", 0.001), ("torque_command", 0.001), ("driver/command", 0.002)):
+        assert timing["latency"][topic]["median"] == timing["latency"][topic]["largest"] == pytest.approx(expected)
+    # The column answers the driver of the instant before, who is heard 7 ms before it.
+    assert timing["latency"]["steering_column/state"]["median"] == pytest.approx(0.007)
+    assert sum(timing["jitter"]["torque_request"]["counts"]) == 1100 - 2
+    assert timing["jitter"]["wheel_states"]["largest"] == 0.0
+
+
+def test_a_part_of_a_graph_is_replayed_from_any_namespace_and_start(turn: Path, tmp_path: Path):
+    both = {**PART, "/b/wheel_states": "wheel_states", "/chatter": "imu"}
+    late = [7_000_000_000 + stamp for stamp in STEPS]
+    folder = foreign_bag(load(turn / "signals.npz"), tmp_path, late, both)
+    with pytest.raises(ParameterError, match=r"\(--namespace\), the bag has those of /a, /b$"):
+        find_recorded(folder)
+    recorded = find_recorded(folder, "/a")
+    assert recorded.period == PERIOD and [topic.name for topic in recorded.topics] == list(PART.values())
+    assert recorded.notes == ("time counts from the stamp 7 s on, the first one of all topics",)
+    assert (
+        in_words(differences(recorded, tmp_path / "out", "asr", "audi_a2"))
+        == "bit-identical: 8 channels at 20 instants"
+    )
+    with pytest.raises(
+        ParameterError, match="has no steering_column/state, which the asr pi_slip reads; it has wheel_"
+    ):
+        replay_of(recorded, "asr", "pi_slip", Overrides(vehicle="audi_a2"))
+
+
+@pytest.mark.parametrize(
+    ("stamps", "said"),
+    [
+        ([*STEPS, *STEPS], "wheel_states goes back from 0.19 s to 0 s, allowed is a bag of one run"),
+        ([*STEPS, 201_000_000], "wheel_states at 0.201 s, allowed are multiples of 0.01 s from 0 s on"),
+        ([0], "holds 1 whole instants of a run, allowed are two or more"),
+    ],
+)
+def test_a_bag_that_is_no_single_run_in_steps_is_one_line(stamps, said, turn: Path, tmp_path: Path):
+    with pytest.raises(ParameterError) as error:
+        find_recorded(foreign_bag(load(turn / "signals.npz"), tmp_path, stamps, PART))
+    assert str(error.value).endswith(said)
