@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from toy_methods import toy, toy_graph
 
+from ev_msgs_py.contract.actuator_signals import RearSteeringState
 from ev_msgs_py.contract.bench_signals import BenchShafts
 from ev_msgs_py.contract.bus_signals import SetPointFrames
 from ev_msgs_py.contract.frame import PLACES, TIME
@@ -37,7 +38,7 @@ PERIOD = 10_000_000
 OTHERS = tuple(role for role in REQUIRED if role != MASTER)
 # What a method of the role cannot do without: the chain from driver to plant, by bus and bench if they are there.
 ESSENTIAL = {
-    "plant": (WheelTorqueCommand, BenchShafts),
+    "plant": (WheelTorqueCommand, RearSteeringState, BenchShafts),
     "steering_column": (DriverCommand,),
     "electronic_differential": (DriverCommand,),
     "asr": (WheelTorqueRequest,),

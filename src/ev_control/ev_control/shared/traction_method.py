@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from ev_control.estimation.reference_speed import free_wheels_for
+from ev_control.shared.limp_mode import limp_mode_for
 from ev_control.shared.traction_control import TractionControlState, controlled
 from ev_msgs_py.compiling.compilable import FUNCTIONS, compilable
 from ev_msgs_py.contract.record import each_wheel, part
@@ -97,7 +98,7 @@ def traction_control(
         named_after(law, limit_of)
         if limit_of in FUNCTIONS and forget in FUNCTIONS:
             compilable(law)
-        needs = (free_wheels_for(reference),)
+        needs = (free_wheels_for(reference), limp_mode_for(f"{reference.rpartition('.')[0]}.limp".lstrip(".")))
         method("asr", name, parameters, state=State, start=start, needs=needs, mirrored=True)(law)
         return limit_of
 
