@@ -28,6 +28,8 @@ from ev_msgs_py.can.frames import DEVICES
 from ev_msgs_py.can.protection import checksum, counter_of, next_counter
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import build
+from ev_sim.inverter.parameters import CircuitParameters
+from ev_sim.inverter.station import CircuitStation
 
 RPM = math.pi / 30.0
 
@@ -102,6 +104,26 @@ def test_it_leads_a_drive_by_its_states_and_commands_no_torque_on_the_way():
         "TorqueLimit": 360.0,
     }  # fmt: skip
     assert told.sent["Drive12_SetPoint"]["Torque"] == 0.0  # it was not enabled
+
+
+def test_a_drive_that_offers_it_holds_a_speed_over_the_bus():
+    """From rest through pre-charge and states to 50 rad/s within the 0.5 rpm that the bus resolves."""
+    values = {"drive.offers_speed_mode": True, "drive.speed_gain": 10.0, "drive.speed_integral_time": 0.05}
+    values["drive.dc_link.precharge_resistance"] = 10.0
+    circuit = CircuitStation(ours(), "11", build(CircuitParameters, values))
+    station = GatewayStation(ours(), GatewayParameters())
+    for tick in range(400):
+        station.command("Drive11", SPEED_MODE, 50.0)
+        if tick == 20:
+            assert station.enable(("Drive11",)) == ""
+        for name, frame in station.step():
+            if name == "11":
+                circuit.receive(frame)
+        for frame in circuit.step():
+            station.receive("11", frame)
+    feedback = station.devices["Drive11"].feedback
+    assert feedback.state == OPERATION_ENABLED
+    assert feedback.speed == pytest.approx(50.0, abs=0.5 * RPM)
 
 
 def test_torque_is_limited_and_a_load_machine_gets_its_speed():

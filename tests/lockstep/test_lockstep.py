@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from toy_methods import toy, toy_graph
 
+from ev_msgs_py.contract.actuator_signals import RearSteeringState
 from ev_msgs_py.contract.bench_signals import BenchShafts
 from ev_msgs_py.contract.bus_signals import SetPointFrames
 from ev_msgs_py.contract.frame import PLACES, TIME
@@ -38,7 +39,7 @@ OTHERS = tuple(role for role in REQUIRED if role != MASTER)
 OFFERED = {signal for role in ROLES.values() for signal in role.offers}  # that toys do not write
 # What a method of the role cannot do without: the chain from driver to plant, by bus and bench if they are there.
 ESSENTIAL = {
-    "plant": (WheelTorqueCommand, BenchShafts),
+    "plant": (WheelTorqueCommand, RearSteeringState, BenchShafts),
     "steering_column": (DriverCommand,),
     "electronic_differential": (DriverCommand,),
     "asr": (WheelTorqueRequest,),

@@ -8,7 +8,7 @@ import pytest
 from toy_methods import toy, toy_graph
 
 from ev_msgs_py.contract.roles import MASTER, REQUIRED, ROLES
-from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState
+from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, TireForces
 from ev_msgs_py.lockstep.configuration import CommonParameters, configure
 from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.lockstep.methods import all_methods, find_method, methods_of
@@ -166,7 +166,7 @@ def test_seeds_may_differ():
 
 def test_a_signal_that_no_chosen_method_writes_is_refused():
     """A plant model writes what it can know; whoever reads more would wait for ever. Also if it only has to hear it."""
-    configurations = toy_graph(driver=(SteeringColumnState,))
+    configurations = toy_graph(driver=(SteeringColumnState,), rear_steering=(TireForces,))
     plant = configurations["plant"]
 
     class Blind(plant.method.factory):

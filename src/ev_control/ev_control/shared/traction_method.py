@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from ev_control.estimation.reference_speed import free_wheels_for
+from ev_control.shared.limp_mode import limp_mode_for
 from ev_control.shared.speed_mode import speed_controlled
 from ev_control.shared.traction_control import TractionControlState, controlled
 from ev_msgs_py.compiling.compilable import FUNCTIONS, compilable
@@ -22,6 +23,7 @@ from ev_msgs_py.contract.signals import (
 from ev_msgs_py.lockstep.law import named_after
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.layout import Need
 
 L = TypeVar("L", bound=Callable[..., float])
 
@@ -123,7 +125,9 @@ def traction_control(
         named_after(made, limit_of)
         if limit_of in FUNCTIONS and forget in FUNCTIONS:
             compilable(made)
-        needs = (free_wheels_for(reference),)
+        needs: tuple[Need, ...] = (free_wheels_for(reference),)
+        if not speed_mode:
+            needs = (*needs, limp_mode_for(f"{reference.rpartition('.')[0]}.limp".lstrip(".")))
         method("asr", name, parameters, state=State, start=start, needs=needs, mirrored=True, **how)(made)
         return limit_of
 

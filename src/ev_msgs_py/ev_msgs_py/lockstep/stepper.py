@@ -65,10 +65,10 @@ class Stepper:
         # the others that integrate have done so too. They have heard all that answer, and these the master.
         followed = frozenset(s for s in self.reads if s in INTEGRATED) if method.role == MASTER else frozenset()
         heralds |= {*ROLES[MASTER].writes}
+        # Who integrates and is not the master speaks of the next instant: that says nothing of this one's inputs.
+        self._pacing = frozenset(s for s in self.reads if s in ROLES[MASTER].writes or s not in INTEGRATED)
         if may_skip:
-            # Who integrates and is not the master speaks of the next instant: that says nothing of this one's inputs.
-            pacing = frozenset(s for s in self.reads if s in ROLES[MASTER].writes or s not in INTEGRATED)
-            self.inbox: Inbox = HoldingInbox(self.reads, heralds, period, pacing, neutral=self.integrates)
+            self.inbox: Inbox = HoldingInbox(self.reads, heralds, period, self._pacing, neutral=self.integrates)
         else:
             self.inbox = Inbox(self.reads, heralds, period, followed=followed)
         self.answer: Answer | None = None
@@ -93,7 +93,7 @@ class Stepper:
         answers: list[Answer] = []
         if arrival is Arrival.REPEATED and kind in self.upstream:
             answers += self._recent_answers()
-        if self.integrates and self._at_rest and self._must_begin(stamp):
+        if self.integrates and self._at_rest and kind in self._pacing and self._must_begin(stamp):
             self.answer = self._start(stamp)
             answers.append(self.answer)
         answer = self.step()
