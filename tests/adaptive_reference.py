@@ -189,7 +189,7 @@ def slopes_of(p, car, c, s, state, slope, margins, angle, steps):
     s.state_of_charge, s.battery_power = state[STATE_OF_CHARGE], state[BATTERY_POWER]
     s.battery_work = s.motor_loss = s.driveline_loss = s.auxiliary_work = s.drive_work = 0.0
     find_road(s.motion, c.body, step, c.road, True)
-    steer(car, step, angle)
+    steer(car, step, angle, 0.0)
     apply_drives(s, p, car, c.power, NO_LAGS, step, 1.0)
     rates(state, slope, p, car, c.body, step, False)
     for i in range(4):

@@ -13,7 +13,13 @@ import numpy as np
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract.record import names
-from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState, WheelStates, WheelTorqueRequest
+from ev_msgs_py.contract.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.law import namespace
@@ -26,8 +32,11 @@ from ev_msgs_py.vehicle.motor import Motor
 
 ROLE = "asr"
 PERIOD = 0.005
-METHODS = tuple(name for name in methods_of(ROLE) if name not in ("off", "limp_home", "limit"))
-CONTROLS = tuple(name for name in METHODS if name != "least_squares_literal")  # those that take torque away
+_ALL = tuple(name for name in methods_of(ROLE) if name not in ("off", "limp_home", "limit"))
+SPEED_MODE = tuple(name for name in _ALL if find_method(ROLE, name).requires)  # they command the speeds of wheels
+METHODS = tuple(name for name in _ALL if name not in SPEED_MODE)
+LITERAL = ("held_torque", "least_squares_literal")
+CONTROLS = tuple(name for name in METHODS if name not in LITERAL)  # those that take torque away
 FRONT, REAR = ("front_left", "front_right"), ("rear_left", "rear_right")
 CAR = Vehicle(
     mass=2170.0,
@@ -36,6 +45,7 @@ CAR = Vehicle(
     wheel_inertia=1.658,
     motor=Motor(rotor_inertia=0.02, nominal_torque=250.0),
 )
+FASTEST = CAR.motor.maximum_speed / CAR.gear_ratio  # rad/s, the set-point of a wheel that is not limited
 INERTIA = 1.658 + 7.4**2 * 0.02  # kg m^2, J of a driven wheel
 
 
@@ -107,6 +117,12 @@ class Control:
     def step(self, m: Measured) -> Wheels:
         """The drive torques that it lets through [N m]."""
         return self.law.step(*m.signals()).drive
+
+    def set_points(self, m: Measured) -> Wheels:
+        """The wheel speeds that it sets drives in speed mode [rad/s]."""
+        command, speeds = self.law.step(*m.signals())
+        assert command == WheelTorqueCommand(m.drive, m.brake)
+        return speeds.speed
 
     def state(self) -> dict[str, float]:
         return dict(zip(self.names, self.law.state, strict=True))

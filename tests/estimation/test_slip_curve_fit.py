@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from traction import numbers_of
 
+from ev_control.estimation.slip_curve import SlipCurve, SlipCurveParameters, fitted_curve, fitted_peak, slope
 from ev_control.estimation.slip_curve_fit import (
     CAPACITY,
-    SlipCurve,
+    SQUARE,
     SlipCurveFit,
     add_sample,
-    fitted_curve,
-    fitted_peak,
     forget_samples,
     is_full,
     mean_slip,
@@ -24,6 +24,7 @@ from ev_control.estimation.slip_curve_fit import (
 from ev_sim.surfaces.table import SURFACES
 
 SIZE, OFFSET = 25.0, 1e-4
+DEFAULT = numbers_of(SlipCurveParameters())
 
 
 def sums(fit: SlipCurveFit) -> tuple[float, ...]:
@@ -113,7 +114,7 @@ def test_the_fit_gives_its_own_curve_back():
     """The curve y = -4 x + 2 sqrt(x + e) has its peak where sqrt(x + e) = 2/8."""
     fit = fitted(np.linspace(0.01, 0.12, 25), lambda x: -4.0 * x + 2.0 * math.sqrt(x + OFFSET))
     assert fitted_curve(fit) == pytest.approx((-4.0, 2.0), rel=1e-9)
-    assert fitted_peak(fit) == pytest.approx(1 / 16 - 1e-4, rel=1e-9)
+    assert fitted_peak(DEFAULT, fit) == pytest.approx(1 / 16 - 1e-4, rel=1e-9)
 
 
 def test_mean_and_variance_by_hand():
@@ -127,13 +128,13 @@ def test_mean_and_variance_by_hand():
 def test_samples_that_do_not_differ_have_no_curve():
     fit = fitted(np.full(60, 0.05), lambda x: 0.3)
     assert fitted_curve(fit) == SlipCurve(0.0, 0.0)
-    assert fitted_peak(fit) == math.inf
+    assert fitted_peak(DEFAULT, fit) == math.inf
 
 
 @pytest.mark.parametrize(("a", "b", "peak"), [(1.0, 2.0, math.inf), (-1.0, -2.0, 0.0)])
 def test_curves_that_only_rise_or_only_fall(a, b, peak):
     fit = fitted(np.linspace(0.01, 0.12, 25), lambda x: a * x + b * math.sqrt(x + OFFSET))
-    assert fitted_peak(fit) == peak
+    assert fitted_peak(DEFAULT, fit) == peak
 
 
 OFF = {  # the template is not Burckhardt's curve, so it errs by the surface
@@ -151,4 +152,27 @@ def test_the_fit_finds_burckhardts_peak(surface):
     of = SURFACES[surface]
     star = math.log(of.c1 * of.c2 / of.c3) / of.c2
     fit = fitted(np.linspace(1.1 * star / 3, 1.1 * star, 25), lambda x: of.c1 * (1 - math.exp(-of.c2 * x)) - of.c3 * x)
-    assert fitted_peak(fit) / star - 1.0 == pytest.approx(OFF[surface], abs=0.0005)
+    assert fitted_peak(DEFAULT, fit) / star - 1.0 == pytest.approx(OFF[surface], abs=0.0005)
+
+
+def test_template_of_the_patent_fits_its_own_curve():
+    """A x + B x^2 = 4 x - 20 x^2 has its peak at -A/(2 B) = 0.1, where its slope is zero, and no error."""
+    patent, fit = SlipCurveParameters(template="square", largest_error=1e-12), SlipCurveFit()
+    for n in range(60):
+        x = 0.002 * n
+        add_sample(fit, SIZE, OFFSET, x, 4.0 * x - 20.0 * x * x, SQUARE)
+    numbers = numbers_of(patent)
+    assert fitted_curve(fit) == pytest.approx((4.0, -20.0), rel=1e-9)
+    assert fitted_peak(numbers, fit) == pytest.approx(0.1, rel=1e-9)
+    assert slope(fit, fitted_curve(fit), 0.1) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_fit_with_too_large_an_error_has_no_peak():
+    """Residuals of +-0.01 in 25 samples: F = 25 * 1e-4 = 0.0025, more than the 0.001 of the source, less than 0.005."""
+    fit = SlipCurveFit()
+    for n in range(25):
+        x = 0.02 + 0.004 * n
+        add_sample(fit, SIZE, OFFSET, x, 2.0 * math.sqrt(x) - 4.0 * x + (0.01 if n % 2 else -0.01))
+    strict, loose = (numbers_of(SlipCurveParameters(largest_error=bound)) for bound in (0.001, 0.005))
+    assert fitted_peak(strict, fit) == math.inf
+    assert fitted_peak(loose, fit) == pytest.approx(1 / 16, abs=0.01)

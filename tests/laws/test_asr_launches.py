@@ -18,6 +18,8 @@ RECOVERY = {  # seconds from dry asphalt under the wheel to 90 % of the request,
     "pi_slip": 0.5,  # 0.41 to 0.44
     "feedback_linearisation": 0.25,  # 0.20 to 0.21
     "fuzzy": 0.3,  # 0.25 to 0.26
+    "expected_signal": 0.2,  # 0.145 to 0.16
+    "modified_lambda": 0.45,  # 0.405 to 0.42
 }
 PEAK_ON_ICE = {  # largest slip after dry asphalt ends at 26 km/h with 1200 N m at the wheel; 0.79 without control
     "least_squares": 0.4,
@@ -28,6 +30,8 @@ PEAK_ON_ICE = {  # largest slip after dry asphalt ends at 26 km/h with 1200 N m 
     "pi_slip": 0.4,
     "feedback_linearisation": 0.32,
     "fuzzy": 0.72,
+    "expected_signal": 0.5,
+    "modified_lambda": 0.38,
 }
 
 

@@ -36,8 +36,8 @@ pytestmark = pytest.mark.slow
 RING = ("fit.x.", "fit.y.", "fit.sum_", "fit.offset")  # samples of a window that says it is empty, and their sums
 
 
-def test_all_nine_are_asked():
-    assert len(METHODS) == 9
+def test_all_twelve_are_asked():
+    assert len(METHODS) == 12
 
 
 def check_limited(asked: Wheels, given_: Wheels) -> None:
@@ -47,7 +47,7 @@ def check_limited(asked: Wheels, given_: Wheels) -> None:
         assert torque * wanted >= 0.0
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(sequence=sequences, car=cars)
 @pytest.mark.parametrize("name", METHODS)
 def test_torque_is_only_ever_taken_away(name, sequence, car):
@@ -56,7 +56,7 @@ def test_torque_is_only_ever_taken_away(name, sequence, car):
         check_limited(m.drive, law.step(m))
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(sequence=st.lists(anything | driven, min_size=1, max_size=12), car=cars)
 @pytest.mark.parametrize("name", METHODS)
 def test_any_finite_numbers_give_finite_torques(name, sequence, car):
@@ -76,7 +76,7 @@ def test_broken_measurements_leave_the_limits(name):
     assert law.step(broken).front_left == limit
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(sequence=sequences, car=cars)
 @pytest.mark.parametrize("name", METHODS)
 def test_left_and_right_mirror_to_the_bit(name, sequence, car):
@@ -85,18 +85,21 @@ def test_left_and_right_mirror_to_the_bit(name, sequence, car):
         assert mirror.step(m.mirrored()) == swapped(law.step(m))
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(sequence=sequences, car=cars)
 @pytest.mark.parametrize("name", METHODS)
 def test_reverse_mirrors_forward_to_the_bit(name, sequence, car):
-    """Not for the load of adhesion_limit, which an acceleration backwards shifts to the front: without one."""
+    """Not for the load by accelerations, which one backwards shifts to the front, nor for slip angles: without them."""
     law, mirror = Control(name, car), Control(name, car)
     for m in sequence:
-        m = dataclasses.replace(m, a_x=0.0) if name == "adhesion_limit" else m
+        if name == "adhesion_limit":
+            m = dataclasses.replace(m, a_x=0.0)
+        elif name == "expected_signal":
+            m = dataclasses.replace(m, a_x=0.0, a_y=0.0, yaw_rate=0.0, angle=0.0)
         assert mirror.step(m.reversed()) == Wheels(*(-torque for torque in law.step(m)))
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(sequence=sequences)
 @pytest.mark.parametrize("name", METHODS)
 def test_braking_passes(name, sequence):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -59,3 +60,14 @@ def test_slip_window_swings_below_its_window_behind_the_peak(surface, low, high)
     slip = slip_of(full_throttle("slip_window", surface))[400:]
     assert low < slip.mean() < 0.15
     assert np.quantile(slip, 0.95) == pytest.approx(high, abs=0.02)
+
+
+def test_side_force_lowers_both_ends_of_the_window():
+    """Front wheels at 0.096 rad of slip angle, 0.8 of the largest: 0.6 of 0.15..0.19, so a slip of 0.14 is too much."""
+    bend = {"side_force.correction": "ellipse", "side_force.observer.kinematic_share": 1.0}
+    for changed, limited in ((bend, True), ({}, False)):
+        law = Control("slip_window", **changed)
+        for slip in (0.0, 0.13, 0.14, 0.145):
+            angle = dataclasses.replace(spinning_at(at_slip(slip), 10.0), angle=0.096)
+            torque = law.step(angle).front_left
+        assert (torque < 1500.0) is limited

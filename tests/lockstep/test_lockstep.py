@@ -36,6 +36,7 @@ from ev_sim.running.scenarios.scenario import load_scenario
 
 PERIOD = 10_000_000
 OTHERS = tuple(role for role in REQUIRED if role != MASTER)
+OFFERED = {signal for role in ROLES.values() for signal in role.offers}  # that toys do not write
 # What a method of the role cannot do without: the chain from driver to plant, by bus and bench if they are there.
 ESSENTIAL = {
     "plant": (WheelTorqueCommand, RearSteeringState, BenchShafts),
@@ -53,7 +54,7 @@ def graphs(draw: st.DrawFn) -> dict[str, Configuration]:
     """Toys of which each reads what it needs and some of what it may read besides; with or without optional roles."""
     roles, reads = draw(st.sampled_from((tuple(ROLES), REQUIRED))), {}
     for name in roles:
-        readable = [s for s in ROLES[name].reads if s not in EXTRA or roles != REQUIRED]
+        readable = [s for s in ROLES[name].reads if s not in OFFERED and (s not in EXTRA or roles != REQUIRED)]
         optional = [signal for signal in readable if signal not in ESSENTIAL.get(name, ())]
         chosen = draw(st.sets(st.sampled_from(optional))) if optional else set()
         reads[name] = tuple(s for s in readable if s in chosen or s in ESSENTIAL.get(name, ()))

@@ -10,6 +10,7 @@ from ros_graph import NAMESPACE, NODES, WAYS, Graph, graph, offline_hash, publis
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.lockstep.methods import find_method
 from ev_msgs_py.sensors.quantities import QUANTITIES
 from ev_msgs_py.wire.message_format import format_of
 from ev_sim.running.node_parameters import RECORDER
@@ -145,7 +146,7 @@ def test_a_restarted_master_begins_the_run_anew(tmp_path):
     [
         ("pulse", "adaptive", "least_squares"),
         ("imposed_speed", "adhesion_share", "pi_slip"),
-        ("tracking", "limited_slip_variable", "adhesion_limit"),
+        ("tracking", "limited_slip_variable", "speed_by_slip"),
     ],
 )
 def test_the_urban_cycle_is_the_same_over_dds(driver, differential, asr, tmp_path):
@@ -156,6 +157,7 @@ def test_the_urban_cycle_is_the_same_over_dds(driver, differential, asr, tmp_pat
         ("electronic_differential", "method", differential),
         ("asr", "method", asr),
         ("plant", "speed", "imposed" if driver == "imposed_speed" else "free"),
+        ("plant", "method", find_method("asr", asr).requires.get("plant", "planar")),
     ]
     (run,) = load_scenario("urban_mixed", Overrides((), values, 20.0)).runs
     with graph(run, tmp_path) as nodes:

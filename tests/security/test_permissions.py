@@ -17,7 +17,7 @@ from ev_sim.security.policy_file import policy_file
 from ev_sim.security.running_graph import permissions_in_use, violations
 
 _ELECTRICAL = ("motor_electrics", "motor_temperatures", "battery/cell")
-_NOT_KINEMATIC = (*_ELECTRICAL, "tire_forces", "battery", "bench/load_command")
+_NOT_KINEMATIC = (*_ELECTRICAL, "tire_forces", "battery", "bench/load_command", "speed_command")
 ALLOWED = permissions(NAMESPACE)
 SECURED = {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce", "ROS_SECURITY_KEYSTORE": "keys"}
 

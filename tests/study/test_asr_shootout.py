@@ -6,15 +6,17 @@ import argparse
 import math
 
 import pytest
-from traction import METHODS
+from traction import METHODS, SPEED_MODE
 
 from ev_sim.report.metric import Metric
 from ev_sim.study import asr_shootout
+from ev_sim.study.asr_controls import VARIANTS
 from ev_sim.study.case import CaseResult, drive_case
 
 pytestmark = pytest.mark.slow
 
-GIVEN = argparse.Namespace(controls=["off", "least_squares"], roads=["snow", "dry, gentle"])
+NAMES = ["off", "least_squares", "speed_by_slip"]
+GIVEN = argparse.Namespace(controls=NAMES, roads=["snow", "dry, gentle"])
 
 
 @pytest.fixture(scope="module")
@@ -23,30 +25,34 @@ def results() -> dict[str, CaseResult]:
 
 
 def test_all_cases_are_driven(results):
-    assert list(results) == ["snow: off", "snow: least_squares", "dry, gentle: off", "dry, gentle: least_squares"]
+    assert list(results) == [f"{road}: {name}" for road in GIVEN.roads for name in NAMES]
     assert not any(result.refused for result in results.values())
 
 
 def test_every_control_on_every_road_by_default():
     names = [case.name for case in asr_shootout.cases(argparse.Namespace())]
     assert len(names) == len(set(names)) == len(asr_shootout.SITUATIONS) * len(asr_shootout.controls())
-    assert asr_shootout.controls() == ["off", *METHODS]
+    assert asr_shootout.controls() == ["off", *sorted((*METHODS, *SPEED_MODE, *VARIANTS))]
 
 
 def test_control_wins_on_snow(results):
     """Friction in use rises from 0.59 to 0.98 on the mean: more way by half at least, less slip, and less work lost."""
-    off, on = (results[f"snow: {name}"].measured for name in GIVEN.controls)
-    assert on["mean_slip"] < 0.4 * off["mean_slip"]
-    assert on["slip_energy"] < 0.1 * off["slip_energy"]
-    assert on["distance"] > 1.5 * off["distance"]
-    assert off["time_to_30"] is None and on["time_to_30"] < 8.0
+    off, *others = (results[f"snow: {name}"].measured for name in NAMES)
+    assert off["time_to_30"] is None
+    for on in others:
+        assert on["mean_slip"] < 0.4 * off["mean_slip"]
+        assert on["slip_energy"] < 0.1 * off["slip_energy"]
+        assert on["distance"] > 1.5 * off["distance"]
+        assert on["time_to_30"] < 8.0
 
 
 def test_control_does_nothing_where_the_road_carries_the_torque(results):
     """The same signals to the bit, so nothing false was triggered, and the same numbers."""
-    off, on = (results[f"dry, gentle: {name}"] for name in GIVEN.controls)
+    off, on, by_speed = (results[f"dry, gentle: {name}"] for name in NAMES)
     assert on.signal_hash == off.signal_hash
     assert on.measured["false_triggers"] == 0
+    same = ("distance", "mean_slip", "slip_energy", "heading_deviation", "time_to_30", "false_triggers")
+    assert [by_speed.measured[name] for name in same] == [off.measured[name] for name in same]
 
 
 def test_slip_energy_is_the_work_that_the_speeds_do_not_show(results):
@@ -64,7 +70,7 @@ def test_table_and_metrics(results):
     assert rows[0][:3] == ("snow", "off", "–")
     assert all(len(row) == len(asr_shootout.COLUMNS) for row in rows)
     lines = asr_shootout.tables(GIVEN, results).splitlines()
-    assert len(lines) == 6 and lines[0].startswith("road")  # header, rule, two controls on two roads
+    assert len(lines) == 8 and lines[0].startswith("road")  # header, rule, three controls on two roads
     metrics = asr_shootout.metrics(GIVEN, results)
     assert all(isinstance(value, Metric) and value.value is not None for value in metrics.values())
     distances = [results[f"{road}: off"].measured["distance"] for road in GIVEN.roads]

@@ -39,7 +39,7 @@ def block(name: str) -> str:
 def test_sweep_table_of_the_page_is_that_of_its_cases():
     """All of it, from the measured numbers beside docs/verdicts.md, of which tests/docs drives some."""
     kept = read_measured(ROOT, SWEEP).results
-    assert len(kept) == 5 * 40
+    assert len(kept) == 10 * 40
     assert block("zhileykin2018_sweep") == study_table("zhileykin2018_sweep", kept).strip()
 
 
@@ -68,6 +68,16 @@ def test_holds_are_counted_among_the_cases_in_which_rear_drive_spins():
     assert (found["holds_where_rear_drive_spins_k05"], found["holds_k05"]) == (8, 24)
     assert (found["holds_where_rear_drive_spins_fixed_split"], found["holds_fixed_split"]) == (24, 40)
     assert found["calm_k1"] == 40
+
+
+def test_every_reading_is_driven_in_all_cases_and_told_to_the_law():
+    """Rear drive, K = 0.48, 0.5, 1 and the equality, three second branches, by speed and by geometry, a fixed half."""
+    cases = sweep.cases(Namespace())
+    assert len(cases) == 10 * 40 == len({case.name for case in cases})
+    told = {case.name.split()[0]: case.values[2:] for case in cases}
+    assert told["k1"] == told["equality"] == ()
+    assert told["k1_derived"] == (("electronic_differential", "second_branch", "derived"),)
+    assert {case.run for case in cases} == set(grid.CONTROLS)
 
 
 def test_a_refused_case_neither_holds_nor_spins():

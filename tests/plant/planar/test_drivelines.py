@@ -273,6 +273,15 @@ def test_every_law_says_which_driveline_it_can_drive(vehicle, laws):
     assert allowed("electronic_differential", vehicle) == laws
 
 
+@pytest.mark.parametrize(("law", "group"), [("pi_slip", "regulator.limp"), ("slip_window", "limp")])
+def test_traction_controls_take_every_driveline_but_not_with_a_limp_mode(law, group):
+    """A wheel whose partner hangs on the same motor tells nothing of a lost one."""
+    values = {f"vehicle.{name}": value for name, value in _told("centre_dccd").items()}
+    configure("asr", {"method": law, **values})
+    with pytest.raises(ParameterError, match=rf"needs a motor or a clutch for each driven wheel for {group}.watch"):
+        configure("asr", {"method": law, f"{group}.watch": True, **values})
+
+
 def test_wheels_of_their_own():
     assert single_wheels(named("layout_1_8_b")) == ("rear_left", "rear_right")
     assert single_wheels(named("layout_1_8_d")) == WHEEL_NAMES

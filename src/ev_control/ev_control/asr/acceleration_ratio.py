@@ -6,7 +6,12 @@ from dataclasses import dataclass
 from math import inf
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
-from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.acceleration_criterion import (
+    AccelerationCriterionParameters,
+    Accelerations,
+    forget_accelerations,
+    gains_on_car,
+)
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
@@ -18,29 +23,9 @@ from ev_msgs_py.vehicle.car import Car
 
 
 @dataclass(frozen=True, slots=True)
-class AccelerationRatioParameters:
+class AccelerationRatioParameters(AccelerationCriterionParameters):
     """The ratio that tells slip from grip, and how the limit moves."""
 
-    threshold: float = parameter(
-        0.16,
-        unit="m",
-        low=0.0,
-        high=10.0,
-        about="ratio of accelerations below which a wheel slips; 0.4 in the source, more than any wheel radius, would "
-        "always be undercut; half the radius stands for a wheel that turns twice as fast as it would roll",
-        source="assumption; dissertation, eq 1.4, has 0.4 m",
-    )
-    least_acceleration: float = parameter(
-        6.0,
-        unit="rad/s^2",
-        low=0.0,
-        high=1000.0,
-        about="wheel acceleration below which the ratio is noise",
-        source="assumption",
-    )
-    filter_time: float = parameter(
-        0.03, unit="s", low=0.0, high=1.0, about="time constant of both accelerations", source="assumption"
-    )
     fall: float = parameter(
         8000.0, unit="N m/s", low=1.0, high=1e6, about="fall of the limit while the wheel slips", source="assumption"
     )
@@ -55,16 +40,14 @@ class AccelerationRatioParameters:
 class AccelerationRatioWheel(LimitedWheel):
     """What the law knows of a wheel."""
 
-    wheel_acceleration: Filtered = part(Filtered)  # [rad/s^2]
-    body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
+    accelerations: Accelerations = part(Accelerations)
 
 
 @compilable
 def forget(p: AccelerationRatioParameters, w: AccelerationRatioWheel) -> None:
     """Put a wheel back to the start."""
     w.limit = inf
-    forget_filtered(w.wheel_acceleration)
-    forget_filtered(w.body_acceleration)
+    forget_accelerations(w.accelerations)
 
 
 @traction_control("acceleration_ratio", AccelerationRatioParameters, AccelerationRatioWheel, forget)
@@ -85,10 +68,7 @@ def acceleration_ratio(
     wheel accelerates more than noise does. It sees slip that grows, not slip: a wheel that spins at a steady speed is
     left to spin, and the slip that built up before the limit fell stays.
     """
-    share = filter_share(period, p.filter_time)
-    turning = follow(w.wheel_acceleration, motion.acceleration, share)
-    moving = follow(w.body_acceleration, motion.body_acceleration, share)
-    if turning > p.least_acceleration and moving < p.threshold * turning:
+    if gains_on_car(p, w.accelerations, period, motion):
         return min(w.limit, wanted) - p.fall * period
     raised = w.limit + p.rise * period
     return raised if raised < wanted else inf

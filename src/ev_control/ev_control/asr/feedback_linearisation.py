@@ -10,6 +10,7 @@ from ev_control.shared.first_order_filter import Filtered, filter_share, follow,
 from ev_control.shared.slip_regulator import (
     RegulatedWheel,
     SlipRegulatorParameters,
+    acceleration_with_decay,
     forget_regulation,
     stays_out,
     until_served,
@@ -83,7 +84,6 @@ def feedback_linearisation(
     acceleration = follow(w.body_acceleration, motion.body_acceleration, share)
     if stays_out(p.regulator, w, slip):
         return inf
-    speed = max(motion.speed, p.regulator.slip.slowest)
-    needed = acceleration / car.wheel_radius - p.rate * speed * (slip - p.regulator.target)
+    needed = acceleration_with_decay(p, car, slip, acceleration, motion)
     torque = road + car.driven_wheel_inertia / (1.0 - min(slip, 0.9)) * needed
     return until_served(p.regulator, w, period, torque / car.motor.gear_efficiency, wanted)

@@ -6,20 +6,20 @@ from dataclasses import dataclass
 from math import inf
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
-from ev_control.estimation.slip_curve_fit import SlipCurveFit, add_sample, fitted_curve, forget_samples, is_full
+from ev_control.estimation.slip_curve import SlipCurveParameters, fits, fitted_curve, slope
+from ev_control.estimation.slip_curve_fit import SlipCurveFit, add_sample, forget_samples, is_full
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
-from ev_msgs_py.elementary import sqrt
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 
 
 @dataclass(frozen=True, slots=True)
-class LeastSquaresLiteralParameters:
+class LeastSquaresLiteralParameters(SlipCurveParameters):
     """The length of the window, which the source leaves open."""
 
     samples: int = parameter(
@@ -67,9 +67,10 @@ def least_squares_literal(
     slip = 1.0 - motion.rolling / motion.speed if motion.speed != 0.0 else -1.0
     held = inf
     if 0.0 < slip <= 1.0:
-        add_sample(w.fit, p.samples, 0.0, slip, motion.torque / (car.motor.nominal_torque * car.gear_ratio))
+        torque = motion.torque / (car.motor.nominal_torque * car.gear_ratio)
+        add_sample(w.fit, p.samples, 0.0, slip, torque, p.template)
         curve = fitted_curve(w.fit)
-        if is_full(w.fit) and curve.a + curve.b / (2.0 * sqrt(slip)) < 0.0:
+        if is_full(w.fit) and fits(p, w.fit, curve) and slope(w.fit, curve, slip) < 0.0:
             held = w.previous
     w.previous = min(wanted, held)
     return held

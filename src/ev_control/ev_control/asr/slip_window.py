@@ -6,27 +6,23 @@ from dataclasses import dataclass
 from math import inf
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.side_force import SideForceParameters, SideForceState, forget_side_force, share_left
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.shared.limp_mode import LimpModeParameters
+from ev_control.shared.slip_thresholds import SlipThresholdParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion, slip_of, slowest_wheel
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import part
-from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
+from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 
 
 @dataclass(frozen=True, slots=True)
-class SlipWindowParameters:
+class SlipWindowParameters(SlipThresholdParameters):
     """The window of the source, and how fast the limit moves outside it."""
 
-    low: float = parameter(
-        0.15, unit="1", low=0.0, high=1.0, about="slip below which the limit rises", source="dissertation, eq 1.5"
-    )
-    high: float = parameter(
-        0.19, unit="1", low=0.0, high=1.0, about="slip above which the limit falls", source="dissertation, eq 1.5"
-    )
     fall: float = parameter(
         8000.0, unit="N m/s", low=1.0, high=1e6, about="fall of the limit above the window", source="assumption"
     )
@@ -42,12 +38,9 @@ class SlipWindowParameters:
         source="assumption",
     )
     slowest: float = slowest_wheel()
+    side_force: SideForceParameters = group(SideForceParameters)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)
-
-    def __post_init__(self) -> None:
-        if self.low > self.high:
-            raise ParameterError(f"low is {self.low:g}, allowed is at most high, {self.high:g}")
 
 
 @dataclass(slots=True)
@@ -55,6 +48,7 @@ class SlipWindowWheel(LimitedWheel):
     """What the law knows of a wheel."""
 
     slip: Filtered = part(Filtered)  # [1]; its lag shows the trend
+    side_force: SideForceState = part(SideForceState)
 
 
 @compilable
@@ -62,6 +56,7 @@ def forget(p: SlipWindowParameters, w: SlipWindowWheel) -> None:
     """Put a wheel back to the start."""
     w.limit = inf
     forget_filtered(w.slip)
+    forget_side_force(w.side_force)
 
 
 @traction_control("slip_window", SlipWindowParameters, SlipWindowWheel, forget)
@@ -76,14 +71,16 @@ def slip_window(
     the window (eq 1.6). Where the slip is already returning the limit stays, else it would overshoot by the time that
     the wheel takes (assumption). The window lies beyond the peak on snow (0.09) and wet asphalt (0.13), where a wheel
     does not stay by itself: the slip swings through the window.
+    With `side_force.correction` both ends shrink with the slip angle (section 1.4).
     """
-    slip = slip_of(motion, p.slowest)
+    slip, left = slip_of(motion, p.slowest), share_left(p.side_force, car, w.side_force, period, motion)
+    low, high = left * p.low, left * p.high
     rises = slip > follow(w.slip, slip, filter_share(period, p.trend))
-    if slip > p.high and w.limit == inf:
+    if slip > high and w.limit == inf:
         return min(wanted, max(motion.torque, 0.0))
-    if slip > p.high and rises:
+    if slip > high and rises:
         return w.limit - p.fall * period
-    if slip < p.low and not rises:
+    if slip < low and not rises:
         raised = w.limit + p.rise * period
         return raised if raised < wanted else inf
     return w.limit

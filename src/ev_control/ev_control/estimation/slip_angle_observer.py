@@ -85,18 +85,33 @@ def observed_slip_angles(
     steady turn a_y = r u and the tyre alone decides. Implicit Euler, stable at every speed. The speed u is that of
     the slowest wheel, brought to the centre of mass, or of the fastest one under braking. No source has it.
     """
-    delta, r, w = column.road_wheel_angle, imu.yaw_rate, p.kinematic_share
+    delta, r = column.road_wheel_angle, imu.yaw_rate
     speeds = rolling_speeds(car, s.lateral_velocity, wheels.velocity, delta, r)
     braking = driver.brake_torque > 0.0 or driver.drive_torque < 0.0
     fastest = max(speeds[0], speeds[1], speeds[2], speeds[3])
     slowest = min(speeds[0], speeds[1], speeds[2], speeds[3])
-    u = max(fastest if braking else slowest, p.slowest)
+    return slip_angles_at(p, car, s, period, fastest if braking else slowest, imu.lateral_acceleration, r, delta)
+
+
+@compilable
+def slip_angles_at(
+    p: SlipAngleObserverParameters,
+    car: Car,
+    s: SlipAngleObserverState,
+    period: float,
+    speed: float,
+    lateral_acceleration: float,
+    yaw_rate: float,
+    road_wheel_angle: float,
+) -> SlipAngles:
+    """The same at a speed of the car that is known [m/s]; accelerations in m/s^2, yaw rate in rad/s, angle in rad."""
+    u, r, delta, w = max(speed, p.slowest), yaw_rate, road_wheel_angle, p.kinematic_share
     b = car.centre_of_mass_to_rear_axle
     front, rear = p.front_cornering_stiffness / car.mass, p.rear_cornering_stiffness / car.mass
     at_rest = front * (delta - (car.wheelbase - b) * r / u) + rear * b * r / u
     damping = (1.0 - w) * (front + rear) / u
-    lateral_acceleration = w * imu.lateral_acceleration + (1.0 - w) * at_rest
-    s.lateral_velocity = (s.lateral_velocity + period * (lateral_acceleration - r * u)) / (1.0 + period * damping)
+    believed = w * lateral_acceleration + (1.0 - w) * at_rest
+    s.lateral_velocity = (s.lateral_velocity + period * (believed - r * u)) / (1.0 + period * damping)
     return axle_slip_angles(car, u, s.lateral_velocity, r, delta, p.slowest)
 
 

@@ -1,16 +1,20 @@
-"""Least squares of the curve y = A x + B sqrt(x) over the last samples (dissertation, eq 2.36)."""
+"""Least squares of the curve y = A x + B g(x) over the last samples (dissertation, eq 2.36).
+
+g(x) = sqrt(x) in the equations; x^2 in the text, which names the template of the patent EP0630786A1.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
-from typing import NamedTuple
+from typing import Any
 
 from ev_control.shared.compensated_sum import EMPTY_SUM, plus, rounded
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, series
 from ev_msgs_py.elementary import sqrt
 
+TEMPLATES = ("root", "square")
+ROOT, SQUARE = range(len(TEMPLATES))
 CAPACITY = 1000  # samples: 5 s at 5 ms, 2 s at 2 ms; a window that would hold more is cut to it
 
 
@@ -28,18 +32,14 @@ class SlipCurveFit:
     taken: float = entry(unit="1", about="samples so far")
     size: float = entry(unit="1", about="samples in the window; zero before the first one")
     offset: float = entry(unit="1", about="added to the slip under the square root")
+    template: float = entry(unit="1", about="0 for the root, 1 for the square")
     sum_x: float = entry(unit="1")
     sum_xx: float = entry(unit="1")
     sum_x_root: float = entry(unit="1")
     sum_xy: float = entry(unit="1")
-    sum_root_y: float = entry(unit="1")
-
-
-class SlipCurve(NamedTuple):
-    """The coefficients of y = A x + B sqrt(x + offset) [1]; both zero where the samples do not tell them apart."""
-
-    a: float
-    b: float
+    sum_root_y: float = entry(unit="1", about="here and below the root stands for g(x)")
+    sum_roots: float = entry(unit="1", about="of g^2, where that is not x + offset")
+    sum_yy: float = entry(unit="1")
 
 
 @compilable
@@ -49,48 +49,60 @@ def forget_samples(fit: SlipCurveFit) -> None:
 
 
 @compilable
-def add_sample(fit: SlipCurveFit, size: float, offset: float, x: float, y: float) -> None:
+def shape(x: float, offset: float, template: float) -> float:
+    """The second function of the template, g(x) [1]."""
+    return x * x if template == SQUARE else sqrt(x + offset)
+
+
+@compilable
+def add_sample(fit: SlipCurveFit, size: float, offset: float, x: float, y: float, template: Any = 0.0) -> None:
     """Take one sample in, and the oldest one out where the window of this size is full."""
     x, size = max(x, 0.0), min(size, float(CAPACITY))
-    is_changed = size != fit.size or offset != fit.offset
-    fit.size, fit.offset = size, offset
+    is_changed = size != fit.size or offset != fit.offset or template != fit.template
+    fit.size, fit.offset, fit.template = size, offset, template
     old_x = old_root = old_y = 0.0
     if is_full(fit):
         oldest = int(fit.taken - size) % CAPACITY
         old_x, old_y = fit.x[oldest], fit.y[oldest]
-        old_root = sqrt(old_x + offset)
+        old_root = shape(old_x, offset, template)
     newest = int(fit.taken) % CAPACITY
     fit.x[newest], fit.y[newest] = x, y
     fit.taken += 1.0
     if is_changed or (fit.taken > size and fit.taken % size == 0.0):
         sum_anew(fit)
         return
-    root = sqrt(x + offset)
+    root = shape(x, offset, template)
     fit.sum_x = fit.sum_x - old_x + x
     fit.sum_xx = fit.sum_xx - old_x * old_x + x * x
     fit.sum_x_root = fit.sum_x_root - old_x * old_root + x * root
     fit.sum_xy = fit.sum_xy - old_x * old_y + x * y
     fit.sum_root_y = fit.sum_root_y - old_root * old_y + root * y
+    fit.sum_roots = fit.sum_roots - old_root * old_root + root * root
+    fit.sum_yy = fit.sum_yy - old_y * old_y + y * y
 
 
 @compilable
 def sum_anew(fit: SlipCurveFit) -> None:
     """Form all sums over the window."""
-    sum_x = sum_xx = sum_x_root = sum_xy = sum_root_y = EMPTY_SUM
-    all_x, all_y, taken, offset = fit.x, fit.y, int(fit.taken), fit.offset
+    sum_x = sum_xx = sum_x_root = sum_xy = sum_root_y = sum_roots = sum_yy = EMPTY_SUM
+    all_x, all_y, taken = fit.x, fit.y, int(fit.taken)
     for place in range(taken - int(samples_in(fit)), taken):
         x, y = all_x[place % CAPACITY], all_y[place % CAPACITY]
-        root = sqrt(x + offset)
+        root = shape(x, fit.offset, fit.template)
         sum_x = plus(sum_x, x)
         sum_xx = plus(sum_xx, x * x)
         sum_x_root = plus(sum_x_root, x * root)
         sum_xy = plus(sum_xy, x * y)
         sum_root_y = plus(sum_root_y, root * y)
+        sum_roots = plus(sum_roots, root * root)
+        sum_yy = plus(sum_yy, y * y)
     fit.sum_x = rounded(sum_x)
     fit.sum_xx = rounded(sum_xx)
     fit.sum_x_root = rounded(sum_x_root)
     fit.sum_xy = rounded(sum_xy)
     fit.sum_root_y = rounded(sum_root_y)
+    fit.sum_roots = rounded(sum_roots)
+    fit.sum_yy = rounded(sum_yy)
 
 
 @compilable
@@ -116,27 +128,3 @@ def slip_variance(fit: SlipCurveFit) -> float:
     """Mean squared deviation of the slip [1] of a full window."""
     mean = fit.sum_x / fit.size
     return fit.sum_xx / fit.size - mean * mean
-
-
-@compilable
-def fitted_curve(fit: SlipCurveFit) -> SlipCurve:
-    """The curve of the least squared error."""
-    sum_of_roots = fit.sum_x + samples_in(fit) * fit.offset
-    determinant = fit.sum_xx * sum_of_roots - fit.sum_x_root * fit.sum_x_root
-    if determinant <= 1e-9 * fit.sum_xx * sum_of_roots:
-        return SlipCurve(0.0, 0.0)
-    a = (fit.sum_xy * sum_of_roots - fit.sum_root_y * fit.sum_x_root) / determinant
-    b = (fit.sum_xx * fit.sum_root_y - fit.sum_x_root * fit.sum_xy) / determinant
-    return SlipCurve(a, b)
-
-
-@compilable
-def fitted_peak(fit: SlipCurveFit) -> float:
-    """Slip at which the fitted curve turns down, (B/(2 A))^2 [1], infinite where it rises throughout."""
-    curve = fitted_curve(fit)
-    if curve.a >= 0.0:
-        return inf
-    if curve.b <= 0.0:
-        return 0.0
-    z = curve.b / (2.0 * curve.a)
-    return max(z * z - fit.offset, 0.0)

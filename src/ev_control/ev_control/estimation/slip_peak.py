@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.estimation.slip_curve import SlipCurveParameters, fitted_peak
 from ev_control.estimation.slip_curve_fit import (
     SlipCurveFit,
     add_sample,
-    fitted_peak,
     forget_samples,
     is_full,
     mean_slip,
@@ -22,7 +22,7 @@ FEWEST_SAMPLES = 8  # four for each coefficient
 
 
 @dataclass(frozen=True, slots=True)
-class SlipPeakParameters:
+class SlipPeakParameters(SlipCurveParameters):
     """The window of the fit, and when it counts; the source gives none of them."""
 
     window: float = parameter(
@@ -96,7 +96,7 @@ def watch_slip(p: SlipPeakParameters, s: SlipPeakState, period: float, slip: flo
     curve.
     """
     samples = float(max(round(p.window / period), FEWEST_SAMPLES))
-    add_sample(s.fit, samples, p.offset, (slip + s.slip) / 2.0, torque)
+    add_sample(s.fit, samples, p.offset, (slip + s.slip) / 2.0, torque, p.template)
     s.slip = slip
 
 
@@ -112,7 +112,7 @@ def peak_is_passed(p: SlipPeakParameters, s: SlipPeakState, noise: float) -> boo
     if not counts or slip_variance(s.fit) <= least_spread * least_spread:
         s.falling = 0.0
         return False
-    peak = fitted_peak(s.fit)
+    peak = fitted_peak(p, s.fit)
     s.falling = s.falling + 1.0 if peak <= s.slip else 0.0
     if peak > s.slip or s.falling < p.hits:
         return False

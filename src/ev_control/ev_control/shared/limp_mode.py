@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import attrgetter
+from typing import Any
 
 from ev_control.shared.torque_plausibility import (
     PlausibilityParameters,
@@ -16,6 +18,8 @@ from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.layout import Need, each_driven, equal_motors
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +28,18 @@ class LimpModeParameters:
 
     watch: bool = parameter(False, about="whether a lost motor is found by its torque, and its partner mirrors it")
     plausibility: PlausibilityParameters = group(PlausibilityParameters)
+
+
+def limp_mode_for(group: str) -> Need:
+    """The limp mode whose parameters are this group compares wheels that have equal motors of their own."""
+
+    def lacks(parameters: Any, vehicle: Vehicle) -> str:
+        if not attrgetter(group)(parameters).watch:
+            return ""
+        lacking = each_driven(parameters, vehicle) or equal_motors(parameters, vehicle)
+        return f"{lacking} for {group}.watch" if lacking else ""
+
+    return lacks
 
 
 @compilable

@@ -10,9 +10,11 @@ from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState, forget_slip
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
+from ev_control.shared.wheel_dynamics import WheelMotion
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +62,17 @@ def forget_regulation(w: RegulatedWheel) -> None:
 def stays_out(p: SlipRegulatorParameters, w: RegulatedWheel, slip: float) -> bool:
     """Whether a wheel is not limited, and its slip [1] is no reason to begin."""
     return w.limit == inf and slip <= p.target
+
+
+@compilable
+def acceleration_with_decay(p: Any, car: Car, slip: float, body_acceleration: float, motion: WheelMotion) -> float:
+    """V'/r - k w (S - S*) [rad/s^2]: with it as (1 - S) w' the slip error decays, S' = -k (S - S*); `rate` is k.
+
+    From S = 1 - V/(r w), S' = ((1 - S) w' - V'/r)/w.
+    """
+    speed = max(motion.speed, p.regulator.slip.slowest)
+    decay: float = p.rate * speed * (slip - p.regulator.target)
+    return body_acceleration / car.wheel_radius - decay
 
 
 @compilable

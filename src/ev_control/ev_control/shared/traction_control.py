@@ -131,6 +131,10 @@ def watch(
                 imu.longitudinal_acceleration,
                 imu.lateral_acceleration,
                 i,
+                ahead,
+                known.reference.speed,
+                imu.yaw_rate,
+                column.road_wheel_angle,
             )
             wheel.limit = max(limit_of(p, car, wheel, period, motion, abs(drive[i])), 0.0)
     if reference.trust.watch == 1.0:

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from ev_control.estimation.reference_speed import free_wheels_for
+from ev_control.shared.limp_mode import limp_mode_for
+from ev_control.shared.speed_mode import speed_controlled
 from ev_control.shared.traction_control import TractionControlState, controlled
 from ev_msgs_py.compiling.compilable import FUNCTIONS, compilable
+from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
 from ev_msgs_py.contract.record import each_wheel, part
 from ev_msgs_py.contract.signals import (
     InertialMeasurement,
@@ -20,6 +23,7 @@ from ev_msgs_py.contract.signals import (
 from ev_msgs_py.lockstep.law import named_after
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.layout import Need
 
 L = TypeVar("L", bound=Callable[..., float])
 
@@ -55,7 +59,12 @@ GROUPS = {
 
 
 def traction_control(
-    name: str, parameters: type, wheel: type, forget: Callable[..., None], reference: str = "reference"
+    name: str,
+    parameters: type,
+    wheel: type,
+    forget: Callable[..., None],
+    reference: str = "reference",
+    speed_mode: bool = False,
 ) -> Callable[[L], L]:
     """Register the law of one wheel as a method of the asr, under its docstring.
 
@@ -63,8 +72,14 @@ def traction_control(
     `traction_control.controlled` says. `wheel` is the record of what it knows of a wheel, a LimitedWheel with more;
     `forget(p, wheel)` puts it to the start; `reference` names the parameters of the reference speed among its own, and
     `limp` beside them are those of the limp mode. The method runs compiled if both functions are compilable.
+
+    With `speed_mode` the law gives the largest speed of the wheel [rad/s] for drives in speed mode, as
+    `speed_mode.speed_controlled` says, and has no limp mode.
     """
     reference_of, limp_of = GROUPS[reference]
+    how: dict[str, Any] = {}
+    if speed_mode:
+        how = {"writes": (WheelTorqueCommand, WheelSpeedCommand), "requires": {"plant": "planar_speed_mode"}}
 
     def register(limit_of: L) -> L:
         @dataclass(slots=True)
@@ -94,11 +109,26 @@ def traction_control(
                 limit_of, forget, reference_of(p), limp_of(p), p, car, s, period, request, column, wheels, imu
             )
 
-        named_after(law, limit_of)
+        def law_of_speed(
+            p: Any,
+            car: Car,
+            s: Any,
+            period: float,
+            request: WheelTorqueRequest,
+            column: SteeringColumnState,
+            wheels: WheelStates,
+            imu: InertialMeasurement,
+        ) -> tuple[WheelTorqueCommand, WheelSpeedCommand]:
+            return speed_controlled(limit_of, forget, reference_of(p), p, car, s, period, request, column, wheels, imu)
+
+        made: Callable[..., Any] = law_of_speed if speed_mode else law
+        named_after(made, limit_of)
         if limit_of in FUNCTIONS and forget in FUNCTIONS:
-            compilable(law)
-        needs = (free_wheels_for(reference),)
-        method("asr", name, parameters, state=State, start=start, needs=needs, mirrored=True)(law)
+            compilable(made)
+        needs: tuple[Need, ...] = (free_wheels_for(reference),)
+        if not speed_mode:
+            needs = (*needs, limp_mode_for(f"{reference.rpartition('.')[0]}.limp".lstrip(".")))
+        method("asr", name, parameters, state=State, start=start, needs=needs, mirrored=True, **how)(made)
         return limit_of
 
     return register

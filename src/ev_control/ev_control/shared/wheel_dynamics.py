@@ -20,6 +20,10 @@ class WheelMotion(NamedTuple):
     forward_acceleration: float  # of the car to its front, in reverse as well [m/s^2]
     lateral_acceleration: float  # of the car to its left [m/s^2]
     place: int  # of the wheel, in the order of Wheels
+    ahead: float  # 1 if the request is to the front, -1 in reverse
+    car_speed: float  # to its front [m/s]
+    yaw_rate: float  # [rad/s]
+    road_wheel_angle: float  # mean of the front wheels [rad]
 
 
 def slowest_wheel() -> Any:

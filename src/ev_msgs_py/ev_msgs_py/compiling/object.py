@@ -31,7 +31,8 @@ class CompiledObject:
     def step(self, *signals: Any) -> Any:
         """The answer to the signals of an instant."""
         self.advance(*signals)
-        return self._said()[0]
+        said = self._said()
+        return said[0] if len(said) == 1 else said
 
     def advance(self, *signals: Any) -> None:
         """Integrate to the next instant; what is not finite is let through to the law, as in plain Python."""

@@ -18,6 +18,7 @@ from ev_msgs_py.contract.bench_signals import (
     LoadCommand,
 )
 from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames, SetPointFrames
+from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
 from ev_msgs_py.contract.electrical_signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
@@ -49,7 +50,7 @@ class Role:
 
     `default_method` plays the role where no parameter says otherwise; a role that is `optional` is played only where a
     parameter chooses its method. A method reads only what it uses, and a plant model writes only what it can know
-    (`writes` is what it may write).
+    (`writes` is what it may write). What a role `offers` is written only by methods that say so.
     """
 
     name: str
@@ -58,6 +59,12 @@ class Role:
     writes: tuple[type, ...]
     default_method: str
     optional: bool = False
+    offers: tuple[type, ...] = ()
+
+    @property
+    def may_write(self) -> tuple[type, ...]:
+        """All that a method of this role may write."""
+        return (*self.writes, *self.offers)
 
     def may_read(self, signal: type) -> bool:
         """Whether a method of this role may read the signal; everybody knows the instant."""
@@ -74,7 +81,14 @@ ROLES = {
         Role(
             "plant",
             RoleKind.INTEGRATES,
-            reads=(WheelTorqueCommand, SteeringColumnState, RearSteeringState, BenchShafts, BenchElectrical),
+            reads=(
+                WheelTorqueCommand,
+                SteeringColumnState,
+                WheelSpeedCommand,
+                RearSteeringState,
+                BenchShafts,
+                BenchElectrical,
+            ),
             writes=(*_BODY, TireForces, *_ELECTRICAL, LoadCommand),
             default_method="kinematic",
         ),
@@ -121,6 +135,7 @@ ROLES = {
             reads=(WheelTorqueRequest, SteeringColumnState, *_BODY),
             writes=(WheelTorqueCommand,),
             default_method="off",
+            offers=(WheelSpeedCommand,),
         ),
         Role(
             "inverter_gateway",
@@ -145,10 +160,11 @@ def _is_extra(signal: type) -> bool:
     return not (any(signal in role.writes for role in always) and any(signal in role.reads for role in always))
 
 
-_ALL = tuple(signal for role in ROLES.values() for signal in role.writes)
+_OFFERED = tuple(signal for role in ROLES.values() for signal in role.offers)
+_ALL = (*_OFFERED, *(signal for role in ROLES.values() for signal in role.writes))
 EXTRA = frozenset(filter(_is_extra, _ALL))
-# What only optional roles write or read, or nobody reads, comes last: a frame without it is as short as if there were
-# none of it.
+# What is only offered, what only optional roles write or read, or nobody reads, comes last: a frame without it is as
+# short as if there were none of it.
 RECORDED = tuple(sorted(_ALL, key=lambda signal: signal in EXTRA))
 RECORDER = "recorder"  # a node that plays no role
 RECORDER_WRITES = RecorderProgress

@@ -16,6 +16,7 @@ from ev_msgs_py.contract.bench_signals import (
     LoadCommand,
 )
 from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames, SetPointFrames
+from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
 from ev_msgs_py.contract.electrical_signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.contract.shape import Shape, shape_of
 from ev_msgs_py.contract.signals import (
@@ -68,6 +69,7 @@ TOPICS = {
         Topic("steering_column/state", SteeringColumnState, JOINT_STATE),
         Topic("torque_request", WheelTorqueRequest, JOINT_STATE),
         Topic("torque_command", WheelTorqueCommand, JOINT_STATE),
+        Topic("speed_command", WheelSpeedCommand, JOINT_STATE),
         Topic("wheel_states", WheelStates, JOINT_STATE),
         Topic("motor_states", MotorStates, JOINT_STATE),
         Topic("imu", InertialMeasurement, "sensor_msgs/msg/Imu"),

@@ -16,7 +16,7 @@ def writers(roles: Mapping[str, Role]) -> dict[type, str]:
     """Which role writes each signal; GraphError if two roles write the same one."""
     by_signal: dict[type, str] = {}
     for role in roles.values():
-        for signal in role.writes:
+        for signal in role.may_write:
             if signal in by_signal:
                 raise GraphError(f"{signal.__name__} is written by both {by_signal[signal]} and {role.name}")
             by_signal[signal] = role.name

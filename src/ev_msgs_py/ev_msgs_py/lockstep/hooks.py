@@ -28,7 +28,7 @@ class Answering(Protocol):
     """Plays a role that answers at once."""
 
     def step(self, *signals: Any, **_by_name: Any) -> Any:
-        """The signal that the role writes, from the signals of the same instant.
+        """The signal that the role writes, from the signals of the same instant; of several a tuple, as in `writes`.
 
         The annotations of the arguments say which signals are read. They are finite. The answer is finite as well, or
         the step is refused: by SignalError where a number is not, or by any ValueError of its own.

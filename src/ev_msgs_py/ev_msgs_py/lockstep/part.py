@@ -73,7 +73,8 @@ class PythonPart(CalledBack):
         self.made = made
         self._reads = tuple(_reader(signal) for signal in method.reads)
         self._writes = tuple(_writer(signal) for signal in method.writes)
-        self._answer = self._writes[0] if ROLES[method.role].kind is RoleKind.ANSWERS else None
+        self._answers = ROLES[method.role].kind is RoleKind.ANSWERS
+        self._answer = self._writes[0] if self._answers and len(self._writes) == 1 else None
         self._shapes = tuple((shape_of(signal), frame.PLACES[signal]) for signal in method.writes)
         self._reports = made.reports if isinstance(made, Reporting) else None
 
@@ -95,6 +96,8 @@ class PythonPart(CalledBack):
         signals = [read(here.numbers) for read in self._reads]
         if self._answer is not None:
             self._answer(there.numbers, self.made.step(*signals))
+        elif self._answers:
+            self._write(self.made.step(*signals), there.numbers)
         else:
             self.made.advance(*signals)
             self._write(self.made.outputs(), there.numbers)

@@ -35,7 +35,7 @@ def arrival_place(signal: type) -> tuple[int, int, int]:
     """
     writer, needed = WRITERS[signal], _FIRST_TO_ANSWER.reads
     urgency = needed.index(signal) if signal in needed else len(needed)
-    return _ARRIVAL[writer], urgency, ROLES[writer].writes.index(signal)
+    return _ARRIVAL[writer], urgency, ROLES[writer].may_write.index(signal)
 
 
 def upstream_signals(role: str) -> frozenset[type]:

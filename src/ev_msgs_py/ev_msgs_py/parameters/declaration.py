@@ -17,14 +17,18 @@ P = TypeVar("P")
 _SPEC = "parameter"
 
 
+# What would make two lines of one, such as a line break in the name of a file.
+_BREAKS = {ord(each): repr(each)[1:-1] for each in "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"}
+
+
 class ParameterError(ValueError):
-    """A parameter was refused; the message names the parameter, the value and what is allowed.
+    """A parameter was refused; the message names the parameter, the value and what is allowed, in one line.
 
     `parameter` is its dotted name where there is one.
     """
 
     def __init__(self, text: str, parameter: str = "") -> None:
-        super().__init__(text)
+        super().__init__(text.translate(_BREAKS))
         self.parameter = parameter
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -8,6 +8,7 @@ from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import exp
 from ev_sim.drives.field_weakening import induced_voltage, phase_values, voltage_limited_torque, weakening_loss
 from ev_sim.drives.losses import loss_power
+from ev_sim.drives.speed_control import speed_control
 from ev_sim.drives.torque_controlled import limited_torque
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.state import Inverter
@@ -65,10 +66,9 @@ def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most
     if int(s.command.mode) == TORQUE_MODE:
         return _below_speed_limit(p, sense * s.command.torque, speed, abs(s.command.speed))
     if int(s.command.mode) == SPEED_MODE and p.offers_speed_mode != 0.0:
-        error = sense * s.command.speed - speed
-        integral = s.speed_integral + p.speed_gain * error * period / p.speed_integral_time
-        s.speed_integral = min(max(integral, -most), most)
-        return p.speed_gain * error + s.speed_integral
+        error, before = sense * s.command.speed - speed, s.speed_integral
+        asked, s.speed_integral = speed_control(p.speed_gain, p.speed_integral_time, before, error, period, -most, most)
+        return asked
     return 0.0
 
 

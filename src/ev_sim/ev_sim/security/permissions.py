@@ -78,7 +78,7 @@ def _of_role(role: Role, namespace: str) -> Permissions:
     is_master = role.name == MASTER
     return Permissions(
         role.name,
-        publishes=_topics(role.writes, namespace)
+        publishes=_topics(role.may_write, namespace)
         | _LOG
         | _PARAMETER_EVENTS
         | _REPORTS

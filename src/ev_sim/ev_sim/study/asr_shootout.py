@@ -1,4 +1,4 @@
-"""Every traction control on every road: pulling away, split friction, jumps of friction, a hill."""
+"""Every traction control on every road: pulling away, split friction, jumps of friction, a hill, a bend."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.lockstep.methods import methods_of, node_package
 from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.panels import Curve, Panel
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.text_table import text_table
+from ev_sim.study.asr_controls import controls, values_of
 from ev_sim.study.asr_measured import PERIOD
 from ev_sim.study.asr_measured import measure as measure
 from ev_sim.study.asr_situations import SITUATIONS
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 
-ABOUT = "All traction controls pulling away on ice, snow, wet and dry roads, split friction, jumps of friction, a hill"
+ABOUT = "All traction controls pulling away on ice, snow, wet and dry roads, split friction, friction jumps, hill, bend"
 SCENARIO, RUN = "launch_split_mu", "steered"
 DURATION = 8.0  # [s]
 NOISE = {"wheel_speed": 0.03, "wheel_torque": 0.5, "imu_acceleration": 0.05, "imu_yaw_rate": 0.002}
@@ -35,19 +35,13 @@ QUANTITIES = {  # what is measured -> heading of its column and digits
     "mean_slip": ("mean slip", 3),
     "slip_energy": ("slip energy [kJ]", 1),
     "heading_deviation": ("heading [deg]", 1),
+    "off_the_path": ("off the path [m]", 2),
     "torque_ripple": ("ripple [N m]", 1),
     "false_triggers": ("false triggers", 0),
     "recovery": ("torque back after [s]", 2),
 }
 COLUMNS = ("road", "asr", *(heading_ for heading_, _ in QUANTITIES.values()))
 SUMS = ("distance_", "mean_slip_", "slip_energy_", "false_triggers_")
-
-
-def controls() -> list[str]:
-    """All traction controls of the package that brings the node, none first."""
-    names = [name for name, method in methods_of("asr").items() if method.package == node_package("asr")]
-    names.remove("limp_home")  # does nothing about slip
-    return sorted(names, key=lambda name: (name != "off", name))
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -72,7 +66,7 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
         Case(
             name_of(road, control),
             SCENARIO,
-            (*common, *SITUATIONS[road].values(), ("asr", "method", control)),
+            (*common, *SITUATIONS[road].values(), *values_of(control)),
             RUN,
             duration=DURATION,
         )

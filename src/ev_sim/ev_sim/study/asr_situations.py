@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+STRAIGHT, BEND = 5.0, 200.0  # lengths of a path with a bend [m]
+
 
 @dataclass(frozen=True, slots=True)
 class Situation:
@@ -15,6 +17,7 @@ class Situation:
     right: tuple[str, ...] = ()  # as left
     lengths: tuple[float, ...] = ()  # of the segments [m]; the same surface everywhere without
     grade: float = 0.0  # [1]
+    curvature: float = 0.0  # of the path behind the first metres [1/m]
 
     def values(self) -> tuple[tuple[str, str, Any], ...]:
         """What differs from the scenario's own file."""
@@ -28,6 +31,14 @@ class Situation:
             *(
                 [("plant", "road.pattern", "segments"), ("plant", "road.length", list(self.lengths))]
                 * bool(self.lengths)
+            ),
+            *(
+                [
+                    ("driver", "path.shape", "arcs"),
+                    ("driver", "path.length", [STRAIGHT, BEND]),
+                    ("driver", "path.curvature", [0.0, self.curvature]),
+                ]
+                * bool(self.curvature)
             ),
         )
 
@@ -43,4 +54,5 @@ SITUATIONS = {
     "snow, then dry": Situation(2600.0, ("packed_snow_1", "dry_asphalt"), lengths=(10.0,)),
     "dry, then ice": Situation(2400.0, ("dry_asphalt", "ice"), lengths=(10.0,)),
     "snow, 5 % uphill": Situation(3000.0, ("packed_snow_1",), grade=0.05),
+    "snow, bend of 25 m": Situation(3000.0, ("packed_snow_1",), curvature=0.04),
 }

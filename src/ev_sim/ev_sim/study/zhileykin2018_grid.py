@@ -22,15 +22,47 @@ REAR_DRIVE = "rear_drive"
 BY_LAW = ("k05", "k1", "equality")
 FIXED = "fixed_split"
 CONTROLS = (REAR_DRIVE, *BY_LAW, FIXED)
+LAW = "electronic_differential"
+READINGS = {  # of the source besides those that have a run of their own: that run, and what the law is told
+    "k048": ("k1", ((LAW, "factor", "inertia"),)),
+    "k1_derived": ("k1", ((LAW, "second_branch", "derived"),)),
+    "k1_rear_share": ("k1", ((LAW, "second_branch", "rear_share"),)),
+    "k1_by_geometry": ("k1", ((LAW, "rear_wheels", "by_geometry"),)),
+    "equality_by_geometry": ("equality", ((LAW, "rear_wheels", "by_geometry"),)),
+}
+SWEPT = (
+    REAR_DRIVE,
+    "k048",
+    "k05",
+    "k1",
+    "k1_derived",
+    "k1_rear_share",
+    "k1_by_geometry",
+    "equality",
+    "equality_by_geometry",
+    FIXED,
+)
 FORCES = (2000.0, 2500.0, 3000.0, 3500.0, 4000.0)  # of all wheels together [N]
 ANGLES = tuple(range(3, 11))  # of the road wheels [deg]
 SIZE = len(FORCES) * len(ANGLES)
 
 Values = tuple[tuple[str, str, Any], ...]
+MOTORS = "motors"
+# An engine of the same 60 kW with converter, gearbox and final drive, as docs/drivelines.md has them, in place of the
+# motors; `motor` is the drive as laws know it. All of it is assumed: the source gives neither values nor equations.
+ENGINE: Values = (
+    ("*", "vehicle.engine.peak_power", 60e3),
+    ("*", "vehicle.gear_ratio", 4.1),
+    ("*", "vehicle.motor.peak_torque", 400.0),
+    ("*", "vehicle.motor.nominal_torque", 400.0),
+    ("*", "vehicle.motor.peak_power", 60e3),
+    ("*", "vehicle.motor.maximum_speed", 812.0),
+)
+DRIVES: Mapping[str, Values] = {MOTORS: (), "engine": ENGINE}
 
 
 def cases_of(controls: Iterable[str], values: Values = (), variant: str = "") -> list[Case]:
-    """Every control at every force and angle, with further parameters (node, name, value) of a variant."""
+    """Every control or reading at every force and angle, with further parameters (node, name, value) of a variant."""
     vehicle = load_scenario(SCENARIO).runs[0].configurations[MASTER].common.vehicle
     return [
         Case(
@@ -39,9 +71,10 @@ def cases_of(controls: Iterable[str], values: Values = (), variant: str = "") ->
             (
                 ("driver", "pedals.drive_torque", (force * vehicle.wheel_radius,)),
                 ("steering_column", "profile.angle", (0.0, math.radians(angle) * vehicle.steering_ratio)),
+                *READINGS.get(control, ("", ()))[1],
                 *values,
             ),
-            control,
+            READINGS.get(control, (control, ()))[0],
         )
         for force in FORCES
         for angle in ANGLES

@@ -1,4 +1,4 @@
-"""Drive force by steering angle for the controls of the scenario zhileykin2018: who spins, who holds."""
+"""Drive force by steering angle for the controls of the scenario zhileykin2018 and readings of the law: who spins."""
 
 from __future__ import annotations
 
@@ -17,20 +17,21 @@ from ev_sim.report.text_table import text_table
 from ev_sim.study import zhileykin2018_grid as grid
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-from ev_sim.study.zhileykin2018_grid import ANGLES, BY_LAW, CONTROLS, FORCES, REAR_DRIVE
+from ev_sim.study.zhileykin2018_grid import ANGLES, FIXED, FORCES, REAR_DRIVE, SWEPT
 
 ABOUT = "Zhileykin 2018: drive force by steering angle on ice with snow, who spins with which control"
-COLUMNS = ("force [N]", "angle [deg]", *CONTROLS)
+COLUMNS = ("force [N]", "angle [deg]", *SWEPT)
 SUMS = ("cases", "rear_drive_spins", "holds_", "calm_")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """There are none: the grid is that of the page docs/zhileykin2018.md."""
+    """The drive; the grid is that of the page docs/zhileykin2018.md."""
+    parser.add_argument("--drive", choices=grid.DRIVES, default=grid.MOTORS, help="default: motors, as on the page")
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every control at every force and angle."""
-    return grid.cases_of(CONTROLS)
+    return grid.cases_of(SWEPT, grid.DRIVES[getattr(given, "drive", grid.MOTORS)])
 
 
 measure = grid.measure
@@ -42,13 +43,15 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
         "cases": metric(lambda: grid.SIZE, "1"),
         "rear_drive_spins": metric(lambda: grid.spins(results).sum(), "1"),
     }
-    for name in CONTROLS:
+    for name in SWEPT:
         if name != REAR_DRIVE:
             found[f"holds_where_rear_drive_spins_{name}"] = metric(
                 lambda name=name: (grid.holds(results, name) & grid.spins(results)).sum(), "1"
             )
         found[f"holds_{name}"] = metric(lambda name=name: grid.holds(results, name).sum(), "1")
-    for name in BY_LAW:
+    for name in SWEPT:
+        if name in (REAR_DRIVE, FIXED):
+            continue
         found[f"calm_{name}"] = metric(
             lambda name=name: np.all([grid.is_calm(results, name, share) for share in SHARES], axis=0).sum(), "1"
         )
@@ -61,9 +64,9 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     def shown(peak: float) -> str:
         return f"**{math.degrees(peak):.1f}**" if peak >= LIMIT else f"{math.degrees(peak):.1f}"
 
-    found = {control: grid.of_all(results, control) for control in CONTROLS}
+    found = {control: grid.of_all(results, control) for control in SWEPT}
     return [
-        (f"{force:g}", f"{angle:g}", *(shown(found[control][i, j]) for control in CONTROLS))
+        (f"{force:g}", f"{angle:g}", *(shown(found[control][i, j]) for control in SWEPT))
         for i, force in enumerate(FORCES)
         for j, angle in enumerate(ANGLES)
     ]
@@ -77,7 +80,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
     """A map of the largest sideslip angle for each control."""
-    maps = [HeatMap(control.replace("_", " "), np.degrees(grid.of_all(results, control))) for control in CONTROLS]
+    maps = [HeatMap(control.replace("_", " "), np.degrees(grid.of_all(results, control))) for control in SWEPT]
     return {
         "who_spins": heat_maps(
             maps,

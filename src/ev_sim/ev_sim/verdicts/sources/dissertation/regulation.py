@@ -66,7 +66,8 @@ DECLARATIONS: tuple[Declaration, ...] = (
         "diss.asr.F",
         (),
         Number("1", 0.001, relative(0.0, "exact"), lambda: LARGEST_ERROR),
-        inputs="the fit of figure 2.8 has it as a constant; it hangs on n and M_nom, and the ASR does without",
+        inputs="the fit of figure 2.8 has it as a constant; it hangs on n and M_nom; of the ASR largest_error, off by "
+        "default",
     ),
     judged(
         "diss.asr.peak",

@@ -1,0 +1,104 @@
+"""Traction control that compares the friction in use with stored diagrams (dissertation, section 1.4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+
+from ev_control.estimation.expected_friction import (
+    FrictionDiagramParameters,
+    expected_friction,
+    friction_at_peak,
+)
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.side_force import slip_angle_of
+from ev_control.estimation.slip_angle_observer import SlipAngleObserverParameters, SlipAngleObserverState
+from ev_control.estimation.wheel_loads import wheel_load
+from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.limp_mode import LimpModeParameters
+from ev_control.shared.traction_control import LimitedWheel
+from ev_control.shared.traction_method import traction_control
+from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, slip_of, slowest_wheel
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry, part
+from ev_msgs_py.elementary import tan
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
+
+
+@dataclass(frozen=True, slots=True)
+class ExpectedSignalParameters:
+    """The diagrams, and how the estimate of the road follows the difference between signal and expectation."""
+
+    largest_friction: float = parameter(
+        1.2, unit="1", low=0.01, high=3.0, about="friction at the start and at most", source="assumption"
+    )
+    least_friction: float = parameter(
+        0.03, unit="1", low=1e-3, high=1.0, about="least friction that is believed in", source="assumption"
+    )
+    least_slip: float = parameter(
+        0.02, unit="1", low=1e-3, high=0.5, about="slip below which nothing can be compared", source="assumption"
+    )
+    rate: float = parameter(
+        50.0, unit="1/s", low=0.0, high=1000.0, about="correction of the estimate", source="assumption"
+    )
+    filter_time: float = parameter(
+        0.02, unit="s", low=0.0, high=1.0, about="time constant of friction in use and slip", source="assumption"
+    )
+    use: float = parameter(
+        0.95, unit="1", low=0.1, high=1.0, about="share of the expected peak that is used", source="assumption"
+    )
+    slowest: float = slowest_wheel()
+    diagram: FrictionDiagramParameters = group(FrictionDiagramParameters)
+    observer: SlipAngleObserverParameters = group(SlipAngleObserverParameters)
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+    limp: LimpModeParameters = group(LimpModeParameters)
+
+
+@dataclass(slots=True)
+class ExpectedSignalWheel(LimitedWheel):
+    """What the law knows of a wheel."""
+
+    used: Filtered = part(Filtered)  # friction in use [1]
+    slip: Filtered = part(Filtered)  # [1]
+    friction: float = entry(unit="1", about="estimated friction of the road; at the start the largest one")
+    observer: SlipAngleObserverState = part(SlipAngleObserverState)
+
+
+@compilable
+def forget(p: ExpectedSignalParameters, w: ExpectedSignalWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    forget_filtered(w.used)
+    forget_filtered(w.slip)
+    w.friction = p.largest_friction
+    w.observer.lateral_velocity = 0.0
+
+
+@traction_control("expected_signal", ExpectedSignalParameters, ExpectedSignalWheel, forget)
+@compilable
+def expected_signal(
+    p: ExpectedSignalParameters, car: Car, w: ExpectedSignalWheel, period: float, motion: WheelMotion, wanted: float
+) -> float:
+    """Limit each wheel to the peak that stored diagrams expect, on the road that the friction in use speaks for.
+
+    phi_x(s, alpha) with the estimated largest friction is what a wheel with this slip and slip angle should use; the
+    estimate follows the difference to what it does use, (M - J w')/(F_z r), by `rate`. The limit is phi_x at the peak
+    of the resultant slip, beside the slip angle, times load and radius. The dissertation (section 1.4) only names the
+    analysis of the expected signal and its diagrams, phi_x over slip for slip angles and phi_y for largest
+    coefficients.
+    """
+    load = wheel_load(car, motion.place, motion.forward_acceleration, motion.lateral_acceleration)
+    lever = load * car.wheel_radius
+    share = filter_share(period, p.filter_time)
+    used = follow(w.used, road_torque(car, motion) / lever if lever > 0.0 else 0.0, share)
+    slip = follow(w.slip, slip_of(motion, p.slowest), share)
+    angle = slip_angle_of(p.observer, car, w.observer, period, motion)
+    lateral = tan(min(max(angle, -1.0), 1.0))
+    if slip > p.least_slip:
+        # What the diagram makes of a unit of the largest friction: small slips correct as fast as large ones.
+        share_of_peak = max(expected_friction(p.diagram, w.friction, slip, lateral) / w.friction, p.least_slip)
+        gap = used / share_of_peak - w.friction
+        w.friction = min(max(w.friction + min(p.rate * period, 1.0) * gap, p.least_friction), p.largest_friction)
+    peak = friction_at_peak(p.diagram, w.friction, lateral)
+    return p.use * peak * lever / car.motor.gear_efficiency

@@ -1,0 +1,61 @@
+"""Whether a wheel gains on the car, by the ratio of their accelerations (dissertation, eq 1.4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.wheel_dynamics import WheelMotion
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import part
+from ev_msgs_py.parameters.declaration import parameter
+
+
+@dataclass(frozen=True, slots=True)
+class AccelerationCriterionParameters:
+    """The ratio that tells slip from grip."""
+
+    threshold: float = parameter(
+        0.16,
+        unit="m",
+        low=0.0,
+        high=10.0,
+        about="ratio of accelerations below which a wheel slips; 0.4 in the source, more than any wheel radius, would "
+        "always be undercut; half the radius stands for a wheel that turns twice as fast as it would roll",
+        source="assumption; dissertation, eq 1.4, has 0.4 m",
+    )
+    least_acceleration: float = parameter(
+        6.0,
+        unit="rad/s^2",
+        low=0.0,
+        high=1000.0,
+        about="wheel acceleration below which the ratio is noise",
+        source="assumption",
+    )
+    filter_time: float = parameter(
+        0.03, unit="s", low=0.0, high=1.0, about="time constant of both accelerations", source="assumption"
+    )
+
+
+@dataclass(slots=True)
+class Accelerations:
+    """Both accelerations, filtered."""
+
+    wheel: Filtered = part(Filtered)  # [rad/s^2]
+    body: Filtered = part(Filtered)  # of the car [m/s^2]
+
+
+@compilable
+def forget_accelerations(s: Accelerations) -> None:
+    """Begin anew."""
+    forget_filtered(s.wheel)
+    forget_filtered(s.body)
+
+
+@compilable
+def gains_on_car(p: AccelerationCriterionParameters, s: Accelerations, period: float, motion: WheelMotion) -> bool:
+    """Whether a_x/w' < threshold, compared without dividing, and only while w' is more than noise."""
+    share = filter_share(period, p.filter_time)
+    turning = follow(s.wheel, motion.acceleration, share)
+    moving = follow(s.body, motion.body_acceleration, share)
+    return turning > p.least_acceleration and moving < p.threshold * turning

@@ -1,0 +1,145 @@
+"""What traction controls of drives in speed mode share: torques pass, and a slipping wheel gets a set-point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from ev_control.estimation.plausible import is_plausible
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_control.shared.traction_control import LimitedWheel, watch
+from ev_control.shared.wheel_dynamics import WheelMotion, slowest_wheel
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
+from ev_msgs_py.contract.record import entry
+from ev_msgs_py.contract.signals import (
+    InertialMeasurement,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.elementary import copysign
+from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedSetPointParameters:
+    """How the set-point moves; the source says that it is lowered, and neither how fast nor when it is raised."""
+
+    lowering: float = parameter(
+        200.0, unit="rad/s^2", low=0.1, high=1e5, about="fall of the set-point", source="assumption"
+    )
+    raising: float = parameter(
+        60.0,
+        unit="rad/s^2",
+        low=0.1,
+        high=1e5,
+        about="rise of the set-point; faster than any road lets the car gain speed, so that it finds the limit again",
+        source="assumption",
+    )
+    least_slip: float = parameter(
+        0.02,
+        unit="1",
+        low=0.0,
+        high=0.5,
+        about="slip below which the set-point is not lowered: a lower one would be a drive without torque",
+        source="assumption",
+    )
+    served: float = parameter(
+        0.95,
+        unit="1",
+        low=0.1,
+        high=1.0,
+        about="share of the request that the drive gives where the set-point does not limit it any more",
+        source="assumption",
+    )
+    release: float = parameter(
+        0.2,
+        unit="s",
+        low=0.0,
+        high=100.0,
+        about="time for which it has to before the set-point ends",
+        source="assumption",
+    )
+    slowest: float = slowest_wheel()
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+
+
+@dataclass(slots=True)
+class SpeedSetPointWheel(LimitedWheel):
+    """What a law of set-points knows of a wheel; its limit is a speed."""
+
+    limit: float = entry(inf, unit="rad/s", about="largest speed that its drive goes for")
+    served: float = entry(unit="s", about="since when the drive gives the request")
+
+
+@compilable
+def forget_set_point(w: SpeedSetPointWheel) -> None:
+    """Put what these laws know of a wheel back to the start."""
+    w.limit = inf
+    w.served = 0.0
+
+
+@compilable
+def moved(
+    p: SpeedSetPointParameters,
+    car: Car,
+    w: SpeedSetPointWheel,
+    period: float,
+    motion: WheelMotion,
+    wanted: float,
+    course: float,
+) -> float:
+    """The set-point [rad/s] after a period: lowered if `course` is below zero, raised above it, else held.
+
+    It begins at the speed that the wheel has, and ends once the drive has given what is wanted [N m] for a while.
+    """
+    if course < 0.0:
+        w.served = 0.0
+        least = motion.rolling + p.least_slip * max(motion.rolling, p.slowest)
+        return max(min(w.limit, motion.speed) - p.lowering * period, least)
+    if w.limit == inf:
+        return inf
+    gives = motion.torque >= p.served * car.motor.gear_efficiency * wanted
+    w.served = w.served + period if gives else 0.0
+    if w.served > p.release:
+        return inf
+    return w.limit + p.raising * period if course > 0.0 else w.limit
+
+
+@compilable
+def speed_controlled(
+    limit_of: Callable[..., float],
+    forget: Callable[..., None],
+    reference: ReferenceSpeedParameters,
+    p: Any,
+    car: Car,
+    s: Any,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> tuple[WheelTorqueCommand, WheelSpeedCommand]:
+    """The requested torques [N m] as they are, and set-points [rad/s] in their direction: for slipping wheels a limit.
+
+    For all others it is the largest speed of the motor, out of reach, which leaves the torque to the request. When
+    wheels are watched, and when not, is as in `traction_control.controlled`.
+    """
+    if is_plausible(column, wheels, imu):
+        watch(limit_of, forget, reference, p, car, s, period, request, column, wheels, imu)
+    else:
+        s.control.measured = 0.0
+    drive, fastest = request.drive, car.motor.maximum_speed
+    speeds = Wheels(
+        copysign(min(s.wheels[0].limit, fastest / car.gear[0]), drive[0]),
+        copysign(min(s.wheels[1].limit, fastest / car.gear[1]), drive[1]),
+        copysign(min(s.wheels[2].limit, fastest / car.gear[2]), drive[2]),
+        copysign(min(s.wheels[3].limit, fastest / car.gear[3]), drive[3]),
+    )
+    return WheelTorqueCommand(drive, request.brake), WheelSpeedCommand(speeds)

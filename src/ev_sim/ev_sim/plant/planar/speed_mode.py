@@ -1,0 +1,117 @@
+"""The planar plant with drives in speed mode: a set-point, and the torque that may be used to get there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_msgs_py.compiling.compilable import inlined
+from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
+from ev_msgs_py.contract.record import per_wheel
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.declaration import group
+from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import has_own_motors
+from ev_sim.drives.speed_control import SpeedControlParameters, speed_control
+from ev_sim.plant.commands import accepted
+from ev_sim.plant.planar.drive_torques import Lags, apply_drives
+from ev_sim.plant.planar.energy import PowerConstants, account
+from ev_sim.plant.planar.lift import notes
+from ev_sim.plant.planar.memory import Step
+from ev_sim.plant.planar.outputs import SIGNALS, outputs
+from ev_sim.plant.planar.parameters import PlanarParameters, load_files
+from ev_sim.plant.planar.plant import advance
+from ev_sim.plant.planar.prepare import PlanarConstants, prepare
+from ev_sim.plant.planar.start import begin
+from ev_sim.plant.planar.state import WHEEL_SPEED, PlanarState
+
+
+@dataclass(frozen=True, slots=True)
+class PlanarSpeedModeParameters(PlanarParameters):
+    """The same, and the speed control of the drives."""
+
+    speed_control: SpeedControlParameters = group(SpeedControlParameters)
+
+
+@dataclass(slots=True)
+class PlanarSpeedModeState(PlanarState):
+    """The same, and what the speed controls keep."""
+
+    set_point: list[float] = per_wheel(unit="rad/s", about="of the wheel speed that was accepted last")
+    speed_integral: list[float] = per_wheel(unit="N m", about="integral part of the speed control, at the shaft")
+
+
+def at_start(p: PlanarSpeedModeParameters, car: Car, c: PlanarConstants) -> PlanarSpeedModeState:
+    """As the planar plant begins."""
+    s = PlanarSpeedModeState()
+    begin(s, p, car, c)
+    return s
+
+
+def a_motor_for_each_wheel(_parameters: PlanarSpeedModeParameters, vehicle: Vehicle) -> str:
+    """A drive controls the speed of its own wheel."""
+    return "" if has_own_motors(vehicle) else "driveline.coupling individual"
+
+
+@method(
+    "plant",
+    "planar_speed_mode",
+    PlanarSpeedModeParameters,
+    state=PlanarSpeedModeState,
+    prepare=prepare,
+    start=at_start,
+    outputs=outputs,
+    notes=notes,
+    writes=SIGNALS,
+    load_files=load_files,
+    needs=(a_motor_for_each_wheel,),
+    heavy=True,
+    mirrored=True,
+)
+@inlined
+def planar_speed_mode(
+    p: PlanarSpeedModeParameters,
+    car: Car,
+    c: PlanarConstants,
+    s: PlanarSpeedModeState,
+    period: float,
+    command: WheelTorqueCommand,
+    column: SteeringColumnState,
+    speeds: WheelSpeedCommand,
+) -> None:
+    """The planar plant whose drives control their speed, with no more than the commanded torque and never against it.
+
+    M = K e + (K/T) integral(e) within 0..M_command, e = w* - w at the shaft, in every step of the plant; motor, its
+    limits, lag and losses are those of the plant in torque mode. A set-point out of reach is torque mode, to the bit.
+    """
+    for i in range(4):
+        most = car.motor.maximum_speed / car.gear[i]
+        s.set_point[i] = accepted(s.guard, speeds.speed[i], s.set_point[i], -most, most)
+    advance(p, car, c, s, period, command, column, _apply, account)
+
+
+@inlined
+def _apply(
+    s: PlanarSpeedModeState,
+    p: PlanarSpeedModeParameters,
+    car: Car,
+    power: PowerConstants,
+    lags: Lags,
+    step: Step,
+    h: float,
+) -> None:
+    """Set the torques of a step of h [s] as in torque mode, by the torque that each speed control asks for."""
+    command, control = step.drive_command, p.speed_control
+    front_left, front_right, rear_left, rear_right = command[0], command[1], command[2], command[3]
+    for i in range(4):
+        gear = car.gear[i]
+        least, most = min(command[i], 0.0) / gear, max(command[i], 0.0) / gear
+        error = gear * (s.set_point[i] - s.motion[WHEEL_SPEED + i])
+        asked, s.speed_integral[i] = speed_control(
+            control.gain, control.integral_time, s.speed_integral[i], error, h, least, most
+        )
+        if (command[i] > 0.0 and asked < most) or (command[i] < 0.0 and asked > least):
+            command[i] = gear * min(max(asked, least), most)
+    apply_drives(s, p, car, power, lags, step, h)
+    command[0], command[1], command[2], command[3] = front_left, front_right, rear_left, rear_right
