@@ -46,8 +46,11 @@ class Mixer:
         return tuple(spoken)
 
 
+OFFERED = {signal for role in ROLES.values() for signal in role.offers}  # that toys do not write
+
+
 def toy(role: str, reads: tuple[type, ...] | None = None, period: float = 0.01) -> Configuration:
-    """A configured toy of a role that reads these signals, by default all that the role may read."""
+    """A configured toy of a role that reads these signals, by default all that it may read and toys write."""
     writes = ROLES[role].writes
 
     class Answering(Mixer):
@@ -63,7 +66,8 @@ def toy(role: str, reads: tuple[type, ...] | None = None, period: float = 0.01) 
             self.stir(signals)
 
     kind = Integrating if ROLES[role].kind is RoleKind.INTEGRATES else Answering
-    method = Method(role, "toy", kind, ROLES[role].reads if reads is None else reads, ToyParameters)
+    everything = tuple(signal for signal in ROLES[role].reads if signal not in OFFERED)
+    method = Method(role, "toy", kind, everything if reads is None else reads, ToyParameters)
     common = build(CommonParameters, {"control_period": period})
     return Configuration(role, method, ToyParameters(), common, None)
 

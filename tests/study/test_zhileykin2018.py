@@ -80,6 +80,16 @@ def test_every_reading_is_driven_in_all_cases_and_told_to_the_law():
     assert {case.run for case in cases} == set(grid.CONTROLS)
 
 
+@pytest.mark.slow
+def test_engine_and_converter_drive_the_sweep():
+    """All controls at 3000 N and 6 deg: none is refused, rear drive spins, the fixed half holds, as with motors."""
+    cases = [case for case in sweep.cases(Namespace(drive="engine")) if " 3000 N 6 deg" in case.name]
+    assert len(cases) == 10 and all(set(grid.ENGINE) <= set(case.values) for case in cases)
+    peak = {case.run: drive_case(case, sweep.measure) for case in cases if case.run in ("rear_drive", "fixed_split")}
+    assert not any(result.refused for result in peak.values())
+    assert peak["rear_drive"].measured["peak_sideslip"] > LIMIT > peak["fixed_split"].measured["peak_sideslip"]
+
+
 def test_a_refused_case_neither_holds_nor_spins():
     assert counted(sweep, lambda case: math.nan)["rear_drive_spins"] == 0.0
     assert counted(sweep, lambda case: math.nan)["holds_fixed_split"] == 0.0

@@ -51,7 +51,7 @@ def _word_inserted(content: bytes, chance: random.Random) -> bytes:
 
 def _number_replaced(content: bytes, chance: random.Random) -> bytes:
     digits = [place for place, byte in enumerate(content) if byte in b"0123456789"]
-    place = chance.choice(digits)
+    place = chance.choice(digits or range(len(content)))
     return content[:place] + chance.choice(_WORDS) + content[place + 1 :]
 
 
