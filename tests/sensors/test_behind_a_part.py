@@ -36,7 +36,8 @@ def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> 
 def test_a_bias_shows_in_its_own_numbers_and_nowhere_else(quantity):
     """A heading shows it as that of a quaternion about the vertical axis."""
     role = next(role.name for role in ROLES.values() if quantity.signal in role.writes)
-    method = {"plant": "planar_electrical", "test_bench": "circuits"}.get(role, "powered")
+    methods = {"plant": "planar_electrical", "steering_column": "powered", "rear_steering": "speed_dependent"}
+    method = methods.get(role, "circuits")
     true, biased = (frames(role, method, errors)[0] for errors in ({}, {f"{quantity.name}.bias": 0.125}))
     own = list(quantity.places[: quantity.count])
     if quantity.kind == HEADING:

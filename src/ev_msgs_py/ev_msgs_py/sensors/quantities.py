@@ -6,6 +6,7 @@ from dataclasses import dataclass, make_dataclass
 from functools import cache
 
 from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.actuator_signals import RearSteeringState
 from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchShafts, BenchTemperatures
 from ev_msgs_py.contract.electrical_signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.contract.shape import shape_of
@@ -36,6 +37,7 @@ _MEASURED = (
     MotorTemperatures,
     CellCondition,
     SteeringColumnState,
+    RearSteeringState,
     BenchShafts,
     BenchElectrical,
     BenchTemperatures,
