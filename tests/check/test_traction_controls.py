@@ -49,8 +49,7 @@ CHOICES: dict[str, tuple[dict, ...]] = {
         {"control_period": 0.01, "window": 2.0, **ALL_DRIVEN},
     ),
     "least_squares_literal": (
-        {"samples": 5, "template": "square"},
-        {"samples": 2, **REAR_DRIVEN},
+        {"samples": 2, "template": "square", **REAR_DRIVEN},
         {"samples": 60, **ALL_DRIVEN},
     ),
     "maximum_transmissible_torque": ({"relaxation": 0.5, "filter_time": 0.0}, {"margin": 0.0, **ALL_DRIVEN}),

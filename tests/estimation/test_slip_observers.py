@@ -10,6 +10,8 @@ from traction import CAR, PERIOD, car_of, numbers_of
 from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState, forget_slip, observed_slip
 from ev_control.shared.wheel_dynamics import WheelMotion
 
+STRAIGHT = (1.0, 0.0, 0.0, 0.0)  # ahead; speed, yaw rate and road-wheel angle, which the observers do not look at
+
 
 def launched() -> dict[str, np.ndarray]:
     """A launch on dry asphalt without noise and without rolling resistance, which eqs 1.8 to 1.10 do not know."""
@@ -38,7 +40,7 @@ def observed(kind: str, noise: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     torque, a_x = c["wheel_states.effort.front_left"], c["imu.longitudinal_acceleration"]
     acceleration = np.diff(speed, prepend=speed[0]) / PERIOD
     found = [
-        observed_slip(p, car, state, PERIOD, WheelMotion(*numbers, 0.0, 0.0, 0))
+        observed_slip(p, car, state, PERIOD, WheelMotion(*numbers, 0.0, 0.0, 0, *STRAIGHT))
         for numbers in zip(*(x.tolist() for x in (speed, free, acceleration, torque, a_x)), strict=True)
     ]
     true = 1 - free / np.maximum(speed, 3.0)
@@ -70,7 +72,7 @@ def test_observers_follow_the_slip(kind, noise, largest, mean):
 
 
 def motion(speed: float, acceleration: float, torque: float, a_x: float = 0.0) -> WheelMotion:
-    return WheelMotion(speed, 0.0, acceleration, torque, a_x, a_x, 0.0, 0)
+    return WheelMotion(speed, 0.0, acceleration, torque, a_x, a_x, 0.0, 0, *STRAIGHT)
 
 
 INERTIA, CARRIED = 1.658 + 7.4**2 * 0.02, 1085.0 * 0.32**2  # kg m^2: J, and r^2 M of half the car

@@ -103,8 +103,10 @@ from ev_msgs_py.nodes.stop_request import interrupt_destructors
 
 class Interrupted:
     def __del__(self):
-        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGTERM)
 
+signal.signal(signal.SIGTERM, signal.default_int_handler)
+signal.signal(signal.SIGINT, {ctrl_c})
 interrupt_destructors()
 try:
     Interrupted()
@@ -115,9 +117,10 @@ except KeyboardInterrupt:
 """
 
 
-def test_ctrl_c_in_a_destructor_is_not_lost():
+@pytest.mark.parametrize("ctrl_c", ["signal.default_int_handler", "signal.SIG_IGN"])
+def test_a_stop_in_a_destructor_is_not_lost(ctrl_c):
     """Python's own way is a traceback, and to go on: what the campaign found with seed 805."""
-    process = start([sys.executable, "-c", STOPPED_IN_A_DESTRUCTOR])
+    process = start(["timeout", "20", sys.executable, "-c", STOPPED_IN_A_DESTRUCTOR.format(ctrl_c=ctrl_c)])
     assert process.communicate(timeout=PATIENCE)[0] == "stopped\n"
 
 

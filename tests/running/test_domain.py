@@ -6,6 +6,7 @@ import pytest
 
 from ev_sim.running import domain
 from ev_sim.running.domain import NoFreeDomain, free_domain, reserved_domains
+from ev_sim.running.outcome import RunFailed
 
 FIRST_PORT = 2000
 
@@ -60,3 +61,13 @@ def test_a_link_in_the_place_of_a_lock_is_not_followed(tmp_path):
     with free_domain() as free:
         assert free == 2
     assert precious.read_text() == "kept"
+
+
+@pytest.mark.parametrize("given", ["abc", "-1", "1.5", "500"])
+def test_what_is_no_domain_is_refused(given, monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", given)
+    with (
+        pytest.raises(RunFailed, match=f"^ROS_DOMAIN_ID={given} is refused, allowed is a whole number from 0"),
+        free_domain(),
+    ):
+        pass

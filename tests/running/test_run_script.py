@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import os
 import re
+import resource
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -164,6 +166,38 @@ def test_killing_a_node_ends_the_run_and_leaves_nothing(name: str, tmp_path: Pat
     assert running.left_behind() == ({}, set())
     counts = messages_in(running.folder / "bag")
     assert counts["/ev/wheel_states"] > 50
+
+
+def test_a_node_that_hangs_is_named_and_the_run_waits_for_it(tmp_path: Path):
+    """A node that the kernel has stopped may go on, so the run does not end by itself."""
+    running = Running(tmp_path / "out", "--set", "plant.answer_timeout=1.0")
+    hanging = running.node("electronic_differential")
+    os.kill(hanging, signal.SIGSTOP)
+    deadline = time.monotonic() + 20.0
+    while "stopped by a signal: electronic_differential" not in running.text():
+        assert time.monotonic() < deadline and running.script.poll() is None, running.text()
+        time.sleep(0.05)
+    os.kill(hanging, signal.SIGCONT)
+    os.killpg(running.script.pid, signal.SIGINT)
+    assert running.end(within=10.0) == 130
+    assert running.left_behind() == ({}, set())
+
+
+@pytest.mark.parametrize("way", [("--offline",), ()], ids=["offline", "dds"])
+def test_where_nothing_more_can_be_written_the_run_ends_in_one_line(way: tuple[str, ...], tmp_path: Path):
+    """No file may grow beyond 30 kB here; a full disk says another word in the same places."""
+    words = [RUN, "shchur2019", *way, "--duration", "2", "--no-report", "--out", tmp_path / "out"]
+    ended = subprocess.run(
+        words,
+        env=ENVIRONMENT,
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000)),
+    )
+    assert ended.returncode == 1, ended.stderr
+    lines = [line for line in re.split("[\r\n]+", ended.stderr) if "error" in line.lower()]
+    assert len(lines) == 1 and lines[0].startswith("error: ") and "File too large" in lines[0], ended.stderr
+    assert "Traceback" not in ended.stderr
 
 
 def test_ctrl_c_stops_everything(tmp_path: Path):

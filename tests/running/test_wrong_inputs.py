@@ -18,7 +18,9 @@ from ev_msgs_py.lockstep import installed_methods
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.run_scenario import main
+from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.progress_bar import progress_bar
+from ev_sim.running.scenarios.scenario import load_scenario
 
 ROOT = Path(__file__).parents[2]
 
@@ -190,3 +192,13 @@ def test_files_of_vehicles_refuse_what_no_car_is(tmp_path):
     path.write_text("/**:\n  ros__parameters: {vehicle: {mass: 1.0e3, mass: 2.0e3}}\n")
     with pytest.raises(ParameterError, match=rf"^{path}: not readable as YAML in line 2: mass stands there twice$"):
         ev_sim.run("shchur2019", vehicle=path)
+
+
+def test_one_folder_is_for_one_run_at_a_time(tmp_path):
+    """The second one is refused before it clears anything."""
+    runs = load_scenario("coast_down").runs
+    first = OutputFolder(tmp_path / "out", runs)
+    (first.directory / "signals.npz").touch()
+    with pytest.raises(ParameterError, match=r"another run is writing there, allowed is another folder$"):
+        OutputFolder(tmp_path / "out", runs)
+    assert (first.directory / "signals.npz").exists()

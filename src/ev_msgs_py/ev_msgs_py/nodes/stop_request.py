@@ -28,7 +28,9 @@ def interrupt_destructors() -> None:
 
     def hook(unraisable: sys.UnraisableHookArgs) -> None:
         if issubclass(unraisable.exc_type, KeyboardInterrupt):
-            threading.Timer(_A_MOMENT, interrupt_main).start()  # at once it would be raised in here, and lost again
+            # At once it would be raised in here, and lost. In the background Ctrl-C is ignored: then it was SIGTERM.
+            which = signal.SIGINT if callable(signal.getsignal(signal.SIGINT)) else signal.SIGTERM
+            threading.Timer(_A_MOMENT, interrupt_main, [which]).start()
         else:
             report(unraisable)
 
