@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.shared.traction_control import LimitedWheel, watch
 from ev_control.shared.wheel_dynamics import WheelMotion, slowest_wheel
@@ -131,10 +130,7 @@ def speed_controlled(
     For all others it is the largest speed of the motor, out of reach, which leaves the torque to the request. When
     wheels are watched, and when not, is as in `traction_control.controlled`.
     """
-    if is_plausible(column, wheels, imu):
-        watch(limit_of, forget, reference, p, car, s, period, request, column, wheels, imu)
-    else:
-        s.control.measured = 0.0
+    watch(limit_of, forget, reference, p, car, s, period, request, column, wheels, imu)
     drive, fastest = request.drive, car.motor.maximum_speed
     speeds = Wheels(
         copysign(min(s.wheels[0].limit, fastest / car.gear[0]), drive[0]),

@@ -74,10 +74,7 @@ def controlled(
     `limit_of(p, car, wheel, period, motion, wanted)` goes on with the state of a wheel of which `wanted` [N m], above
     zero, is asked, and gives its largest torque [N m], or infinity. `forget(p, wheel)` puts it back to the start.
     """
-    if is_plausible(column, wheels, imu):
-        watch(limit_of, forget, reference, p, car, s, period, request, column, wheels, imu)
-    else:
-        s.control.measured = 0.0
+    watch(limit_of, forget, reference, p, car, s, period, request, column, wheels, imu)
     drive = request.drive
     limited = Wheels(
         within(drive[0], s.wheels[0].limit),
@@ -104,8 +101,14 @@ def watch(
     wheels: WheelStates,
     imu: InertialMeasurement,
 ) -> None:
-    """Go on with the state by what was measured; the limits of the wheels are then those of this step."""
+    """Go on with the state by what was measured; the limits of the wheels are then those of this step.
+
+    Where it is not finite or absurd the last limits stay.
+    """
     known, drive, velocity, effort = s.control, request.drive, wheels.velocity, wheels.effort
+    if not is_plausible(column, wheels, imu):
+        known.measured = 0.0
+        return
     is_braked = request.brake != NO_WHEELS
     asked = sign((drive[0] + drive[1]) + (drive[2] + drive[3]))
     direction = -sign(known.reference.speed) if is_braked else asked
