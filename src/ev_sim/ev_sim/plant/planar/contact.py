@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ev_msgs_py.compiling.compilable import inlined
+from ev_msgs_py.compiling.compilable import compilable, inlined
 from ev_msgs_py.elementary import asin, sqrt
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
@@ -44,16 +44,7 @@ def look(y: Sequence[float], car: Car, body: BodyConstants, step: Step, starts: 
         for i in range(4):
             _one_curve(y, car, step, i)
     elif car.tyre.combined == WEIGHTED:
-        # The compiler unrolls a loop whose length it knows, and then does not work out four wheels at once.
-        for i in range(4):
-            at.grip[i], at.stiffness[i] = step.tyre[i].c0, step.tyre[i].c1
-        wheels = int(body.number_of_wheels)
-        if body.mf_is_plain == 1.0:
-            for i in range(wheels):
-                _magic_formula(y, body, step, i, True)
-        else:
-            for i in range(wheels):
-                _magic_formula(y, body, step, i, False)
+        _magic_formulas(y, body, step)
     else:
         for i in range(4):
             _two_curves(y, car, body, step, i)
@@ -95,6 +86,21 @@ def _one_curve(y: Sequence[float], car: Car, step: Step, i: int) -> None:
     at.secant_x[i], at.secant_y[i] = carried * along, carried * across
     at.transport_x[i] = at.transport_y[i] = transport
     at.largest_x[i] = at.largest_y[i] = limit
+
+
+@compilable  # once in the code of a plant: it is long, and a call is nothing beside it
+def _magic_formulas(y: Sequence[float], body: BodyConstants, step: Step) -> None:
+    at = step.contact
+    for i in range(4):
+        at.grip[i], at.stiffness[i] = step.tyre[i].c0, step.tyre[i].c1
+    # The compiler unrolls a loop whose length it knows, and then does not work out four wheels at once.
+    wheels = int(body.number_of_wheels)
+    if body.mf_is_plain == 1.0:
+        for i in range(wheels):
+            _magic_formula(y, body, step, i, True)
+    else:
+        for i in range(wheels):
+            _magic_formula(y, body, step, i, False)
 
 
 @inlined
