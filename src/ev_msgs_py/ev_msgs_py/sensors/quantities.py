@@ -93,7 +93,7 @@ class Quantity:
         return len(self.places) if self.kind == NUMBERS else 1
 
     def parts(self, driven: Collection[str]) -> list[range]:
-        """Which of these numbers there are, with these wheels driven: a test bench has circuits for their axles only."""
+        """Which of these numbers there are with wheels `driven`: a test bench has circuits for their axles only."""
         if self.signal not in _OF_CIRCUITS:
             return [range(self.count)]
         axles = [any(wheel in driven for wheel in WHEEL_NAMES[i : i + 2]) for i in (0, 2)]

@@ -17,7 +17,8 @@ from ev_msgs_py.sensors.sensor import DISTRIBUTIONS
 class SensorRow:
     """Those of some sensors that are not ideal; `parameters` are as `quantities.sensors_for` declares them.
 
-    With fewer wheels `driven` a test bench has fewer channels. `constants` and `state` are rows of numbers as `measuring` has them, the state all that lasts.
+    With fewer wheels `driven` a test bench has fewer channels. `constants` and `state` are rows of numbers as
+    `measuring` has them, the state all that lasts.
     """
 
     def __init__(self, parameters: Any, seed: int, driven: Collection[str] = WHEEL_NAMES) -> None:
