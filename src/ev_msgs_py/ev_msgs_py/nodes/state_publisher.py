@@ -40,7 +40,7 @@ class StatePublisher:
             self.publish(answer)
 
     def wait_until_heard(self) -> None:
-        """What a process has said last is lost if it ends too soon; whoever hears nothing any more is not waited for."""
+        """What a process has said last is lost if it ends too soon; who hears nothing any more is not waited for."""
         given_up = time.monotonic() + _PATIENCE
         for writer in self._writers:
             writer.publisher.wait_for_all_acked(Duration(seconds=max(given_up - time.monotonic(), 0.0)))
