@@ -79,9 +79,12 @@ def test_who_is_too_slow_for_its_bus_takes_what_is_new():
         one, other = (Channel("udp_multicast", name) for _ in range(2))
         one.send(FRAMES[0])
         time.sleep(0.11)
-        one.send(FRAMES[1])
-        assert received(other, 1) == [FRAMES[1]]
-        assert other.late == 1
+        taken, deadline = None, time.monotonic() + PATIENCE
+        while taken is None and time.monotonic() < deadline:  # on a busy machine this one may be late, too
+            one.send(FRAMES[1])
+            taken = other.receive()
+        assert taken == FRAMES[1]
+        assert other.late >= 1
         assert other.trouble == f"{name}: frames that waited for more than 0.1 s were left out"
         one.close()
         other.close()
