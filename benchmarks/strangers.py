@@ -4,7 +4,8 @@
 
 The rate is that on each of the topics: all of them at once, with --each one after the other. Printed are how many
 messages per second the stranger got rid of on each, the steps per second of the run, whether its hash is that of the
-offline runner, and what was said of the stranger.
+offline runner, and what was said of the stranger. With --elsewhere the same process speaks in another domain, where
+nobody hears it: what remains then is what its own work leaves of the machine.
 """
 
 from __future__ import annotations
@@ -59,13 +60,14 @@ def speak(rate: float, topics: list[str]) -> None:
     rclpy.shutdown()
 
 
-def drive(run: Run, rate: float, topics: list[str]) -> tuple[float, float, str, tuple[str, ...]]:
+def drive(run: Run, rate: float, topics: list[str], elsewhere: bool) -> tuple[float, float, str, tuple[str, ...]]:
     """Messages per second of the stranger, steps per second, hash and remarks of a run with a process per node."""
-    with free_domain() as domain, tempfile.TemporaryDirectory() as directory:
+    with free_domain() as domain, free_domain() as other, tempfile.TemporaryDirectory() as directory:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
         try:
             words = [sys.executable, __file__, "--speak", str(rate), "--topics", *topics]
-            stranger = subprocess.Popen(words, stdout=subprocess.PIPE, text=True) if rate else None
+            where = os.environ | {"ROS_DOMAIN_ID": str(other if elsewhere else domain)}
+            stranger = subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=where) if rate else None
             if stranger is not None:
                 stranger.stdout.readline()  # coming up takes as much of the machine as the run
             outcome = run_in_processes(run, Path(directory), False, lambda time: None)
@@ -87,6 +89,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=50.0)
     parser.add_argument("--topics", nargs="+", choices=everything, default=everything, metavar="TOPIC")
     parser.add_argument("--each", action="store_true", help="a stranger on one topic at a time")
+    parser.add_argument("--elsewhere", action="store_true", help="the stranger speaks in another domain")
     parser.add_argument("--speak", type=float, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.speak is not None:
@@ -96,8 +99,9 @@ def main() -> None:
     expected = signal_hash(run_offline(run.configurations, run.duration))
     for rate in given.rates:
         for topics in [[name] for name in given.topics] if given.each and rate else [given.topics]:
-            said, steps, found, remarks = drive(run, rate, topics)
+            said, steps, found, remarks = drive(run, rate, topics, given.elsewhere)
             on = topics[0] if len(topics) == 1 else f"each of {len(topics)} topics"
+            on += ", elsewhere" if given.elsewhere else ""
             print(f"{said:.0f} messages/s on {on}: {steps:.0f} steps/s, ", end="")
             print("hash of the offline run" if found == expected else f"OTHER HASH {found}")
             for remark in remarks:

@@ -20,7 +20,7 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
-from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.lockstep.methods import create, find_method
 from ev_msgs_py.lockstep.part import CalledBack
 from ev_msgs_py.nodes.spinning import spin
@@ -276,3 +276,21 @@ def test_a_spoilt_command_counts_as_none(plant):
     command_while(plant, lambda: plant.node.now > start + from_seconds(0.2), spoil=set_number("effort", math.nan))
     assert driven(plant) == []
     assert any("torque_command" in report and "drive.front_left is nan" in report for report in plant.probe.reports)
+
+
+def test_a_law_says_in_diagnostics_which_motors_it_does_not_trust():
+    """The front left motor gives nothing of 100 N m, the right one what it was told a step ago."""
+    with ros_domain() as context:
+        bench = Bench(context, "asr", (WheelTorqueRequest, WheelStates), WheelTorqueCommand, method="limp_home")
+        measured, lost = NO_WHEELS, []
+        for step in range(20):
+            states = WheelStates(NO_WHEELS, NO_WHEELS, measured)
+            bench.say_packed(step * PERIOD, states, WheelTorqueRequest(Wheels.front(100.0, 100.0), NO_WHEELS))
+            bench.run(lambda step=step: len(bench.heard) == step + 1)
+            measured = Wheels.front(0.0, bench.heard[-1][1].drive.front_right)
+            lost.append(bench.node.health.counts()["lost"])
+        assert lost[0] == "nothing" and lost[-1] == "motors.lost.front_left"
+        bench.probe.health.clear()
+        bench.run(lambda: bench.probe.health)
+        (said,) = bench.probe.health.values()
+        assert said["lost"] == "motors.lost.front_left" and said["method"] == "limp_home"

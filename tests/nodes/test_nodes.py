@@ -163,3 +163,13 @@ def test_the_urban_cycle_is_the_same_over_dds(driver, differential, asr, tmp_pat
     with graph(run, tmp_path) as nodes:
         complete(run, tmp_path, nodes)
     assert load(tmp_path / "signals.npz").channels["twist.longitudinal"][-1] > 2.0
+
+
+def test_the_recorder_names_the_topics_on_which_nothing_comes(tmp_path, monkeypatch):
+    """Of a graph without traction control; when it has joined, the run goes on as if nothing had been."""
+    monkeypatch.setattr("ev_sim.nodes.recorder._LONG", 0.1)
+    run = shchur(0.2)
+    with graph(run, tmp_path, names=[name for name in NODES if name != "asr"]) as nodes:
+        nodes.run(lambda: any("recorder: nothing has come on torque_command" in text for text in nodes.probe.reports))
+        nodes.start("asr")
+        complete(run, tmp_path, nodes)

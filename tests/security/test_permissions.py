@@ -1,6 +1,7 @@
 """Who may speak: policies by least privilege, held against a graph that runs."""
 
 from dataclasses import replace
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -24,22 +25,23 @@ SECURED = {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce", "R
 
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory):
-    """What the nodes of a graph do, and the sockets of their process, while it runs."""
+    """What the nodes of a graph do, and the sockets and threads of their process, while it runs."""
     with graph(shchur(0.1), tmp_path_factory.mktemp("run"), bag=True) as running:
         running.run()
         used = permissions_in_use(running.probe, NAMESPACE)
-        return used, sockets_of()
+        threads = {name.read_text().strip() for name in Path("/proc/self/task").glob("*/comm")}
+        return used, sockets_of(), threads
 
 
 def test_nodes_need_no_more_than_the_policy_allows(seen):
-    used, _ = seen
+    used, _, _ = seen
     assert set(used) >= set(NODES)
     assert violations(ALLOWED, used.values()) == ()
 
 
 def test_the_policy_allows_no_service_that_no_node_has_and_no_topic_that_nobody_can_write(seen):
     """Methods read less than their role may; services and written topics are those of the node itself."""
-    used, _ = seen
+    used, _, _ = seen
     for node, each in used.items():
         assert ALLOWED[node].serves == each.serves
         assert ALLOWED[node].publishes >= each.publishes
@@ -77,9 +79,16 @@ def test_policy_file_has_one_enclave_per_node_with_its_topics():
     assert "/car/torque_command" not in [topic.text for topic in asr.findall(".//topics[@subscribe='ALLOW']/topic")]
 
 
+def test_nobody_answers_questions_about_types(seen):
+    """A thread of the middleware that does crashed while a node was starting; config/fastdds.xml forbids it."""
+    _, _, threads = seen
+    assert any(name.startswith("dds.") for name in threads)
+    assert not any(name.startswith("dds.tls") for name in threads)
+
+
 def test_every_socket_is_bound_to_this_machine_only(seen):
     """None listens at 0.0.0.0 or at the address of a network."""
-    _, sockets = seen
+    _, sockets, _ = seen
     assert sockets, "DDS has sockets"
     assert [each for each in sockets if not each.address.is_loopback] == []
 

@@ -23,6 +23,7 @@ from campaign.under_way import AFTER_STRIKE, PATIENCE, UnderWay
 from documentation.markdown import with_blocks
 
 _AT_ONCE = 2
+_IN_LOGS = 60.0  # s between words on how far it is, where nobody looks at a terminal
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -51,7 +52,7 @@ def main(argv: list[str] | None = None) -> None:
 
 def campaign(seeds: Sequence[int], deadline: float | None, keep: Path | None) -> list[Verdict]:
     """The verdicts of all trials that were begun before the deadline."""
-    bar = tqdm(total=len(seeds), unit="trial", disable=not sys.stderr.isatty())
+    bar = tqdm(total=len(seeds), unit="trial", mininterval=0.1 if sys.stderr.isatty() else _IN_LOGS)
 
     def one(seed: int) -> Verdict | None:
         if deadline is not None and time.monotonic() > deadline:

@@ -118,3 +118,4 @@ class MasterNode(SteppedNode):
             if self.realtime:
                 self.reports.tell(TIMING, self._advance.summary, {TIMING: json.dumps(self.schedule.timing.as_json())})
                 self.reports.wait_until_heard()
+                self._state.wait_until_heard()  # nobody has told that the last states have come, as in lockstep

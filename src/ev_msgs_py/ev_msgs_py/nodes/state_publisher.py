@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
@@ -12,6 +13,8 @@ from ev_msgs_py.lockstep.stepper import Answer
 from ev_msgs_py.nodes.signal_io import QUALITY, SignalWriter
 from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.wire.message_format import stamp_alone
+
+_PATIENCE = 2.0  # s of wall time for the last states to arrive
 
 
 class StatePublisher:
@@ -35,6 +38,12 @@ class StatePublisher:
         self._writers.sort(key=lambda writer: -writer.publisher.get_subscription_count())
         if answer is not None:
             self.publish(answer)
+
+    def wait_until_heard(self) -> None:
+        """What a process has said last is lost if it ends too soon; who hears nothing any more is not waited for."""
+        given_up = time.monotonic() + _PATIENCE
+        for writer in self._writers:
+            writer.publisher.wait_for_all_acked(Duration(seconds=max(given_up - time.monotonic(), 0.0)))
 
     def ends(self) -> list[End]:
         """All publishers, in the order in which they speak."""

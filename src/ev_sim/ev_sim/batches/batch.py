@@ -21,6 +21,8 @@ from ev_sim.batches.reductions import Reduction, result
 from ev_sim.batches.runs import Runs
 from ev_sim.batches.variation import Variation
 
+_PORTIONS = 16  # for each thread
+
 
 @dataclass(frozen=True)
 class BatchResult:
@@ -71,8 +73,10 @@ def batch(
         raise ParameterError(f"duration: {duration!r} is refused, allowed is 0 s or more")
     observation = Observation(signals, every, tuple(metrics.values()), variation.runs, len(times))
     runs = Runs(configurations, variation, states, observation, times)
-    with ThreadPoolExecutor(threads or len(os.sched_getaffinity(0))) as pool:
-        failed = {run: text for run, text in enumerate(pool.map(runs.drive, range(variation.runs))) if text}
+    workers = threads or len(os.sched_getaffinity(0))
+    with ThreadPoolExecutor(workers) as pool:
+        portions = pool.map(runs.drive_some, _shared_out(variation.runs, workers))
+        failed = {run: text for portion in portions for run, text in portion.items()}
     reduced = observation.reduced()
     reduced[list(failed)] = np.nan
     return BatchResult(
@@ -81,6 +85,12 @@ def batch(
         times[::every],
         failed,
     )
+
+
+def _shared_out(runs: int, workers: int) -> list[range]:
+    """The runs in portions: handing over each alone costs as much as making it; the last ones shall be short."""
+    size = max(runs // (_PORTIONS * workers), 1)
+    return [range(begin, min(begin + size, runs)) for begin in range(0, runs, size)]
 
 
 def _refuse_channels(configurations: Mapping[str, Configuration], channels: Iterable[str]) -> None:

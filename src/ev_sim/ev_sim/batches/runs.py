@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -68,8 +68,12 @@ class Runs:
         for role, states in initial_states.items():
             _refuse_states(role, states, made[role].state.size)
 
-    def drive(self, run: int) -> str:
-        """Drive one run; where a number is not finite it stops, and the result says when and which one."""
+    def drive_some(self, runs: Iterable[int]) -> dict[int, str]:
+        """Drive some of the runs; the answer names those in which a number was not finite, says when and which one."""
+        return {run: text for run in runs if (text := self._drive(run))}
+
+    def _drive(self, run: int) -> str:
+        """Drive one run; where a number is not finite it stops, and the answer is not empty."""
         before = [placed for role in self._answering for placed in self._placed(role, run)]
         behind = [placed for role in self._integrating for placed in self._placed(role, run)]
         observing = (*self._observation.addresses(run), 0, 0)

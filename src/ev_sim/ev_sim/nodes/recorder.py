@@ -24,6 +24,7 @@ from ev_sim.running.recording.recorder_input import POLL_PERIOD, RecorderInput
 from ev_sim.running.recording.recorder_parameters import RecorderParameters
 
 _PATIENCE, _A_MOMENT = 2.0, Duration(seconds=0.02)  # s
+_LONG = 3.0  # s for a topic to be heard for the first time
 _NOTHING = Frame()  # the progress is nothing but its stamp
 
 
@@ -40,8 +41,10 @@ class RecorderNode(Node):
         ros_parameters.declare(self, entries(p))
         topics = [topic for topic in TOPICS.values() if topic.name in p.topics]
         self._output = OutputOfRun(p, topics, [self.resolve_topic_name(topic.name) for topic in topics])
-        self._input = RecorderInput(self, topics, self._output.recorder, p.bag, Reports(self, RECORDER))
+        self._reports = Reports(self, RECORDER)
+        self._input = RecorderInput(self, topics, self._output.recorder, p.bag, self._reports)
         self._told = -1
+        self._asked_since = 0.0  # wall time at which the master waited for us first
         self._progress = SignalWriter(self, TOPICS[RECORDER_WRITES])
         # For rclpy's own executors; `spinning.spin` polls by itself.
         self.create_timer(POLL_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
@@ -71,7 +74,9 @@ class RecorderNode(Node):
         recorder.took_all()
         held = recorder.held
         if held != self._told or recorder.asked:
-            if recorder.all_spoke:
+            if silent := recorder.silent:
+                self._name(silent)
+            else:
                 self._progress.write(held, _NOTHING)
             self._told, recorder.asked = held, False
         if recorder.loss:
@@ -81,6 +86,12 @@ class RecorderNode(Node):
             self.close()
             self.done = True
         recorder.checkpoint()
+
+    def _name(self, silent: list[str]) -> None:
+        """What the others wait for, where the master has asked for a while."""
+        self._asked_since = self._asked_since or time.monotonic()
+        if time.monotonic() > self._asked_since + _LONG:
+            self._reports.note("silent", f"nothing has come on {', '.join(silent)}")
 
     def _wait_for_the_master(self) -> None:
         """The last word is lost if the process ends before it is heard; who else listens need not hear it."""

@@ -118,9 +118,9 @@ class RunRecorder:
         return (min(map(len, self._pacing)) - 1) * self._period
 
     @property
-    def all_spoke(self) -> bool:
-        """Whether every topic has been heard: what real time waits for before it begins."""
-        return all(self._messages)
+    def silent(self) -> list[str]:
+        """The topics on which nothing has been heard yet; real time begins when there is none."""
+        return [topic.name for topic, messages in zip(self._topics, self._messages, strict=True) if not messages]
 
     def checkpoint(self) -> None:
         """Bring what was written so far to the disk, for times when no message comes."""
