@@ -10,6 +10,7 @@ import pytest
 from ev_sim.profiles.profile_file import with_profile_from_file
 from ev_sim.profiles.speed_profile import SpeedProfileParameters
 
+MILE = 1.609344  # km
 CYCLES = Path(__file__).parents[2] / "config" / "cycles"
 
 
@@ -49,6 +50,25 @@ def test_schedules_of_the_epa(name, seconds, miles, fastest):
     assert max(rounded) / 10 == fastest
     assert rounded[0] == rounded[-1] == 0
     assert sum(rounded) / 36000 == pytest.approx(miles, abs=0.005)  # ends at rest, so the sum is the integral
+
+
+@pytest.mark.parametrize(
+    ("name", "mean", "digit", "fastest"),
+    [
+        ("ece_15", 19.0, 0.5, 50.0),  # km/h; UN Regulation 83, annex 4a: average and maximum speed of part one
+        ("nedc", 33.6, 0.05, 120.0),  # the same, parts one and two: 11.007 km in 1180 s
+        ("wltc_class_3b", 46.5, 0.05, 131.3),  # UN GTR 15, class 3b, stops included
+        ("udds", 19.6 * MILE, 0.05 * MILE, 56.7 * MILE),  # EPA
+        ("hwfet", 48.3 * MILE, 0.05 * MILE, 59.9 * MILE),
+        ("nycc", 7.1 * MILE, 0.05 * MILE, 27.7 * MILE),
+    ],
+)
+def test_mean_and_top_speed_are_the_printed_ones(name, mean, digit, fastest):
+    """Half of the last printed digit."""
+    rows = points(name)
+    driven = sum((v0 + v1) / 2 * (t1 - t0) for (t0, v0), (t1, v1) in pairwise(rows))
+    assert 3.6 * driven / (rows[-1][0] - rows[0][0]) == pytest.approx(mean, abs=digit)
+    assert 3.6 * max(v for _, v in rows) == pytest.approx(fastest, abs=0.05)
 
 
 def test_wltc_checksum_of_the_regulation():

@@ -38,6 +38,32 @@ class Page:
     cases: tuple[tuple[str, str], ...] = ()
 
 
+def drive_study(name: str, root: Path | None, *options: str) -> Results:
+    """All cases of a study; of a long one the numbers are kept beside the page, below the root of the repository."""
+    from ev_sim.commands.verdicts import CACHE, drive_with_progress
+
+    need = StudyNeed(name, options)
+    cases = drive([need], Kept(CACHE), drive_with_progress)[need]
+    if root and is_long(need):
+        write_measured(root, need, cases)
+    return cases.results
+
+
+def sums_table(name: str, results: Results, *options: str) -> str:
+    """What the rows of a study add up to; empty if it sums nothing up."""
+    study, given = study_named(name), arguments(name, options)
+    found = study.metrics(given, results).items()
+    sums = [(code(key), _number(metric), metric.unit) for key, metric in found if key.startswith(study.SUMS)]
+    return table(("metric", "value", "unit"), sums) if sums else ""
+
+
+def engine_sweep_table() -> str:
+    """What the sweep of docs/zhileykin2018.md adds up to with an engine."""
+    name, *options = _ENGINE_SWEEP
+    return sums_table(name, drive_study(name, None, *options), *options)
+
+
+_ENGINE_SWEEP = ("zhileykin2018_sweep", "--drive", "engine")
 _CONTROLS = ("equal_torque", "rate", "offset", "increment")
 SCENARIO_PAGES = {
     "docs/ge_ni2005.md": Page(
@@ -65,7 +91,7 @@ SCENARIO_PAGES = {
         (("rear_drive", "k05", "k1", "k1_estimated", "equality", "fixed_split"),),
         ("fig3_fig4", "fig5"),
         studies=("zhileykin2018_sweep", "zhileykin2018_variants"),
-        tables={"neutral steer": neutral_steer_table},
+        tables={"neutral steer": neutral_steer_table, "engine sweep": engine_sweep_table},
         images=(save_bode_plot,),
     ),
 }
@@ -84,27 +110,11 @@ def results_of(page: Page, driven: Driven) -> str:
     return "\n".join([*_by_run(metrics, page.columns), compared])
 
 
-def drive_study(name: str, root: Path) -> Results:
-    """All cases of a study with its default options; of a long one the numbers are kept beside the page."""
-    from ev_sim.commands.verdicts import CACHE, drive_with_progress
-
-    need = StudyNeed(name)
-    cases = drive([need], Kept(CACHE), drive_with_progress)[need]
-    if is_long(need):
-        write_measured(root, need, cases)
-    return cases.results
-
-
 def study_table(name: str, results: Results) -> str:
     """The rows of a study, and below them what they add up to."""
-    study, given = study_named(name), arguments(name, ())
-    sums = [
-        (code(key), _number(metric), metric.unit)
-        for key, metric in study.metrics(given, results).items()
-        if key.startswith(study.SUMS)
-    ]
-    rows = table(study.COLUMNS, study.rows(given, results))
-    return f"{rows}\n{table(('metric', 'value', 'unit'), sums)}" if sums else rows
+    study, sums = study_named(name), sums_table(name, results)
+    rows = table(study.COLUMNS, study.rows(arguments(name, ()), results))
+    return f"{rows}\n{sums}" if sums else rows
 
 
 def save_study_images(name: str, results: Results, folder: Path) -> None:
