@@ -28,6 +28,7 @@ from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.methods import find_method
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.analysis.__main__ import load_vehicle
 from ev_sim.plant.planar.equations import Equations
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.state import INTEGRATED_SIZE
@@ -37,6 +38,7 @@ SPEED = 15.0  # [m/s]
 COMMAND = WheelTorqueCommand(Wheels.front(120.0, 120.0))
 COLUMN = SteeringColumnState(0.0, 0.0, 0.0, 0.02, 0.0)
 PARAMETERS = PlanarParameters(initial_speed=SPEED)
+AUDI = Vehicle()
 REFERENCE = "planar plant, one compiled loop"
 MAIN_PEER = "commonroad single-track drift, RK4"
 
@@ -61,9 +63,9 @@ def best_time(make: Callable[[], Callable[[], Any]], repeats: int) -> float:
     return best
 
 
-def planar_plant(period: float, method: str = "planar") -> CompiledObject:
-    """The Audi A2 at 15 m/s on dry asphalt, with drives, losses and battery."""
-    return CompiledObject(find_method("plant", method), PARAMETERS, Vehicle(), period)
+def planar_plant(period: float, method: str = "planar", vehicle: Vehicle = AUDI) -> CompiledObject:
+    """A car at 15 m/s on dry asphalt, with drives, losses and battery."""
+    return CompiledObject(find_method("plant", method), PARAMETERS, vehicle, period)
 
 
 @njit
@@ -89,8 +91,8 @@ def own_rows(repeats: int) -> Iterator[Row]:
     steps = 3000
     planar_plant(STEP).advance(COMMAND, COLUMN)  # compiles
 
-    def fused(method: str = "planar") -> Callable[[], Any]:
-        car = planar_plant(steps * STEP, method)
+    def fused(method: str = "planar", vehicle: Vehicle = AUDI) -> Callable[[], Any]:
+        car = planar_plant(steps * STEP, method, vehicle)
         return lambda: car.advance(COMMAND, COLUMN)
 
     def one_call_per_step() -> Callable[[], Any]:
@@ -104,6 +106,8 @@ def own_rows(repeats: int) -> Iterator[Row]:
     yield Row(REFERENCE, best_time(fused, repeats) / steps)
     fused("planar_electrical")()  # compiles
     yield Row("the same with its electrical side", best_time(lambda: fused("planar_electrical"), repeats) / steps)
+    believable = load_vehicle("compact_ev")
+    yield Row("the same with real tyres (compact_ev)", best_time(lambda: fused(vehicle=believable), repeats) / steps)
     yield Row("planar plant, 10 ms period with all signals", best_time(control_period, repeats) / steps)
     yield Row("planar plant, one call per step", best_time(one_call_per_step, repeats) / steps)
     bare_loop(10)

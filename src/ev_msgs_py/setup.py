@@ -19,6 +19,6 @@ setup(
         "numba==0.68.*",  # and with it llvmlite, whose version decides the last bit of a result
         "numpy>=1.26.4",
     ],
-    extras_require={"can": ["cantools>=45.1", "msgpack", "python-can>=4.6.1"]},
+    extras_require={"can": ["cantools>=45.1", "msgpack", "python-can>=4.6.1"], "mf4": ["asammdf>=8.8"]},
     zip_safe=True,
 )

@@ -13,9 +13,11 @@ from can_bus.lockstep_runs import driven
 from ev_msgs_py.can.bus_log import BusLog
 from ev_msgs_py.can.bus_model import BusModelParameters
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.in_process import run_in_process
 from ev_sim.running.offline import run_offline
+from ev_sim.running.processes import run_in_processes
 from ev_sim.running.recording.can_log import write_can_log
-from ev_sim.running.recording.recording import Recording
+from ev_sim.running.recording.recording import Recording, signal_hash
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study import bench_faults
 from ev_sim.study.bench_fault_trial import FAULTS, trial
@@ -70,11 +72,30 @@ def test_single_lost_frames_leave_the_last_value_and_no_fault():
     assert all(again[name].tobytes() == values.tobytes() for name, values in lossy.items())
 
 
+@pytest.fixture(scope="module")
+def faulty():
+    """Torques that grow, noise, lost frames, and a trip within half a second; the same driven offline."""
+    values = [("test_bench", "bus.loss", 0.02), ("test_bench", "sensors.bench_torque.noise", 0.5)]
+    values += [("test_bench", "inject.begin", 0.4), ("inverter_gateway", "reset_at", 0.45)]
+    (run,) = load_scenario("bench_fault", Overrides(values=values, duration=0.5)).runs
+    return run, run_offline(run.configurations, run.duration)
+
+
+@pytest.mark.parametrize("way", [run_in_process, run_in_processes])
+def test_bench_and_bus_give_the_same_bits_in_all_ways_of_running(faulty, way, tmp_path):
+    run, offline = faulty
+    assert offline.channels["can.bus.lost_11"][-1] > 5.0
+    assert offline.channels["bench.shafts.set_point.front_right"].any()
+    outcome = way(run, tmp_path, False, lambda time: None)
+    assert signal_hash(outcome.recording) == signal_hash(offline)
+
+
 def test_without_the_operators_enabling_nothing_is_switched_on():
-    """Steps of the test sequence are the parameter `enabled`: here for the left load machine, and no pair of drives."""
+    """Steps of the test sequence are the parameter `enabled`: here for the left circuit, which works alone."""
     left = driven(0.4, ("test_bench", "enabled", "left"))
-    for part, side, works in (("machine", "left", False), ("load", "right", False), ("load", "left", True)):
-        assert left[f"bench.shafts.{part}_torque.front_{side}"].any() == works
+    for part in ("machine", "load"):
+        for side, works in (("right", False), ("left", True)):
+            assert left[f"bench.shafts.{part}_torque.front_{side}"].any() == works
 
 
 def test_a_wheel_that_grips_again_is_no_fault():

@@ -18,6 +18,7 @@ from ev_msgs_py.can.drive_states import (
     FAULT_RESET,
     OPERATION_ENABLED,
     READY_TO_SWITCH_ON,
+    REMOTE,
     SHUTDOWN,
     STATE_BITS,
     SWITCH_ON_COMMAND,
@@ -43,6 +44,7 @@ class Told:
         self.counters = dict.fromkeys(DEVICES, 0)
         self.sent: dict[str, dict[str, float]] = {}
         self.silent: set[str] = set()
+        self.released: set[str] = set()
 
     def motion(self, name: str) -> Frame:
         layout = ours()[f"{name}_Motion"]
@@ -50,7 +52,7 @@ class Told:
             "CommandCheck": 0.0,
             "Torque": 10.0,
             "Speed": 600.0,
-            "Statusword": float(STATE_BITS[self.state[name]]),
+            "Statusword": float(STATE_BITS[self.state[name]] | (REMOTE if name in self.released else 0)),
         }
         self.counters[name] = next_counter(self.counters[name])
         return Frame(layout.identifier, layout.pack(values, self.counters[name]))
@@ -104,6 +106,19 @@ def test_it_leads_a_drive_by_its_states_and_commands_no_torque_on_the_way():
         "TorqueLimit": 360.0,
     }  # fmt: skip
     assert told.sent["Drive12_SetPoint"]["Torque"] == 0.0  # it was not enabled
+
+
+def test_one_drive_alone_is_enabled_once_the_other_one_says_that_it_is_not_released():
+    """By bit 9 of the statusword; before, both could be meant, and after ten cycles the one is."""
+    told = Told()
+    told.released = {"Drive12"}
+    told.station.s.waits = 1.0
+    told.cycle(10)
+    enabled = {name: device.enable for name, device in told.station.devices.items()}
+    assert enabled == {"Drive11": 0.0, "Drive12": 0.0, "Load11": 1.0, "Load12": 1.0}
+    told.cycle(3)
+    assert (told.station.s.drive_11.enable, told.station.s.drive_12.enable) == (0.0, 1.0)
+    assert told.station.s.waits == 0.0
 
 
 def test_a_drive_that_offers_it_holds_a_speed_over_the_bus():

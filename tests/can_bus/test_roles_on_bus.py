@@ -53,7 +53,8 @@ class Ends:
         self.configurations = run.configurations
         self.meters = meters_of("can/ev_bench.dbc")
         self.bench = BenchOnBus(run.configurations["test_bench"], self.meters)
-        self.gateway = GatewayOnBus(run.configurations["inverter_gateway"])
+        self.stamp = 0
+        self.gateway = GatewayOnBus(run.configurations["inverter_gateway"], lambda: self.stamp)
         self.said: list[dict[str, Any]] = []
         for _ in range(7):  # some time goes by before the graph is there
             self.cycle()
@@ -66,8 +67,9 @@ class Ends:
                 self.meters[circuit].note(frame.identifier, frame.data)
                 other.receive(circuit, frame)
 
-    def instants(self, duration: float) -> None:
+    def instants(self, duration: float, commanded: bool = True) -> None:
         for _ in range(round(duration / (0.001 * TICKS))):
+            self.stamp += commanded
             shafts, *_, feedback, states = self.bench.outputs()
             asked = self.gateway.step(COMMAND, LOAD, feedback, shafts)
             self.said.append({"shafts": shafts, "asked": asked, "feedback": feedback, "states": states})
@@ -129,10 +131,22 @@ def test_who_goes_on_with_the_state_of_another_does_not_begin_anew(driven):
         bench.cycle(1)
     bench.advance(driven.said[-1]["asked"], BATTERY)
     assert bench.outputs()[0].load_speed[1] == pytest.approx(SPEED, abs=0.1)
-    gateway = GatewayOnBus(driven.configurations["inverter_gateway"])
+    gateway = GatewayOnBus(driven.configurations["inverter_gateway"], lambda: 1)
     gateway.state = driven.gateway.state
     gateway.step(COMMAND, LOAD, driven.said[-1]["feedback"], driven.said[-1]["shafts"])
     assert gateway.station.s.tick == driven.gateway.station.s.tick
+
+
+def test_a_command_that_is_held_from_before_gets_too_old(driven):
+    """Torques stop after `command_timeout`, 0.1 s, though time and load machines go on."""
+    ends = driven
+    before = len(ends.said)
+    ends.instants(0.09, commanded=False)
+    assert ends.said[-1]["shafts"].machine_torque[1] == pytest.approx(20.0, abs=0.1)
+    ends.instants(0.03, commanded=False)
+    assert ends.said[-1]["shafts"].machine_torque[:2] == (0.0, 0.0)
+    assert "right drive: StaleCommand" in ends.gateway.reports()
+    del ends.said[before:]
 
 
 def test_an_instant_without_a_cycle_repeats_the_one_before():

@@ -11,6 +11,8 @@ from ev_msgs_py.contract.record import names
 from ev_msgs_py.contract.signals import DriverCommand
 from ev_msgs_py.lockstep.methods import create, find_method
 from ev_msgs_py.parameters.values import build
+from ev_sim.running.offline import run_offline
+from ev_sim.running.scenarios.scenario import load_scenario
 
 PERIOD = 0.005
 METHOD = find_method("steering_column", "actuated")
@@ -71,3 +73,18 @@ def test_rate_is_what_the_actuator_can_do():
         fastest, last = max(fastest, (state["actuator.angle"] - last) / PERIOD), state["actuator.angle"]
     assert state["angle"] > 16.0 * state["actuator.angle"]
     assert 0.9 < fastest < 1.05
+
+
+def test_scenario_steers_by_wire_with_and_without_feel():
+    """Near rest the hands hold the spring of the steering wheel, and of the road k_p delta/i where it is brought back.
+
+    5 % is for friction and the damping of a turn that has not ended quite.
+    """
+    _, *by_wire = load_scenario("steer_by_wire").runs
+    for run, share in zip(by_wire, (0.0, 1.0), strict=True):
+        recorded = run_offline(run.configurations, 4.9)
+        shown = {key: values[-1] for key, values in recorded.channels.items()}
+        angle, road = shown["steering_column.state.angle"], shown["steering_column.state.road_wheel_angle"]
+        assert road == pytest.approx(angle / RATIO, rel=0.01)
+        expected = 0.25 * angle + share * K * road / RATIO
+        assert shown["steering_column.state.hand_torque"] == pytest.approx(expected, rel=0.05)

@@ -28,6 +28,7 @@ from ev_msgs_py.contract.signals import (
 )
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.graph import sequence
+from ev_msgs_py.lockstep.holding_inbox import HoldingInbox
 from ev_msgs_py.lockstep.inbox import Arrival, Inbox
 from ev_msgs_py.lockstep.stepper import arrival_place, upstream_signals
 from ev_sim.running.offline import run_offline
@@ -464,6 +465,20 @@ def test_realtime_holds_an_input_that_is_lost_and_goes_on():
     assert feed(stepper, PERIOD, BodyVelocity) == []
     assert [answer.stamp for answer in feed(stepper, 2 * PERIOD, BodyVelocity)] == [PERIOD]
     assert [answer.stamp for answer in feed(stepper, 3 * PERIOD)] == [3 * PERIOD]
+
+
+def test_realtime_hears_who_is_late_each_time():
+    """A command that always comes when its step has been taken without it stands in the next one."""
+    box = HoldingInbox((DriverCommand, WheelStates), frozenset(), PERIOD, frozenset({WheelStates}), neutral=True)
+    sizes = {kind: shape_of(kind).size for kind in box.reads}
+    for n in range(4):
+        assert box.offer(WheelStates, (n + 1) * PERIOD, [0.0] * sizes[WheelStates]) is Arrival.NEW
+        if n:
+            assert box.complete() == n * PERIOD
+            assert box.take(n * PERIOD).numbers[PLACES[DriverCommand].start] == n - 1
+        arrival = box.offer(DriverCommand, n * PERIOD, [float(n)] * sizes[DriverCommand])
+        assert arrival is (Arrival.OLD if n else Arrival.NEW)
+        assert box.newest(DriverCommand) == n * PERIOD
 
 
 def test_realtime_integrates_with_zero_what_was_never_heard():

@@ -134,6 +134,15 @@ def test_a_law_brings_the_column_that_it_requires(scenario):
     assert load_scenario(name).runs[0].configurations["steering_column"].method.name == "powered"
 
 
+def test_a_bench_behind_a_real_bus_has_other_defaults():
+    """What a user says goes before them."""
+    bus, clock = ("test_bench", "method", "circuits_on_can"), ("*", "mode", "realtime")
+    said = ("plant", "wheel_speed", "load_machine")
+    for values, speed in (((bus,), said[2]), ((bus, clock), "virtual"), ((bus, clock, said), said[2])):
+        (run,) = load_scenario("urban_mixed_bench", Overrides(values=values)).runs
+        assert run.configurations["plant"].parameters.wheel_speed == speed
+
+
 def test_unknown_scenarios_and_vehicles_list_the_known_ones(scenario):
     scenario(HEAD)
     assert refused("tset").startswith("unknown scenario 'tset'; known: test, ")

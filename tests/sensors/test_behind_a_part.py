@@ -12,7 +12,7 @@ from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.parts import compiled_parts
-from ev_msgs_py.sensors.measuring import HEADING
+from ev_msgs_py.sensors.measuring import HEADING, NUMBERS
 from ev_msgs_py.sensors.quantities import QUANTITIES
 
 PLANT = [quantity.name for quantity in QUANTITIES if quantity.signal in ROLES["plant"].writes]
@@ -34,17 +34,18 @@ def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> 
 
 @pytest.mark.parametrize("quantity", QUANTITIES, ids=lambda quantity: quantity.name)
 def test_a_bias_shows_in_its_own_numbers_and_nowhere_else(quantity):
-    """A heading shows it as that of a quaternion about the vertical axis."""
+    """A heading shows it as that of a quaternion about the vertical axis; wheels without a circuit have no sensors."""
     role = next(role.name for role in ROLES.values() if quantity.signal in role.writes)
     methods = {"plant": "planar_electrical", "steering_column": "powered", "rear_steering": "speed_dependent"}
     method = methods.get(role, "circuits")
     true, biased = (frames(role, method, errors)[0] for errors in ({}, {f"{quantity.name}.bias": 0.125}))
-    own = list(quantity.places[: quantity.count])
+    driven = configure("plant", {}).common.vehicle.driven_wheels
+    own = [quantity.places[i] for part in quantity.parts(driven) for i in part]
     if quantity.kind == HEADING:
         assert biased[list(quantity.places)] == pytest.approx([np.sin(0.0625), np.cos(0.0625)], rel=1e-15)
     else:
         assert biased[own] == pytest.approx(0.125 + true[own], rel=2**-24)
-    others = np.setdiff1d(np.arange(frame.SIZE), quantity.places)
+    others = np.setdiff1d(np.arange(frame.SIZE), own if quantity.kind == NUMBERS else quantity.places)
     assert biased[others].tobytes() == true[others].tobytes()
 
 

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import csv
-import dataclasses
 import math
 from pathlib import Path
 
 import pytest
 
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.mf_tyre import MF_NAMES, MfTyre
+from ev_msgs_py.vehicle.mf_tyre import MF_NAMES, mf_tyres
 from ev_msgs_py.vehicle.tyre import Tyre
 from ev_msgs_py.vehicle.tyre_property_file import mf_numbers, read_tyre
 from ev_sim.surfaces.table import SURFACES, curve_on_road, tyre_on_road
 from ev_sim.tyres import magic_formula
-from ev_sim.tyres.mf_tyre import at_load, cornering_stiffness, forces
+from ev_sim.tyres.mf_tyre import at_load, cornering_stiffness, forces, is_plain
 from ev_sim.tyres.weighted import weighted
 
 FILE = "tyres/pacejka_2006_205_60r15.tir"
 NUMBERS = read_tyre("vehicle.tyre.front_file", FILE)
-TYRE = MfTyre(*NUMBERS)
+TYRES = mf_tyres(NUMBERS, NUMBERS)
+FRONT = {name: getattr(TYRES, name)[0] for name in MF_NAMES}
 DRY = tyre_on_road(Tyre(curve="mf_tyre", combined="weighted", front_mf=NUMBERS, rear_mf=NUMBERS), "dry_asphalt")
 ENTRIES = {name.upper(): repr(value) for name, value in zip(MF_NAMES, NUMBERS, strict=True)} | {"FITTYP": "61"}
 
@@ -28,58 +28,91 @@ with (Path(__file__).parent / "mf_tyre_forces.csv").open() as file:
     REFERENCE = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(r for r in file if r[0] != "#")]
 
 
+def forces_at(tyres, load, slip_ratio, slip_angle, plain):
+    """Sizes of both forces [N] of the front left tyre at signed slips."""
+    loaded = at_load(tyres, 0, load, 1.0, 1.0, plain)
+    return forces(tyres, 0, loaded, abs(slip_ratio), math.tan(slip_angle), math.copysign(1.0, slip_ratio), plain)
+
+
 def test_forces_are_those_of_an_independent_implementation():
-    """To 1e-12 of each: both add up the same terms in another order (measured 2.3e-15)."""
+    """To 1e-12 of each, by the short formula and by the full one (measured 2.8e-15)."""
     for row in REFERENCE:
-        loaded = at_load(TYRE, row["load"], 1.0, 1.0)
-        tangent, drives = math.tan(row["slip_angle"]), row["slip_ratio"] > 0.0
-        along, across = forces(TYRE, loaded, abs(row["slip_ratio"]), tangent, drives)
-        assert along == pytest.approx(abs(row["longitudinal_force"]), rel=1e-12, abs=1e-9)
-        assert across == pytest.approx(abs(row["side_force"]), rel=1e-12, abs=1e-9)
+        expected = abs(row["longitudinal_force"]), abs(row["side_force"])
+        for plain in (True, False):
+            found = forces_at(TYRES, row["load"], row["slip_ratio"], row["slip_angle"], plain)
+            assert found == pytest.approx(expected, rel=1e-12, abs=1e-9)
 
 
-def test_older_files_take_the_angle_itself():
-    older = dataclasses.replace(TYRE, takes_tangent=0.0)
-    loaded = at_load(TYRE, 4000.0, 1.0, 1.0)
-    angle = 0.15
-    assert forces(older, loaded, 1e-6, math.tan(angle), True) == pytest.approx(
-        forces(TYRE, loaded, 1e-6, angle, True), rel=1e-9
-    )
+def test_tyres_with_all_terms_follow_the_printed_formula():
+    """Curved weights, an angle in place of its tangent, P_Ky4 of its own: Pacejka's equations with the C library."""
+    numbers = dict(FRONT) | {"rex1": 0.3, "rex2": -0.2, "rey1": -0.6, "rey2": 0.4, "rhy2": 0.01}
+    numbers |= {"pky4": 1.8, "pex4": 0.2, "takes_tangent": 0.0}
+    tyres = mf_tyres(tuple(numbers.values()), tuple(numbers.values()))
+    assert not is_plain(tyres) and is_plain(TYRES)
+    for load, slip_ratio, angle in ((2000.0, 0.05, 0.1), (4000.0, -0.12, 0.03), (7000.0, 0.4, 0.3)):
+        expected = printed_formula(load / 4000.0 - 1.0, load, slip_ratio, angle, **numbers)
+        assert forces_at(tyres, load, slip_ratio, angle, False) == pytest.approx(expected, rel=1e-12)
+
+
+def printed_formula(df, load, kappa, alpha, **n):
+    """Pacejka 2012, eqs 4.E9 to 4.E65 with the terms that `MfTyres` keeps, both forces as sizes [N]."""
+
+    def bent(x, curvature):
+        return math.atan(x - curvature * (x - math.atan(x)))
+
+    peak_x, peak_y = (n["pdx1"] + n["pdx2"] * df) * load, (n["pdy1"] + n["pdy2"] * df) * load
+    stiffness_x = load * (n["pkx1"] + n["pkx2"] * df) * math.exp(n["pkx3"] * df)
+    stiffness_y = n["pky1"] * n["fnomin"] * math.sin(n["pky4"] * math.atan(load / (n["pky2"] * n["fnomin"])))
+    curved_x = (n["pex1"] + n["pex2"] * df + n["pex3"] * df * df) * (1.0 - n["pex4"] * math.copysign(1.0, kappa))
+    curved_y = n["pey1"] + n["pey2"] * df
+    pure_x = peak_x * math.sin(n["pcx1"] * bent(stiffness_x / (n["pcx1"] * peak_x) * kappa, curved_x))
+    pure_y = peak_y * math.sin(n["pcy1"] * bent(stiffness_y / (n["pcy1"] * peak_y) * alpha, curved_y))
+    shift = n["rhy1"] + n["rhy2"] * df
+    slope_x = n["rbx1"] * math.cos(math.atan(n["rbx2"] * kappa))
+    slope_y = n["rby1"] * math.cos(math.atan(n["rby2"] * alpha))
+    curved_x, curved_y = n["rex1"] + n["rex2"] * df, n["rey1"] + n["rey2"] * df
+    weight_x = math.cos(n["rcx1"] * bent(slope_x * alpha, curved_x))
+    weight_y = math.cos(n["rcy1"] * bent(slope_y * (kappa + shift), curved_y))
+    return abs(pure_x * weight_x), pure_y * weight_y / math.cos(n["rcy1"] * bent(slope_y * shift, curved_y))
 
 
 def test_plant_slides_at_the_slips_of_the_formula():
     """Slip velocities over the transport velocity, as the plant has them, give F of kappa and tan(alpha)."""
     along, slip_x, slip_y = 20.0, 0.8, -1.1
     rim = along + slip_x
-    of_x, of_y, peak_x, peak_y = weighted(TYRE, DRY, 3500.0, slip_x, slip_y, along, rim, 0.0, 0.0)
-    expected = forces(TYRE, at_load(TYRE, 3500.0, 1.0, 1.0), slip_x / along, -slip_y / along, True)
+    loaded = at_load(TYRES, 0, 3500.0, 1.0, 1.0, True)
+    of_x, of_y = weighted(TYRES, 0, loaded, slip_x, slip_y, along, rim, 0.0, 0.0, True)
+    expected = forces_at(TYRES, 3500.0, slip_x / along, math.atan(-slip_y / along), True)
     assert (of_x * slip_x / rim, -of_y * slip_y / rim) == pytest.approx(expected, rel=1e-12)
-    assert peak_x > expected[0] and peak_y > expected[1]
+    assert loaded.peak_x > expected[0] and loaded.peak_y > expected[1]
 
 
 def test_cornering_stiffness_is_degressive():
     """p_Ky1 F_z0 sin(2 atan(F_z/(p_Ky2 F_z0))): at its load of 2.13 F_z0 the largest, p_Ky1 F_z0."""
-    top = TYRE.pky2 * TYRE.fnomin
-    assert cornering_stiffness(TYRE, top, DRY) == pytest.approx(14.95 * 4000.0, rel=1e-12)
-    assert cornering_stiffness(TYRE, 0.98 * top, DRY) < cornering_stiffness(TYRE, top, DRY)
-    pair = cornering_stiffness(TYRE, 2000.0, DRY) + cornering_stiffness(TYRE, 6000.0, DRY)
-    assert pair < 2.0 * cornering_stiffness(TYRE, 4000.0, DRY)
+    top = FRONT["pky2"] * FRONT["fnomin"]
+    assert stiffness(top) == pytest.approx(14.95 * 4000.0, rel=1e-12)
+    assert stiffness(0.98 * top) < stiffness(top)
+    assert stiffness(2000.0) + stiffness(6000.0) < 2.0 * stiffness(4000.0)
+
+
+def stiffness(load, on_road=DRY):
+    return cornering_stiffness(TYRES, 0, load, on_road.c0, on_road.c1)
 
 
 def test_snow_scales_friction_and_leaves_slip_stiffness():
     snow = tyre_on_road(Tyre(curve="mf_tyre", combined="weighted", front_mf=NUMBERS, rear_mf=NUMBERS), "packed_snow_1")
     scale = SURFACES["packed_snow_1"].peak_friction / SURFACES["dry_asphalt"].peak_friction
-    assert snow.friction == pytest.approx(scale * TYRE.pdx1, rel=1e-12)
-    assert cornering_stiffness(TYRE, 4000.0, snow) == pytest.approx(cornering_stiffness(TYRE, 4000.0, DRY), rel=1e-12)
+    assert snow.friction == pytest.approx(scale * FRONT["pdx1"], rel=1e-12)
+    assert stiffness(4000.0, snow) == pytest.approx(stiffness(4000.0), rel=1e-12)
 
 
 def test_shown_curve_is_the_pure_longitudinal_one_at_nominal_load():
     tyre = Tyre(curve="mf_tyre", combined="weighted", front_mf=NUMBERS, rear_mf=NUMBERS)
     kind, c = curve_on_road(tyre, "wet_asphalt_1")
     assert kind == "magic_formula"
-    loaded = at_load(TYRE, TYRE.fnomin, tyre_on_road(tyre, "wet_asphalt_1").c0, 1.0)
-    along, _ = forces(TYRE, loaded, 0.07, 1e-6, True)
-    assert magic_formula.friction(0.07, *c) * TYRE.fnomin == pytest.approx(along, rel=1e-9)
+    loaded = at_load(TYRES, 0, FRONT["fnomin"], tyre_on_road(tyre, "wet_asphalt_1").c0, 1.0, True)
+    along, _ = forces(TYRES, 0, loaded, 0.07, 1e-6, 1.0, True)
+    assert magic_formula.friction(0.07, *c) * FRONT["fnomin"] == pytest.approx(along, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -111,6 +144,7 @@ def test_signs_of_all_axes_give_the_same_tyre():
         ({"front_mf": NUMBERS[:-1]}, "needs front_file, or front_mf with"),
         ({"lateral_ratio": 2.0}, "lateral_ratio 1 and load_sensitivity 0"),
         ({"rear_mf": (0.0, *NUMBERS[1:])}, "FNOMIN of the rear tyres is 0, allowed is above 0"),
+        ({"front_mf": (4000.0, 3.5, *NUMBERS[2:])}, "PCX1 of the front tyres is 3.5, allowed is 0 to 3"),
     ],
 )
 def test_half_a_tyre_is_refused(changed, words):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ev_control.inverter_gateway.diagnosis import latched, latched_names
 from ev_control.inverter_gateway.hearing import ELECTRICAL, FAULTS, MOTION, TEMPERATURES, receive_feedback
 from ev_control.inverter_gateway.leading import advance_gateway
-from ev_control.inverter_gateway.orders import press_buttons, take_orders, watch_bench
+from ev_control.inverter_gateway.orders import command_drives, command_loads, press_buttons, watch_bench
 from ev_control.inverter_gateway.parameters import LockstepGatewayParameters
 from ev_control.inverter_gateway.sending import heartbeat, set_point
 from ev_control.inverter_gateway.state import Device, Gateway
@@ -111,7 +111,8 @@ def can(
     """
     g, f = s.gateway, c.frames
     s.heard[:] = heard
-    take_orders(p, g, command, load)
+    command_drives(p, g, command)
+    command_loads(p, g, load)
     s.said[HEARTBEATS] = s.said[HEARTBEATS + 1] = NO_FRAME
     for tick in range(int(c.ticks)):
         press_buttons(c.enable_tick, c.reset_tick, g)

@@ -15,7 +15,7 @@ from ev_msgs_py.can.checking import (
 )
 from ev_msgs_py.can.codec import extracted
 from ev_msgs_py.can.conventions import RPM
-from ev_msgs_py.can.drive_states import state_of
+from ev_msgs_py.can.drive_states import REMOTE, state_of
 from ev_msgs_py.can.frames import SENT, BenchFrames, DeviceFrames
 from ev_msgs_py.compiling.compilable import compilable
 
@@ -29,7 +29,8 @@ def receive_feedback(f: BenchFrames, own: DeviceFrames, s: Feedback, kind: int, 
     if kind == MOTION:
         s.heard = 1.0
         if _is_good(s, s.motion, payload, f.motion.length, data_id):
-            s.age, s.state = 0.0, float(state_of(int(extracted(payload, f.motion.statusword))))
+            word = int(extracted(payload, f.motion.statusword))
+            s.age, s.state, s.remote = 0.0, float(state_of(word)), 1.0 if word & REMOTE != 0 else 0.0
             s.torque = extracted(payload, f.motion.torque)
             s.torque_sum += s.torque
             s.torque_count += 1.0

@@ -18,6 +18,7 @@ from ev_msgs_py.can.drive_states import (
 from ev_msgs_py.compiling.compilable import compilable
 
 _QUIET = 0.005  # s without torque, command or reset bit, with which a reset begins: its bit shall be seen to rise
+_ALONE = 10.0  # cycles in which the other drive could have said that it is released, too
 MAY_BE_ENABLED, LATCHED, SILENT, WITHOUT_COMMAND, DOUBTFUL = range(5)
 
 
@@ -37,13 +38,21 @@ def advance_gateway(p: GatewayParameters, s: Gateway, ticks: float, period: floa
 
 @compilable
 def _enable_where_possible(p: GatewayParameters, s: Gateway) -> None:
-    """The load machines first: until they hold the shafts as they are told, the drives' measurements are in doubt."""
+    """The load machines first: until they hold the shafts as they are told, the drives' measurements are in doubt.
+
+    Then both drives together, or the one of them that says that it follows its controlword.
+    """
     if refusal(p, s.load_11) == MAY_BE_ENABLED:
         s.load_11.enable = 1.0
     if refusal(p, s.load_12) == MAY_BE_ENABLED:
         s.load_12.enable = 1.0
-    if refusal(p, s.drive_11) == MAY_BE_ENABLED and refusal(p, s.drive_12) == MAY_BE_ENABLED:
-        s.drive_11.enable = s.drive_12.enable = 1.0
+    right, left = s.drive_11.feedback.remote, s.drive_12.feedback.remote
+    s.waits = s.waits + 1.0 if right != left else 1.0
+    right_ready = right < left or refusal(p, s.drive_11) == MAY_BE_ENABLED
+    left_ready = left < right or refusal(p, s.drive_12) == MAY_BE_ENABLED
+    if right_ready and left_ready and (right == left or s.waits > _ALONE):
+        s.drive_11.enable = 1.0 if right >= left else 0.0
+        s.drive_12.enable = 1.0 if left >= right else 0.0
         s.waits = 0.0
 
 

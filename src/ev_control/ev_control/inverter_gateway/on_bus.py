@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 
 from ev_control.inverter_gateway.can import ALL_SAID, HEARTBEATS, LOADS, SAID, note_faults
-from ev_control.inverter_gateway.orders import press_buttons, take_orders, watch_bench
+from ev_control.inverter_gateway.orders import command_drives, command_loads, press_buttons, watch_bench
 from ev_control.inverter_gateway.station import GatewayStation
 from ev_msgs_py.can.bus_parameters import CIRCUITS
 from ev_msgs_py.can.channel import Frame
@@ -24,10 +25,11 @@ _PLACES = (0, SAID, LOADS, LOADS + SAID)  # of their set-points in SetPointFrame
 class GatewayOnBus(LawObject):
     """Plays the role by the method `can`, with a `station` that speaks on the bus in the place of frames as signals.
 
-    Its signals are what it has said since the instant before, the newest frames if there were too many.
+    Its signals are what it has said since the instant before, the newest frames if there were too many. `newest` tells
+    the stamp of the newest torque command.
     """
 
-    def __init__(self, configuration: Configuration) -> None:
+    def __init__(self, configuration: Configuration, newest: Callable[[], int]) -> None:
         common, p = configuration.common, configuration.parameters
         law = configuration.method.law
         assert law is not None, "the method `can` is made of functions"
@@ -43,6 +45,7 @@ class GatewayOnBus(LawObject):
         self._heartbeats: dict[int, int] = {}
         self._heard_before = [(0.0, 0.0), (0.0, 0.0)]
         self._has_begun = False
+        self._newest, self._taken = newest, -1
         self.step = self._answer
 
     def receive(self, circuit: str, frame: Frame) -> None:
@@ -73,7 +76,11 @@ class GatewayOnBus(LawObject):
         if not self._has_begun:
             self._has_begun, self.station.s.tick = True, 0.0
         p, g = self.given["p"], self.station.s
-        take_orders(p, g, command, load)
+        newest = self._newest()
+        if newest > self._taken:  # else it is held from before, and gets too old (`command_timeout`)
+            command_drives(p, g, command)
+        self._taken = newest
+        command_loads(p, g, load)
         # The bench says at an instant what it measured before the last one (`BenchOnBus`).
         for place, device in enumerate((g.drive_11, g.drive_12)):
             of = device.feedback

@@ -14,15 +14,17 @@ from ev_msgs_py.elementary import isfinite
 
 
 @inlined
-def take_orders(
-    p: LockstepGatewayParameters, g: Gateway, command: WheelTorqueCommand, load: LoadCommand
-) -> None:  # fmt: skip
-    """Torques of the drives, torques or speeds of the load machines."""
-    right, left = int(p.wheel_11), int(p.wheel_12)
-    _command(p, g.drive_11, TORQUE_MODE, command.drive[right] / p.gear_ratio)
-    _command(p, g.drive_12, TORQUE_MODE, command.drive[left] / p.gear_ratio)
-    _command_load(p, g.load_11, load, right)
-    _command_load(p, g.load_12, load, left)
+def command_drives(p: LockstepGatewayParameters, g: Gateway, command: WheelTorqueCommand) -> None:
+    """Torques of the drives."""
+    _command(p, g.drive_11, TORQUE_MODE, command.drive[int(p.wheel_11)] / p.gear_ratio)
+    _command(p, g.drive_12, TORQUE_MODE, command.drive[int(p.wheel_12)] / p.gear_ratio)
+
+
+@inlined
+def command_loads(p: LockstepGatewayParameters, g: Gateway, load: LoadCommand) -> None:
+    """Torques or speeds of the load machines."""
+    _command_load(p, g.load_11, load, int(p.wheel_11))
+    _command_load(p, g.load_12, load, int(p.wheel_12))
 
 
 @inlined

@@ -22,6 +22,7 @@ class Feedback:
     refused: float = entry(unit="1", about="frames with a wrong CRC or counter")
     lost: float = entry(unit="1", about="frames that were lost, as their counters tell")
     state: float = entry(unit="1", about="place in STATE_NAMES")
+    remote: float = entry(1.0, unit="1", about="whether it says that it follows its controlword")
     torque: float = entry(unit="N m", about="at the shaft")
     torque_sum: float = entry(unit="N m", about="of all torques since the last look at what is plausible")
     torque_count: float = entry(unit="1", about="how many there were")
@@ -65,5 +66,8 @@ class Gateway:
     load_11: Device = part(Device)
     load_12: Device = part(Device)
     tick: float = entry(unit="1", about="cycles of 1 ms since the start")
-    waits: float = entry(unit="1", about="for the first moment at which the drives may be enabled by themselves")
+    waits: float = entry(
+        unit="1",
+        about="for the first moment at which the drives may be enabled by themselves, 1 and the cycles for one alone",
+    )
     heartbeat_counters: list[float] = series(2, unit="1", about="of the next heartbeat of each circuit")

@@ -11,7 +11,9 @@ from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.station import GatewayStation
 from ev_msgs_py.can.channel import Frame
 from ev_msgs_py.can.channels import Channels
+from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.lockstep.holding_inbox import HoldingInbox
 from ev_msgs_py.nodes.bus_node import BusNode
 from ev_msgs_py.nodes.role_on_bus import RoleOnBus
 from ev_msgs_py.nodes.run_role import make_node, run_node, told
@@ -60,7 +62,13 @@ class GatewayRoleOnBus(RoleOnBus):
 
     def played_by(self, configuration: Configuration) -> GatewayOnBus:
         """A gateway that leads nothing yet."""
-        return GatewayOnBus(configuration)
+        return GatewayOnBus(configuration, self._newest)
+
+    def _newest(self) -> int:
+        """The stamp of the newest torque command."""
+        inbox = self.stepper.inbox
+        assert isinstance(inbox, HoldingInbox), "it plays in real time"
+        return inbox.newest(WheelTorqueCommand)
 
     def open_channels(self) -> Channels:
         """As its parameters say, with their log."""

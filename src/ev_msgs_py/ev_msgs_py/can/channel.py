@@ -12,6 +12,7 @@ from ev_msgs_py.can.bus_meter import BusMeter
 from ev_msgs_py.can.opening import open_channel
 
 _LONGEST = 8  # bytes of a classic frame
+_OLDEST = 0.1  # s: who is too slow for its bus leaves out what has waited for longer, and so keeps up
 
 
 class Frame(NamedTuple):
@@ -27,9 +28,9 @@ class Channel:
     def __init__(self, interface: str, name: str, log: BusLog | None = None, meter: BusMeter | None = None) -> None:
         self.name = name
         self._bus = open_channel(interface, name)
-        self._hears_itself = interface == "udp_multicast"
+        self._is_multicast = interface == "udp_multicast"  # it hears itself, by the clock of this machine
         self._log, self._meter = log, meter
-        self.sent = self.received = self.refused = self.unsent = 0
+        self.sent = self.received = self.refused = self.unsent = self.late = 0
         self.trouble = ""  # the newest reason why a frame could not be sent or read
 
     def send(self, frame: Frame) -> None:
@@ -49,7 +50,7 @@ class Channel:
             self.trouble = f"{self.name}: not sent: {error}"
             return
         self.sent += 1
-        if not self._hears_itself:
+        if not self._is_multicast:
             self._note(message)
 
     def receive(self) -> Frame | None:
@@ -63,6 +64,10 @@ class Channel:
                 return None
             if message is None:
                 return None
+            if self._is_multicast and time.time() - message.timestamp > _OLDEST:
+                self.late += 1
+                self.trouble = f"{self.name}: frames that waited for more than {_OLDEST:g} s were left out"
+                continue
             if _is_classic(message):
                 self.received += 1
                 message.channel = self.name

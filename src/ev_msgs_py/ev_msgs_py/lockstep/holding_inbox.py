@@ -34,14 +34,23 @@ class HoldingInbox(Inbox):
         self._forget()
 
     def offer(self, kind: type, stamp: int, numbers: Sequence[float]) -> Arrival:
-        """Judge a message, keep its numbers if it is new or begins a new run, and hold them if they are the newest."""
+        """Judge a message, keep its numbers if it is new or begins a new run, and hold them if they are the newest.
+
+        Those of a step that was taken without them are held for the next one, too: who is late each time is heard.
+        """
         arrival = super().offer(kind, stamp, numbers)
-        if arrival in (Arrival.NEW, Arrival.RESTART) and stamp > self._heard.get(kind, -1):
+        if arrival is not Arrival.GAP and stamp > self.newest(kind):
+            if arrival is Arrival.REPEATED:  # it is not: the step has been taken without it
+                arrival = Arrival.OLD
             self._heard[kind] = stamp
             self._held.numbers[PLACES[kind]] = array("d", numbers)
             if kind in self._pacing:
                 self._paced = max(self._paced, stamp)
         return arrival
+
+    def newest(self, kind: type) -> int:
+        """The stamp of the newest message of a kind that has come, -1 if there is none."""
+        return self._heard.get(kind, -1)
 
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, or that shall wait no longer; None if there is none."""

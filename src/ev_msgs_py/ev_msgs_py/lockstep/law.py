@@ -38,8 +38,9 @@ class Law:
 
     `function` gives the answer of a role that answers, and advances the state of one that integrates, whose `outputs`
     then give what it writes: one signal, or a tuple of them in the order of `writes`. `start` makes the initial state
-    where it is not that of the declaration. `notes` says what is worth knowing about the run so far. `mirrored` claims
-    that left and right are alike to it (`check.mirror`).
+    where it is not that of the declaration. `in_real_time` has defaults that others have there, by ROLE.PARAMETER.
+    `notes` says what is worth knowing about the run so far. `mirrored` claims that left and right are alike to it
+    (`check.mirror`).
     """
 
     function: Callable[..., Any]
@@ -52,6 +53,7 @@ class Law:
     load_files: Callable[[Any], Any] | None = None
     needs: tuple[Callable[[Any, Vehicle], str], ...] = ()
     requires: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    in_real_time: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     writes: tuple[type, ...] | None = None
     heavy: bool = False
     mirrored: bool = False

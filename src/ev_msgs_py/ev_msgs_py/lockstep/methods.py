@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import typing
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
@@ -64,6 +64,11 @@ class Method:
     def requires(self) -> dict[str, str]:
         """By role the method, or by ROLE.PARAMETER its value, without which this one makes no sense."""
         return getattr(self.factory, "requires", {})
+
+    @property
+    def in_real_time(self) -> Mapping[str, str]:
+        """By ROLE.PARAMETER the value that it has by default where the wall clock drives the graph."""
+        return self.law.in_real_time if self.law else {}
 
     @property
     def mirrored(self) -> bool:

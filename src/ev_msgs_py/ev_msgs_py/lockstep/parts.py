@@ -31,10 +31,10 @@ def behind_sensors(configuration: Configuration, part: Part) -> Part:
 def _rows(configuration: Configuration) -> list[SensorRow | FaultRow]:
     """What changes the numbers that a part writes: its sensors, and then its faults."""
     rows: list[SensorRow | FaultRow] = []
+    common = configuration.common
     if not configuration.is_ideal:
-        rows.append(SensorRow(configuration.sensors, configuration.common.seed))
+        rows.append(SensorRow(configuration.sensors, common.seed, common.vehicle.driven_wheels))
     if faults := of_signals(configuration.faults):
-        common = configuration.common
         rows.append(FaultRow(faults, configuration.method.writes, common.seed, common.control_period))
     return rows
 

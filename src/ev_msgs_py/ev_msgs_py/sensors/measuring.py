@@ -2,7 +2,7 @@
 
 A row of numbers holds what the sensors behind one object are told, another one what lasts between periods:
 
-    constants  total  size of the state  sensors  then for each sensor the numbers from KIND to NOISE_OF_READING
+    constants  total  size of the state  sensors  then for each sensor the numbers from KIND to FIRST
     state      period                             then for each sensor what it shows and what is on its way
 """
 
@@ -23,10 +23,10 @@ from ev_msgs_py.sensors.sensor import UNIFORM
 NUMBERS, HEADING, SHARE = range(3)
 
 # What a sensor is told. Three places: of the first number, or of z and w, or of share, amount and whole; MEMORY is that
-# of its own numbers in the state.
-WIDTH = 19
+# of its own numbers in the state, FIRST how many pairs of its numbers are measured in front of these.
+WIDTH = 20
 KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, NAME = range(14)
-GAIN, LOWEST, HIGHEST, DISTRIBUTION, NOISE_OF_READING = range(14, WIDTH)
+GAIN, LOWEST, HIGHEST, DISTRIBUTION, NOISE_OF_READING, FIRST = range(14, WIDTH)
 HEAD = 3
 
 
@@ -61,7 +61,7 @@ def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> Non
     for i in range(count):
         normal = spare
         if c[NOISE] + c[NOISE_OF_READING] > 0.0 and i % 2 == 0:
-            w0, w1, w2, w3 = words(c, period, i // 2, FOR_NOISE)
+            w0, w1, w2, w3 = words(c, period, int(c[FIRST]) + i // 2, FOR_NOISE)
             if c[DISTRIBUTION] == UNIFORM:
                 normal, spare = 2.0 * uniform(w0, w1) - 1.0, 2.0 * uniform(w2, w3) - 1.0
             else:

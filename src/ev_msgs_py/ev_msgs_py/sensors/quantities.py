@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, make_dataclass
 from functools import cache
 
@@ -20,11 +21,13 @@ from ev_msgs_py.contract.signals import (
     TireForces,
     WheelStates,
 )
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.parameters.declaration import group
 from ev_msgs_py.sensors.measuring import HEADING, NUMBERS, SHARE
 from ev_msgs_py.sensors.sensor import sensor_parameters
 
 # In the order of the parameter reference. What nobody measures (commands, the recorder) is not among them.
+_OF_CIRCUITS = (BenchShafts, BenchElectrical, BenchTemperatures)
 _MEASURED = (
     WheelStates,
     MotorStates,
@@ -38,9 +41,7 @@ _MEASURED = (
     CellCondition,
     SteeringColumnState,
     RearSteeringState,
-    BenchShafts,
-    BenchElectrical,
-    BenchTemperatures,
+    *_OF_CIRCUITS,
 )
 # A heading is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and in which order.
 _SPECIAL = {
@@ -90,6 +91,13 @@ class Quantity:
     def count(self) -> int:
         """How many numbers have errors."""
         return len(self.places) if self.kind == NUMBERS else 1
+
+    def parts(self, driven: Collection[str]) -> list[range]:
+        """Which of these numbers there are with wheels `driven`: a test bench has circuits for their axles only."""
+        if self.signal not in _OF_CIRCUITS:
+            return [range(self.count)]
+        axles = [any(wheel in driven for wheel in WHEEL_NAMES[i : i + 2]) for i in (0, 2)]
+        return [range(i, i + 2) for i in range(0, self.count, 2) if axles[i // 2 % 2]]
 
 
 def _quantities(signal: type) -> list[Quantity]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 from ev_msgs_py.contract.shape import shape_of
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.parameters.declaration import defaults
 from ev_msgs_py.sensors.measuring import DELAY, HEAD, NAME, NUMBERS, WIDTH, Numbers, measure
 from ev_msgs_py.sensors.quantities import QUANTITIES, Quantity
@@ -16,25 +17,27 @@ from ev_msgs_py.sensors.sensor import DISTRIBUTIONS
 class SensorRow:
     """Those of some sensors that are not ideal; `parameters` are as `quantities.sensors_for` declares them.
 
-    `constants` and `state` are rows of numbers as `measuring` has them, the state all that lasts.
+    With fewer wheels `driven` a test bench has fewer channels. `constants` and `state` are rows of numbers as
+    `measuring` has them, the state all that lasts.
     """
 
-    def __init__(self, parameters: Any, seed: int) -> None:
+    def __init__(self, parameters: Any, seed: int, driven: Collection[str] = WHEEL_NAMES) -> None:
         self.constants = [0.0] * HEAD
         self._size = 1
         for quantity, errors in imperfect(parameters):
-            self.constants += self._told(quantity, errors, seed)
+            for part in quantity.parts(driven):
+                self.constants += self._told(quantity, errors, seed, part)
         total = len(self.constants)
         self.constants[:HEAD] = float(total), float(self._size), float((total - HEAD) // WIDTH)
         self.start()
 
-    def _told(self, quantity: Quantity, errors: Any, seed: int) -> list[float]:
-        places = quantity.places[:1] if quantity.kind == NUMBERS else quantity.places
-        memory, self._size = self._size, self._size + quantity.count * (1 + errors.delay)
-        told = [quantity.kind, *places, *[0] * (3 - len(places)), quantity.count, shape_of(quantity.signal).has_single]
+    def _told(self, quantity: Quantity, errors: Any, seed: int, part: range) -> list[float]:
+        places = quantity.places[part.start : part.start + 1] if quantity.kind == NUMBERS else quantity.places
+        memory, self._size = self._size, self._size + len(part) * (1 + errors.delay)
+        told = [quantity.kind, *places, *[0] * (3 - len(places)), len(part), shape_of(quantity.signal).has_single]
         told += [memory, errors.offset, errors.least_noise, errors.quantisation, errors.delay, errors.dropout]
         told += [seed, zlib.crc32(quantity.name.encode()), errors.gain, errors.lowest, errors.highest]
-        told += [DISTRIBUTIONS.index(errors.distribution), errors.noise_of_reading]
+        told += [DISTRIBUTIONS.index(errors.distribution), errors.noise_of_reading, part.start // 2]
         return [float(value) for value in told]
 
     def start(self) -> None:

@@ -77,10 +77,10 @@ class Tyre:
     front_file: str = parameter("", about="tyre property file (.tir) of the front tyres; empty for none")
     rear_file: str = parameter("", about="tyre property file (.tir) of the rear tyres; empty for none")
     front_mf: tuple[float, ...] = parameter(
-        (), unit="1", low=-1e6, high=1e6, about="coefficients of the front tyres of mf_tyre, in the order of `MfTyre`"
+        (), unit="1", low=-1e6, high=1e6, about="coefficients of the front tyres of mf_tyre, in the order of `MfTyres`"
     )
     rear_mf: tuple[float, ...] = parameter(
-        (), unit="1", low=-1e6, high=1e6, about="coefficients of the rear tyres of mf_tyre, in the order of `MfTyre`"
+        (), unit="1", low=-1e6, high=1e6, about="coefficients of the rear tyres of mf_tyre, in the order of `MfTyres`"
     )
     longitudinal_stiffness: float = parameter(
         350e3, unit="N/m", low=1e4, high=1e7, about="carcass stiffness between rim and contact patch, along the wheel"

@@ -55,7 +55,7 @@ def with_tyres_from_files(vehicle: Vehicle) -> Vehicle:
 
 
 def read_tyre(parameter: str, name: str) -> tuple[float, ...]:
-    """The numbers of MfTyre in a tyre property file; ParameterError, see `with_tyres_from_files`."""
+    """The numbers of MfTyres in a tyre property file; ParameterError, see `with_tyres_from_files`."""
     path = find_file(name)
     try:
         return mf_numbers(_entries(path.read_text(encoding="latin-1")))
@@ -66,7 +66,7 @@ def read_tyre(parameter: str, name: str) -> tuple[float, ...]:
 
 
 def mf_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:
-    """The numbers of MfTyre from the entries of a file, scale factors multiplied in; ParameterError if some lack."""
+    """The numbers of MfTyres from the entries of a file, scale factors multiplied in; ParameterError if some lack."""
     for unit, wanted in _UNITS.items():
         given = entries.get(unit, wanted).lower()
         if given.rstrip("s") != wanted.rstrip("s"):

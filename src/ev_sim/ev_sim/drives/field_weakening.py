@@ -28,6 +28,12 @@ def torque_per_current(winding: Winding) -> float:
 
 
 @inlined
+def current_limited_torque(winding: Winding) -> float:
+    """Torque of the largest current [N m], without field weakening."""
+    return torque_per_current(winding) * (_SQRT_2 * winding.largest_current)
+
+
+@inlined
 def _reach(winding: Winding, voltage: float, speed: float) -> float:
     """U/|w_e|: the flux linkage [Wb] that the voltage of the DC link [V] can hold at a shaft speed [rad/s]."""
     return winding.voltage_share * voltage / _SQRT_3 / (winding.pole_pairs * max(abs(speed), _STANDSTILL))
@@ -48,6 +54,14 @@ def voltage_limited_torque(winding: Winding, voltage: float, speed: float) -> fl
     by_current = most * most - direct * direct
     by_voltage = (reach * reach - left * left) / (inductance * inductance)
     return torque_per_current(winding) * sqrt(max(min(by_current, by_voltage), 0.0))
+
+
+@inlined
+def is_weakened(winding: Winding, voltage: float, speed: float) -> bool:
+    """Whether a DC-link voltage [V] leaves less torque at a shaft speed [rad/s] than the largest current gives."""
+    most, held = _SQRT_2 * winding.largest_current * winding.inductance, winding.voltage_share * voltage
+    turns = winding.pole_pairs * speed
+    return 3.0 * turns * turns * (winding.flux_linkage * winding.flux_linkage + most * most) > held * held
 
 
 @inlined

@@ -6,7 +6,6 @@ from ev_msgs_py.can.codec import inserted
 from ev_msgs_py.can.conventions import RPM
 from ev_msgs_py.can.frames import SENT, BenchFrames, DeviceFrames, guarded
 from ev_msgs_py.can.protection import last_counter, next_counter
-from ev_msgs_py.can.schedule import is_due
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import sqrt
 from ev_sim.inverter.inverter import statusword
@@ -16,12 +15,6 @@ from ev_sim.inverter.temperatures import coolant_outlet, inverter_temperature, w
 
 MOTION, ELECTRICAL, TEMPERATURES, FAULTS = range(len(SENT))
 _WRONG = 0xFF  # what a corrupted checksum is changed by
-
-
-@compilable
-def is_sent(f: BenchFrames, s: Inverter, kind: int, before: float, now: float) -> bool:
-    """Whether a frame of this kind is sent between two ticks."""
-    return s.injected.silent == 0.0 and is_due(ticks_between(f, kind), before, now)
 
 
 @compilable

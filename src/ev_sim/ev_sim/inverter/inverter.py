@@ -129,7 +129,7 @@ def _warnings(p: InverterParameters, s: Inverter) -> int:
 @compilable
 def statusword(s: Inverter) -> int:
     """Bits 0 to 11 of the statusword."""
-    word = STATE_BITS[int(s.state)] | REMOTE
+    word = STATE_BITS[int(s.state)] | (REMOTE if s.remote != 0.0 else 0)
     if s.dc_link.contactor != 0.0:
         word |= VOLTAGE_ENABLED
     if s.warnings != 0.0:

@@ -76,6 +76,7 @@ class Inverter:
     dc_link: DcLink = part(DcLink)
     temperatures: Temperatures = part(Temperatures)
     injected: Injected = part(Injected)
+    remote: float = entry(1.0, unit="1", about="whether it follows its controlword: the operator's line releases it")
     state: float = entry(unit="1", about="place in STATE_NAMES")
     faults: float = entry(unit="1", about="latched, bits by place in FAULTS")
     error_code: float = entry(unit="1", about="of the first fault that was latched")

@@ -8,11 +8,11 @@ from ev_msgs_py.can.channel import Frame
 from ev_msgs_py.can.checking import is_valid
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.frames import SENT, BenchFrames, DeviceFrames, bench_frames
-from ev_msgs_py.can.schedule import TICK
+from ev_msgs_py.can.schedule import TICK, is_due
 from ev_msgs_py.lockstep.law import namespace
 from ev_msgs_py.parameters.declaration import number_tree
 from ev_sim.inverter.circuit import advance_circuit
-from ev_sim.inverter.frames import is_sent, made
+from ev_sim.inverter.frames import made, ticks_between
 from ev_sim.inverter.parameters import CircuitParameters
 from ev_sim.inverter.set_points import grow_older, receive_set_point
 from ev_sim.inverter.state import Circuit, Inverter
@@ -52,7 +52,7 @@ class InverterStation:
                 made(self._frames, self._own, self.p, self.s, kind, speed).to_bytes(length, "little"),
             )
             for kind, length in enumerate(self._lengths)
-            if is_sent(self._frames, self.s, kind, before, now)
+            if self.s.injected.silent == 0.0 and is_due(ticks_between(self._frames, kind), before, now)
         ]
 
 

@@ -44,7 +44,10 @@ def coolant_outlet(p: ThermalParameters, s: Inverter) -> float:
 @compilable
 def derating(p: ThermalParameters, s: Inverter) -> float:
     """Share of the torque that temperatures leave [1]: 1 up to the warm ones, 0 at the limits."""
-    return derating_share(p, winding_temperature(p, s), inverter_temperature(p, s))
+    winding, inverter = winding_temperature(p, s), inverter_temperature(p, s)
+    if winding <= p.winding_warm and inverter <= p.inverter_warm:  # as mostly, without a division
+        return 1.0
+    return derating_share(p, winding, inverter)
 
 
 @compilable

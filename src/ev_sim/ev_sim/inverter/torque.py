@@ -6,7 +6,14 @@ from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import exp
-from ev_sim.drives.field_weakening import induced_voltage, phase_values, voltage_limited_torque, weakening_loss
+from ev_sim.drives.field_weakening import (
+    current_limited_torque,
+    induced_voltage,
+    is_weakened,
+    phase_values,
+    voltage_limited_torque,
+    weakening_loss,
+)
 from ev_sim.drives.losses import loss_power
 from ev_sim.drives.speed_control import speed_control
 from ev_sim.drives.torque_controlled import limited_torque
@@ -36,7 +43,10 @@ def share_of_lag(lag: float, period: float) -> float:
 def largest_torque(p: InverterParameters, s: Inverter, speed: float) -> float:
     """The torque [N m] that set-point, machine, temperatures and voltage allow; an inverter asks once in a cycle."""
     most = min(s.command.torque_limit, p.machine.peak_torque) * derating(p.thermal, s)
-    return min(most, voltage_limited_torque(p.machine.winding, s.dc_link.voltage, speed))
+    winding, voltage = p.machine.winding, s.dc_link.voltage
+    if is_weakened(winding, voltage, speed):
+        return min(most, voltage_limited_torque(winding, voltage, speed))
+    return min(most, current_limited_torque(winding))
 
 
 @compilable

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.actuator_signals import RearSteeringState
 from ev_msgs_py.contract.signals import TireForces
-from ev_sim.rear_steering.steering_motor import SteeringMotorParameters, SteeringMotorState
+from ev_sim.steering_actuator.motor import SteeringMotorParameters, SteeringMotorState
 
 PLANT = {"plant": "planar_rear_steering"}  # the others do not turn their rear wheels by it
 

@@ -13,7 +13,7 @@ from ev_msgs_py.parameters.declaration import ParameterError, parameter
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.profiles.profile import LINEAR, Profile, profile_of, value_at
 from ev_sim.rear_steering.rear_axle import PLANT, moment_of_road, shown
-from ev_sim.rear_steering.steering_motor import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
+from ev_sim.steering_actuator.motor import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.rear_steering.steering_motor import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
+from ev_sim.steering_actuator.motor import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
 from ev_sim.steering_column.by_wire import SteeringWheelParameters
 from ev_sim.steering_column.drive_forces import drive_moment, speed_difference
 from ev_sim.steering_column.friction_oscillator import Oscillator, oscillated, oscillator
@@ -121,7 +121,7 @@ def actuated(
     """Turn the road wheels by an actuator to the angle that the steering wheel sets; the hands do not reach them.
 
     Steer-by-wire as in the introduction of Shchur (2019): wanted angle a/i, a dedicated electric actuator with a
-    position loop (`steering_motor.turn`), no feedback to the column (`feel.share` 0). Road wheels: eq 3 with the
+    position loop (`steering_actuator.motor`), no feedback to the column (`feel.share` 0). Road wheels: eq 3 with the
     actuator in the place of i M_b, so the torque difference of the drives disturbs. Steering wheel: as `by_wire`, and
     the motor's torque, `feel.share` times the moment of the road over i, as a sensor at the rack shows it (the torque
     of the actuator would bring its own acceleration back, and swing). Left positive.

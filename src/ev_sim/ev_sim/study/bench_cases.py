@@ -53,9 +53,18 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
         "torque": torque[::every].copy(),
         "transducer": shown[::every].copy(),
         "speed": channels[f"wheel_states.velocity.{WHEEL}"][::every].copy(),
+        "pressed": channels["driver.command.drive_torque"][::every] > 0.0,
         "in_traction": in_windows(recording, run.configurations["driver"].values())[::every].copy(),
         "distance": float(channels["pose.x"][-1]),
     }
+
+
+def away_from_switches(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Samples, True where for two samples before and behind both drivers' feet stay and are alike."""
+    count = min(len(one), len(other))
+    feet = np.stack([one[:count], other[:count]])
+    moves = np.diff(feet, axis=1, prepend=feet[:, :1]).any(axis=0) | (feet[0] != feet[1])
+    return np.convolve(moves, np.ones(5), "same") == 0.0
 
 
 def apart(one: np.ndarray, other: np.ndarray, counted: np.ndarray | None = None) -> float:

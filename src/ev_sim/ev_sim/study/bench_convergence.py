@@ -10,13 +10,22 @@ from ev_sim.report.figures.figure import Figure
 from ev_sim.report.metric import Metric
 from ev_sim.report.text_table import text_table
 from ev_sim.study import bench_cases, urban_cases
-from ev_sim.study.bench_cases import apart, ideal
+from ev_sim.study.bench_cases import apart, away_from_switches, ideal
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 from ev_sim.study.urban_cases import BENCH, DRIVERS, SCENARIO, Values
 
 ABOUT = "The urban cycle on the bench beside the virtual run - difference against each parameter of the bench"
-COLUMNS = ("parameter", "value", "unit", "torque [%]", "transducer [%]", "wheel speed [%]", "distance [%]")
+COLUMNS = (
+    "parameter",
+    "value",
+    "unit",
+    "torque [%]",
+    "transducer [%]",
+    "wheel speed [%]",
+    "distance [%]",
+    "torque away from switches [%]",
+)
 SUMS = ("ideal_",)
 LENGTH = 24.0  # s: rest, pulling away, both surfaces, spinning wheels
 EXCHANGE = 1e-3  # s, control period of the runs in which another parameter is varied
@@ -80,6 +89,7 @@ def _row(results: Results, case: str, beside: str) -> tuple[float, ...]:
         apart(one["transducer"], other["transducer"]),
         apart(one["speed"], other["speed"]),
         100.0 * abs(one["distance"] / other["distance"] - 1.0),
+        apart(one["torque"], other["torque"], away_from_switches(one["pressed"], other["pressed"])),
     )
 
 
@@ -94,9 +104,10 @@ def differences(results: Results) -> dict[tuple[str, float, str], tuple[float, .
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """Of the ideal bench with the shortest exchange."""
-    torque, _, speed, distance = differences(results)["control_period", PERIODS[-1], "s"]
+    torque, _, speed, distance, away = differences(results)["control_period", PERIODS[-1], "s"]
     return {
         "ideal_torque_difference": Metric(torque, "%"),
+        "ideal_torque_difference_away_from_switches": Metric(away, "%"),
         "ideal_speed_difference": Metric(speed, "%"),
         "ideal_distance_difference": Metric(distance, "%"),
     }

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.vehicle.mf_tyre import MfTyre
+from ev_msgs_py.vehicle.mf_tyre import MF_NAMES, mf_tyres
 from ev_msgs_py.vehicle.tyre import Tyre
 from ev_sim.tyres.curve import Coefficients, peak
-from ev_sim.tyres.mf_tyre import at_load
+from ev_sim.tyres.mf_tyre import at_load, is_plain
 
 
 class TyreOnRoad(NamedTuple):
@@ -72,7 +72,7 @@ def tyre_on_road(tyre: Tyre, surface: str | Surface, rolling_resistance_scale: f
     scale = of.peak_friction / SURFACES[REFERENCE].peak_friction
     rolling_resistance = rolling_resistance_scale * of.rolling_resistance
     if curve == "mf_tyre":
-        return TyreOnRoad(scale, 1.0, 0.0, 0.0, rolling_resistance, scale * MfTyre(*tyre.front_mf).pdx1)
+        return TyreOnRoad(scale, 1.0, 0.0, 0.0, rolling_resistance, scale * tyre.front_mf[MF_NAMES.index("pdx1")])
     if curve == "burckhardt":
         c0, c1, c2, c3 = of.c1, of.c2, of.c3, 0.0
     elif curve in ("rational", "two_exponential"):
@@ -88,7 +88,7 @@ def curve_on_road(tyre: Tyre, surface: str | Surface) -> tuple[str, Coefficients
     of = tyre_on_road(tyre, surface)
     if tyre.curve != "mf_tyre":
         return tyre.curve, Coefficients(*of[:4])
-    front = MfTyre(*tyre.front_mf)
-    loaded = at_load(front, front.fnomin, of.c0, of.c1)
-    peak_friction = loaded.peak_x / front.fnomin
-    return "magic_formula", Coefficients(loaded.factor_x, front.pcx1, peak_friction, loaded.curvature_x)
+    tyres = mf_tyres(tyre.front_mf, tyre.rear_mf)
+    nominal = tyres.fnomin[0]
+    loaded = at_load(tyres, 0, nominal, of.c0, of.c1, is_plain(tyres))
+    return "magic_formula", Coefficients(loaded.factor_x, tyres.pcx1[0], loaded.peak_x / nominal, loaded.curvature_x)

@@ -19,11 +19,11 @@ from ev_msgs_py.can.bus_model import (
 )
 from ev_msgs_py.can.frames import DeviceFrames
 from ev_msgs_py.can.payload_words import NO_FRAME, are_words, joined, words
-from ev_msgs_py.can.schedule import TICK
+from ev_msgs_py.can.schedule import TICK, is_due
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.bus_signals import MOST_TICKS
 from ev_msgs_py.contract.record import part, series
-from ev_sim.inverter.frames import FAULTS, MOTION, is_sent, made
+from ev_sim.inverter.frames import FAULTS, MOTION, made, ticks_between
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.set_points import receive_set_point
 from ev_sim.inverter.state import Inverter
@@ -90,8 +90,10 @@ def _tick(
     low, high = take(channel, SET_POINT + LOAD, phase)
     _receive(c, which.load, s.load, low, high)
     make_cycle(p, c, which.number, s, now, kind == LOAD_LIMIT)
-    _release_feedback(c, which.drive, machine, s.machine, channel, DRIVE, s.speed, now, phase)
-    _release_feedback(c, which.load, p.load, s.load, channel, LOAD, s.load_speed, now, phase)
+    for kind in range(MOTION, FAULTS + 1):
+        if is_due(ticks_between(c.frames, kind), now, now + 1.0):
+            _release_feedback(c, which.drive, machine, s.machine, channel, kind, DRIVE, s.speed, phase)
+            _release_feedback(c, which.load, p.load, s.load, channel, kind, LOAD, s.load_speed, phase)
     advance_channel(which.channel, p.bus, channel, which.number, end)
     _hear(line, tick, end)
     next_tick(p.bus, channel)
@@ -117,13 +119,12 @@ def _receive(c: CanConstants, own: DeviceFrames, s: Inverter, low: float, high: 
 
 @compilable
 def _release_feedback(
-    c: CanConstants, own: DeviceFrames, p: InverterParameters, s: Inverter, channel: ChannelState, device: int,
-    speed: float, now: float, at: float,
+    c: CanConstants, own: DeviceFrames, p: InverterParameters, s: Inverter, channel: ChannelState, kind: int,
+    device: int, speed: float, at: float,
 ) -> None:  # fmt: skip
-    for kind in range(MOTION, FAULTS + 1):
-        if is_sent(c.frames, s, kind, now, now + 1.0):
-            low, high = words(made(c.frames, own, p, s, kind, speed))
-            release(channel, PLACES_SENT[kind] + device, at, low, high)
+    if s.injected.silent == 0.0:
+        low, high = words(made(c.frames, own, p, s, kind, speed))
+        release(channel, PLACES_SENT[kind] + device, at, low, high)
 
 
 @compilable

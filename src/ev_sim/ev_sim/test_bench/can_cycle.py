@@ -39,7 +39,9 @@ def make_cycle(
     The operator's enabling of a circuit is a line of its own beside the bus: without it nothing is switched on.
     """
     machine = c.circuits.machine
-    if p.enabled != BOTH and p.enabled != (RIGHT if number == 0 else LEFT):
+    released = p.enabled == BOTH or p.enabled == (RIGHT if number == 0 else LEFT)
+    s.machine.remote = s.load.remote = 1.0 if released else 0.0
+    if not released:
         s.machine.command.controlword = s.load.command.controlword = float(DISABLE_VOLTAGE)
     lead_inverter(machine, s.machine, s.speed, TICK)
     lead_inverter(p.load, s.load, s.load_speed, TICK)

@@ -135,6 +135,7 @@ def _said(p: CanCircuitsParameters, c: CanConstants, s: CanCircuitsState, wheel:
     writes=(BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy, FeedbackFrames, BusStates),
     needs=(two_driven,),
     requires={"plant": "planar_on_bench", "inverter_gateway": "can"},
+    in_real_time={"plant.wheel_speed": "virtual"},  # what is measured comes a period later than in lockstep
     heavy=True,
 )
 @compilable

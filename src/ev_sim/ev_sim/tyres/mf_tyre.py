@@ -1,12 +1,16 @@
-"""The Magic Formula with load dependence and combined slip, for a tyre that stands upright."""
+"""The Magic Formula with load dependence and combined slip, for tyres that stand upright.
+
+There is no branch in it, so that the compiler evaluates it for the four wheels at once.
+"""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import inlined
-from ev_msgs_py.elementary import atan, cos, exp, sin, sqrt
-from ev_msgs_py.vehicle.mf_tyre import MfTyre
+from ev_msgs_py.elementary import sqrt
+from ev_msgs_py.elementary.unbranched import cosine_of_multiple, first_quadrant, moderate_exp, sine_of_multiple
+from ev_msgs_py.vehicle.mf_tyre import MfTyres
 
 # Least share of the nominal load whose coefficients are taken: files are measured from about there on, and their
 # polynomials may lose their sign further out. Likewise the largest. Both are assumptions.
@@ -25,69 +29,87 @@ class AtLoad(NamedTuple):
     change: float  # df_z [1]
 
 
+def is_plain(tyres: MfTyres) -> bool:
+    """Whether the tyres have what makes the formula shorter: slip angles by tangent, weights without curvature."""
+    curvatures = (tyres.rex1, tyres.rex2, tyres.rey1, tyres.rey2)
+    straight = all(value == 0.0 for values in curvatures for value in values)
+    return straight and set(tyres.pky4) == {2.0} and set(tyres.takes_tangent) == {1.0}
+
+
 @inlined
-def at_load(tyre: MfTyre, load: float, grip: float, stiffness: float) -> AtLoad:
-    """Peaks [N], stiffness factors and curvatures [1] at a load [N].
+def at_load(tyres: MfTyres, i: int, load: float, grip: float, stiffness: float, plain: bool) -> AtLoad:
+    """Peaks [N], stiffness factors and curvatures [1] of the tyre of wheel i at a load [N].
 
     `grip` [1] scales the friction and leaves the slip stiffness (lambda_mu of the road), `stiffness` [1] the slip
-    stiffness of a soft tyre. Source: Pacejka 2012, eqs 4.E2, 4.E11 to 4.E15, 4.E21 to 4.E26, camber and pressure left
-    out.
+    stiffness of a soft tyre; `plain` is what `is_plain` says. Source: Pacejka 2012, eqs 4.E2, 4.E11 to 4.E15, 4.E21 to
+    4.E26, camber and pressure left out.
     """
-    counted = min(max(load / tyre.fnomin, LEAST_LOAD), LARGEST_LOAD)
+    counted = min(max(load / tyres.fnomin[i], LEAST_LOAD), LARGEST_LOAD)
     change = counted - 1.0
-    friction_x = (tyre.pdx1 + tyre.pdx2 * change) * grip
-    friction_y = (tyre.pdy1 + tyre.pdy2 * change) * grip
-    slip_stiffness = (tyre.pkx1 + tyre.pkx2 * change) * exp(tyre.pkx3 * change)  # over load
-    ratio = counted / tyre.pky2
-    # sin(2 atan x) in every file of 5.2
-    share = 2.0 * ratio / (1.0 + ratio * ratio) if tyre.pky4 == 2.0 else sin(tyre.pky4 * atan(ratio))
-    cornering_stiffness = tyre.pky1 * share / counted  # over load
+    friction_x = (tyres.pdx1[i] + tyres.pdx2[i] * change) * grip
+    friction_y = (tyres.pdy1[i] + tyres.pdy2[i] * change) * grip
+    slip_stiffness = (tyres.pkx1[i] + tyres.pkx2[i] * change) * moderate_exp(tyres.pkx3[i] * change)  # over load
+    # Over load, with the ratio of the load to that of the largest stiffness; sin(2 atan x) is 2 x/(1 + x^2).
+    if plain:
+        share = 2.0 * tyres.pky2[i]
+        of = tyres.pky2[i] * tyres.pky2[i] + counted * counted
+    else:
+        share, of = sine_of_multiple(tyres.pky4[i], counted, tyres.pky2[i]), counted
+    # One division for both.
+    stiff_x, stiff_y = tyres.pcx1[i] * friction_x, tyres.pcy1[i] * friction_y * of
+    softening = stiffness / (stiff_x * stiff_y)
     return AtLoad(
         peak_x=friction_x * load,
-        factor_x=stiffness * slip_stiffness / (tyre.pcx1 * friction_x),
-        curvature_x=tyre.pex1 + (tyre.pex2 + tyre.pex3 * change) * change,
+        factor_x=slip_stiffness * stiff_y * softening,
+        curvature_x=tyres.pex1[i] + (tyres.pex2[i] + tyres.pex3[i] * change) * change,
         peak_y=friction_y * load,
-        factor_y=stiffness * cornering_stiffness / (tyre.pcy1 * friction_y),
-        curvature_y=min(tyre.pey1 + tyre.pey2 * change, 1.0),
+        factor_y=tyres.pky1[i] * share * stiff_x * softening,
+        curvature_y=min(tyres.pey1[i] + tyres.pey2[i] * change, 1.0),
         change=change,
     )
 
 
 @inlined
-def forces(tyre: MfTyre, loaded: AtLoad, slip_ratio: float, tangent: float, drives: bool) -> tuple[float, float]:
+def forces(
+    tyres: MfTyres, i: int, loaded: AtLoad, slip_ratio: float, tangent: float, direction: float, plain: bool
+) -> tuple[float, float]:
     """Sizes of longitudinal and side force [N] at a slip ratio and a tangent of the slip angle [1], neither negative.
 
-    The slip ratio is over the speed along the wheel; whether the wheel `drives` or brakes decides its sign. Source:
-    Pacejka 2012, eqs 4.E9, 4.E19 (pure slip) and 4.E50 to 4.E65 (combined slip).
+    The slip ratio is over the speed along the wheel; the `direction` of its force, 1 while the wheel drives and -1
+    while it brakes, is its sign. Source: Pacejka 2012, eqs 4.E9, 4.E19 (pure slip) and 4.E50 to 4.E65 (combined slip).
     """
-    signed = slip_ratio if drives else -slip_ratio
-    angle = tangent if tyre.takes_tangent == 1.0 else atan(tangent)
-    curvature = min(loaded.curvature_x * (1.0 - tyre.pex4 if drives else 1.0 + tyre.pex4), 1.0)
-    pure_x = loaded.peak_x * sin(tyre.pcx1 * _bent(loaded.factor_x * slip_ratio, curvature))
-    pure_y = loaded.peak_y * sin(tyre.pcy1 * _bent(loaded.factor_y * angle, loaded.curvature_y))
+    angle = tangent
+    if not plain:
+        arc = first_quadrant(tangent, 1.0)
+        angle = tangent if tyres.takes_tangent[i] == 1.0 else arc
+    curvature = min(loaded.curvature_x * (1.0 - direction * tyres.pex4[i]), 1.0)
+    pure_x = loaded.peak_x * sine_of_multiple(tyres.pcx1[i], _bent(loaded.factor_x * slip_ratio, curvature), 1.0)
+    pure_y = loaded.peak_y * sine_of_multiple(tyres.pcy1[i], _bent(loaded.factor_y * angle, loaded.curvature_y), 1.0)
     # cos(atan x) = 1/sqrt(1 + x x)
-    side = tyre.rbx2 * slip_ratio
-    side_factor = tyre.rbx1 / sqrt(1.0 + side * side)
-    weight_x = cos(tyre.rcx1 * _bent(side_factor * angle, min(tyre.rex1 + tyre.rex2 * loaded.change, 1.0)))
-    along = tyre.rby2 * angle
-    along_factor = tyre.rby1 / sqrt(1.0 + along * along)
-    shift = tyre.rhy1 + tyre.rhy2 * loaded.change
-    curvature = min(tyre.rey1 + tyre.rey2 * loaded.change, 1.0)
-    weight_y = cos(tyre.rcy1 * _bent(along_factor * (signed + shift), curvature))
-    if shift != 0.0:
-        weight_y /= cos(tyre.rcy1 * _bent(along_factor * shift, curvature))
+    side = tyres.rbx2[i] * slip_ratio
+    across, over_x = abs(tyres.rbx1[i]) * angle, sqrt(1.0 + side * side)
+    along = tyres.rby2[i] * angle
+    shift = tyres.rhy1[i] + tyres.rhy2[i] * loaded.change
+    factor, over_y = abs(tyres.rby1[i]), sqrt(1.0 + along * along)
+    centred, shifted = factor * abs(shift), factor * abs(direction * slip_ratio + shift)
+    if not plain:
+        across = _bent(across / over_x, min(tyres.rex1[i] + tyres.rex2[i] * loaded.change, 1.0))
+        curvature = min(tyres.rey1[i] + tyres.rey2[i] * loaded.change, 1.0)
+        centred, shifted = _bent(centred / over_y, curvature), _bent(shifted / over_y, curvature)
+        over_x, over_y = 1.0, 1.0
+    weight_x = cosine_of_multiple(tyres.rcx1[i], across, over_x)
+    shape = tyres.rcy1[i]
+    weight_y = cosine_of_multiple(shape, shifted, over_y) / cosine_of_multiple(shape, centred, over_y)
     return pure_x * weight_x, pure_y * weight_y
 
 
 @inlined
 def _bent(x: float, curvature: float) -> float:
-    """atan(x - E (x - atan x)), the argument of the Magic Formula before its shape factor."""
-    if curvature != 0.0:
-        x -= curvature * (x - atan(x))
-    return atan(x)
+    """The number x - E (x - atan x) whose arc tangent the Magic Formula takes."""
+    return x - curvature * (x - first_quadrant(x, 1.0))
 
 
-def cornering_stiffness(tyre: MfTyre, load: float, on_road: Any) -> float:
-    """Slope of the side force over the slip angle [N/rad] at zero slip, at a load [N] on a road (`TyreOnRoad`)."""
-    loaded = at_load(tyre, load, on_road.c0, on_road.c1)
-    return loaded.factor_y * tyre.pcy1 * loaded.peak_y
+def cornering_stiffness(tyres: MfTyres, i: int, load: float, grip: float, stiffness: float) -> float:
+    """Slope of the side force over the slip angle [N/rad] at zero slip, of the tyre of wheel i as `at_load` has it."""
+    loaded = at_load(tyres, i, load, grip, stiffness, is_plain(tyres))
+    return loaded.factor_y * tyres.pcy1[i] * loaded.peak_y

@@ -11,7 +11,7 @@ from collections.abc import MutableSequence, Sequence
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
-from ev_sim.plant.planar.contact import contact, friction, within_friction
+from ev_sim.plant.planar.contact import look, within_friction
 from ev_sim.plant.planar.loads import loads
 from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.parameters import FREE, PlanarParameters
@@ -59,6 +59,8 @@ def rates(
     vx, vy, yaw_rate = y[VX], y[VY], y[YAW_RATE]
     load = loads(y, car, step.gravity_z)
     step.load[0], step.load[1], step.load[2], step.load[3] = load
+    look(y, car, body, step, starts)
+    at = step.contact
     rolling = car.rolling_resistance + car.rolling_resistance_growth * vx * vx
     length = car.tyre.contact_length
     stiffness_x, stiffness_y = car.tyre.longitudinal_stiffness, car.tyre.lateral_stiffness
@@ -68,20 +70,17 @@ def rates(
         axle_x = axle_y = axle_moment = axle_tyre_power = axle_friction_power = 0.0
         for side in range(2):
             i = 2 * axle + side
-            wheel_speed = y[WHEEL_SPEED + i]
-            if not starts and step.motion[i] * wheel_speed < 0.0:
-                wheel_speed = 0.0  # the brake stops the wheel within this step, it cannot turn it back
-            at = contact(y, car, body, step, i, wheel_speed)
-            of = friction(y, car, body, step, i, at)
+            wheel_speed, slip_x, slip_y = at.wheel_speed[i], at.slip_x[i], at.slip_y[i]
+            transport_x, transport_y = at.transport_x[i], at.transport_y[i]
             normal, radius = step.load[i], step.radius[i]
             deflection_x, deflection_y = y[DEFLECTION_X + i], y[DEFLECTION_Y + i]
             along_force, rate_x = force_and_rate(
-                deflection_x, at.slip_x, of.transport_x, of.secant_x, stiffness_x, body.damping_x
+                deflection_x, slip_x, transport_x, at.secant_x[i], stiffness_x, body.damping_x
             )
             across_force, rate_y = force_and_rate(
-                deflection_y, at.slip_y, of.transport_y, of.secant_y, stiffness_y, body.damping_y
+                deflection_y, slip_y, transport_y, at.secant_y[i], stiffness_y, body.damping_y
             )
-            scale_x, scale_y = within_friction(car, of, along_force, across_force)
+            scale_x, scale_y = within_friction(car, at, i, along_force, across_force)
             if scale_x < 1.0:
                 along_force *= scale_x
                 rate_x = (along_force - stiffness_x * deflection_x) / body.damping_x
@@ -89,8 +88,8 @@ def rates(
                 across_force *= scale_y
                 rate_y = (across_force - stiffness_y * deflection_y) / body.damping_y
             dy[DEFLECTION_X + i], dy[DEFLECTION_Y + i] = rate_x, rate_y
-            dy[SLIP_X + i] = slip_rate(y[SLIP_X + i], at.slip_x - rate_x, of.transport_x, length)
-            dy[SLIP_Y + i] = slip_rate(y[SLIP_Y + i], at.slip_y - rate_y, of.transport_y, length)
+            dy[SLIP_X + i] = slip_rate(y[SLIP_X + i], slip_x - rate_x, transport_x, length)
+            dy[SLIP_Y + i] = slip_rate(y[SLIP_Y + i], slip_y - rate_y, transport_y, length)
             step.force_x[i], step.force_y[i] = along_force, across_force
 
             torque = step.drive[i] - radius * along_force
@@ -102,14 +101,14 @@ def rates(
             else:
                 dy[WHEEL_SPEED + i] = (torque - step.motion[i] * dry) / body.wheel_inertia[i]
             dy[WHEEL_ANGLE + i] = wheel_speed
-            dy[DISTANCE + i] = at.along
+            dy[DISTANCE + i] = at.along[i]
 
-            body_x = along_force * at.cosine - across_force * at.sine
-            body_y = along_force * at.sine + across_force * at.cosine
+            body_x = along_force * at.cosine[i] - across_force * at.sine[i]
+            body_y = along_force * at.sine[i] + across_force * at.cosine[i]
             axle_x += body_x
             axle_y += body_y
             axle_moment += body.wheel_x[i] * body_y - body.wheel_y[i] * body_x
-            axle_tyre_power += along_force * at.slip_x + across_force * at.slip_y
+            axle_tyre_power += along_force * slip_x + across_force * slip_y
             axle_friction_power += step.motion[i] * dry * wheel_speed
         sum_x += axle_x
         sum_y += axle_y

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.contract.record import each_wheel, entry, per_wheel
+from ev_msgs_py.contract.record import entry, part, per_wheel
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.car import GRAVITY
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.drive_train import wheel_inertias
-from ev_msgs_py.vehicle.mf_tyre import MfTyre
+from ev_msgs_py.vehicle.mf_tyre import MfTyres, mf_tyres
+from ev_sim.tyres.mf_tyre import is_plain
 
 
 @dataclass(slots=True)
@@ -23,7 +24,9 @@ class BodyConstants:
     cornering_stiffness: list[float] = per_wheel(
         unit="1/rad", about="over static load, of a linear lateral curve; itself [N/rad] of a constant stiffness"
     )
-    mf: list[MfTyre] = each_wheel(MfTyre)
+    number_of_wheels: float = entry(4.0, unit="1")
+    mf: MfTyres = part(MfTyres)
+    mf_is_plain: float = entry(unit="1", about="what `is_plain` says of the tyres")
     damping_x: float = entry(unit="N s/m", about="of the carcass, along the wheel")
     damping_y: float = entry(unit="N s/m", about="of the carcass, across the wheel")
     drag: float = entry(unit="N s^2/m^2", about="rho c_d A / 2")
@@ -52,13 +55,15 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
         if file:
             raise ParameterError(f"vehicle.tyre.{axle}_file: {file} has not been read into {axle}_mf")
     x, y = wheel_places(v)
+    mf = mf_tyres(tyre.front_mf, tyre.rear_mf)
     return BodyConstants(
         wheel_x=list(x),
         wheel_y=list(y),
         wheel_radius=[v.wheel_radius * ratio for ratio in v.wheel_radius_ratio],
         wheel_inertia=wheel_inertias(v),
         cornering_stiffness=[front_stiffness, front_stiffness, rear_stiffness, rear_stiffness],
-        mf=[MfTyre(*numbers) for numbers in (tyre.front_mf, tyre.front_mf, tyre.rear_mf, tyre.rear_mf)],
+        mf=mf,
+        mf_is_plain=float(is_plain(mf)),
         damping_x=tyre.longitudinal_stiffness * tyre.longitudinal_damping_time,
         damping_y=tyre.lateral_stiffness * tyre.lateral_damping_time,
         drag=0.5 * v.air_density * v.drag_coefficient * v.frontal_area,

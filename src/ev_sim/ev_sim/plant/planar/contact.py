@@ -1,19 +1,19 @@
-"""The contact of a wheel with the road: slip velocities, secants of the friction curve, slips that are shown."""
+"""The contacts of the wheels with the road: velocities, secants of the friction curve, slips that are shown."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import inlined
+from ev_msgs_py.compiling.compilable import compilable, inlined
 from ev_msgs_py.elementary import asin, sqrt
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.planar.constants import BodyConstants
-from ev_sim.plant.planar.memory import Step
+from ev_sim.plant.planar.memory import Contacts, Step
 from ev_sim.plant.planar.state import DEFLECTION_X, DEFLECTION_Y, SLIP_X, SLIP_Y, VX, VY, WHEEL_SPEED, YAW_RATE
-from ev_sim.tyres.combined import SLIP_VECTOR, STILL, UNCOUPLED, slip_vector, uncoupled
+from ev_sim.tyres.combined import SLIP_VECTOR, STILL, WEIGHTED, slip_vector, uncoupled
 from ev_sim.tyres.curve import largest
 from ev_sim.tyres.degressive import sensitivity
+from ev_sim.tyres.mf_tyre import at_load
 from ev_sim.tyres.weighted import weighted
 
 LATERAL_CURVES = ("same", "linear", "constant_stiffness")
@@ -21,118 +21,146 @@ SAME, LINEAR, CONSTANT_STIFFNESS = range(len(LATERAL_CURVES))
 INFINITE = 1e12  # [N], beyond any force, but a number that may be multiplied
 
 
-class Friction(NamedTuple):
-    """What friction gives at a wheel, along it and across."""
+@inlined
+def look(y: Sequence[float], car: Car, body: BodyConstants, step: Step, starts: bool) -> None:
+    """Find velocities and friction of all contacts, under the loads of the step, into `step.contact`.
 
-    secant_x: float  # force over slip [N]
-    secant_y: float
-    transport_x: float  # transport velocity, over which slip velocities are slips [m/s]
-    transport_y: float
-    largest_x: float  # force that the road holds [N]
-    largest_y: float
-
-
-class Contact(NamedTuple):
-    """Direction of a wheel, and velocities in its frame [m/s]."""
-
-    cosine: float  # of its angle against the body
-    sine: float
-    along: float  # of its centre
-    speed: float  # of its centre, magnitude
-    rim: float
-    slip_x: float
-    slip_y: float
+    A wheel that the brake stops within the step stands, unless the evaluation `starts` it.
+    """
+    point(y, car, step)
+    at = step.contact
+    for i in range(4):
+        turning = y[WHEEL_SPEED + i]
+        at.wheel_speed[i] = turning if starts or step.motion[i] * turning >= 0.0 else 0.0
+    for i in range(4):
+        ground_x = y[VX] - body.wheel_y[i] * y[YAW_RATE]
+        ground_y = y[VY] + body.wheel_x[i] * y[YAW_RATE]
+        along = ground_x * at.cosine[i] + ground_y * at.sine[i]
+        across = ground_y * at.cosine[i] - ground_x * at.sine[i]
+        at.along[i], at.speed[i] = along, sqrt(along * along + across * across)
+        at.rim[i] = step.radius[i] * at.wheel_speed[i]
+        at.slip_x[i], at.slip_y[i] = at.rim[i] - along, -across
+    if car.tyre.combined == SLIP_VECTOR:
+        for i in range(4):
+            _one_curve(y, car, step, i)
+    elif car.tyre.combined == WEIGHTED:
+        _magic_formulas(y, body, step)
+    else:
+        for i in range(4):
+            _two_curves(y, car, body, step, i)
 
 
 @inlined
-def contact(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int, wheel_speed: float) -> Contact:
-    """The velocities at wheel i, which turns with `wheel_speed` [rad/s]."""
-    cosine, sine = direction(y, car, step, i)
-    ground_x = y[VX] - body.wheel_y[i] * y[YAW_RATE]
-    ground_y = y[VY] + body.wheel_x[i] * y[YAW_RATE]
-    along = ground_x * cosine + ground_y * sine
-    across = ground_y * cosine - ground_x * sine
-    rim = step.radius[i] * wheel_speed
-    return Contact(cosine, sine, along, sqrt(along * along + across * across), rim, rim - along, -across)
-
-
-@inlined
-def direction(y: Sequence[float], car: Car, step: Step, i: int) -> tuple[float, float]:
-    """Cosine and sine of the angle of wheel i, as steered and as the side force on its axle bends it.
+def point(y: Sequence[float], car: Car, step: Step) -> None:
+    """The directions of the wheels, as steered and as the side force on their axle bends them.
 
     The carcasses hold the side force, so it is taken from their deflection.
     """
-    cosine, sine = step.cos_steer[i], step.sin_steer[i]
-    compliance = -car.suspension.front_compliance_steer if i < 2 else car.suspension.rear_compliance_steer
-    if compliance == 0.0:
-        return cosine, sine
-    left = DEFLECTION_Y if i < 2 else DEFLECTION_Y + 2
-    t = compliance * car.tyre.lateral_stiffness * (y[left] + y[left + 1])  # a small angle, and its tangent
-    length = sqrt(1.0 + t * t)
-    return (cosine - sine * t) / length, (sine + cosine * t) / length
+    at, suspension = step.contact, car.suspension
+    for i in range(4):
+        at.cosine[i], at.sine[i] = step.cos_steer[i], step.sin_steer[i]
+    if suspension.front_compliance_steer == 0.0 and suspension.rear_compliance_steer == 0.0:
+        return
+    for axle in range(2):
+        compliance = suspension.rear_compliance_steer if axle else -suspension.front_compliance_steer
+        left = 2 * axle
+        held = car.tyre.lateral_stiffness * (y[DEFLECTION_Y + left] + y[DEFLECTION_Y + left + 1])
+        t = compliance * held  # a small angle, and its tangent
+        short = 1.0 / sqrt(1.0 + t * t)
+        for i in range(left, left + 2):
+            at.cosine[i] = (step.cos_steer[i] - step.sin_steer[i] * t) * short
+            at.sine[i] = (step.sin_steer[i] + step.cos_steer[i] * t) * short
+
+
+# The transport velocity is the larger of rim and ground speed, which gives 1 - V/(r w) in traction and (r w - V)/V in
+# braking. A lateral line knows no largest force.
 
 
 @inlined
-def friction(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int, at: Contact) -> Friction:
-    """The friction of wheel i.
+def _one_curve(y: Sequence[float], car: Car, step: Step, i: int) -> None:
+    tyre, on_road, at = car.tyre, step.tyre[i], step.contact
+    transport = max(abs(at.rim[i]), at.speed[i], STILL)
+    carried = step.load[i] * sensitivity(tyre, step.load[i])
+    along, across = slip_vector(tyre, on_road, at.slip_x[i], at.slip_y[i], transport, y[SLIP_X + i], y[SLIP_Y + i])
+    limit = carried * largest(tyre.curve, on_road.friction, on_road)
+    at.secant_x[i], at.secant_y[i] = carried * along, carried * across
+    at.transport_x[i] = at.transport_y[i] = transport
+    at.largest_x[i] = at.largest_y[i] = limit
 
-    The transport velocity is the larger of rim and ground speed, which gives 1 - V/(r w) in traction and (r w - V)/V in
-    braking. A lateral line knows no largest force.
-    """
-    tyre, on_road, load = car.tyre, step.tyre[i], step.load[i]
+
+@compilable  # once in the code of a plant: it is long, and a call is nothing beside it
+def _magic_formulas(y: Sequence[float], body: BodyConstants, step: Step) -> None:
+    at = step.contact
+    for i in range(4):
+        at.grip[i], at.stiffness[i] = step.tyre[i].c0, step.tyre[i].c1
+    # The compiler unrolls a loop whose length it knows, and then does not work out four wheels at once.
+    wheels = int(body.number_of_wheels)
+    if body.mf_is_plain == 1.0:
+        for i in range(wheels):
+            _magic_formula(y, body, step, i, True)
+    else:
+        for i in range(wheels):
+            _magic_formula(y, body, step, i, False)
+
+
+@inlined
+def _magic_formula(y: Sequence[float], body: BodyConstants, step: Step, i: int, plain: bool) -> None:
+    at = step.contact
+    transport = max(abs(at.rim[i]), at.speed[i], STILL)
+    loaded = at_load(body.mf, i, step.load[i], at.grip[i], at.stiffness[i], plain)
     slid_x, slid_y = y[SLIP_X + i], y[SLIP_Y + i]
-    transport = max(abs(at.rim), at.speed, STILL)
-    if tyre.combined == SLIP_VECTOR:
-        carried = load * sensitivity(tyre, load)
-        along_secant, across_secant = slip_vector(tyre, on_road, at.slip_x, at.slip_y, transport, slid_x, slid_y)
-        limit = carried * largest(tyre.curve, on_road.friction, on_road)
-        return Friction(carried * along_secant, carried * across_secant, transport, transport, limit, limit)
-    if tyre.combined != UNCOUPLED:
-        forces = weighted(body.mf[i], on_road, load, at.slip_x, at.slip_y, at.along, transport, slid_x, slid_y)
-        return Friction(forces[0], forces[1], transport, transport, forces[2], forces[3])
-    carried = load * sensitivity(tyre, load)
-    transport_x = max(abs(at.rim), abs(at.along), STILL)
-    transport_y = max(at.speed, STILL)
-    along_secant, across_secant = uncoupled(
-        tyre, on_road, at.slip_x, at.slip_y, transport_x, transport_y, slid_x, slid_y
+    at.secant_x[i], at.secant_y[i] = weighted(
+        body.mf, i, loaded, at.slip_x[i], at.slip_y[i], at.along[i], transport, slid_x, slid_y, plain
     )
-    limit_x = carried * largest(tyre.curve, on_road.friction, on_road)
-    limit_y = limit_x if tyre.lateral_curve == SAME else INFINITE
-    across = carried * across_secant
+    at.transport_x[i] = at.transport_y[i] = transport
+    at.largest_x[i], at.largest_y[i] = loaded.peak_x, loaded.peak_y
+
+
+@inlined
+def _two_curves(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int) -> None:
+    tyre, on_road, at = car.tyre, step.tyre[i], step.contact
+    carried = step.load[i] * sensitivity(tyre, step.load[i])
+    transport_x = max(abs(at.rim[i]), abs(at.along[i]), STILL)
+    transport_y = max(at.speed[i], STILL)
+    along, across = uncoupled(
+        tyre, on_road, at.slip_x[i], at.slip_y[i], transport_x, transport_y, y[SLIP_X + i], y[SLIP_Y + i]
+    )
+    limit = carried * largest(tyre.curve, on_road.friction, on_road)
+    at.transport_x[i], at.transport_y[i] = transport_x, transport_y
+    at.largest_x[i], at.largest_y[i] = limit, limit if tyre.lateral_curve == SAME else INFINITE
+    at.secant_x[i], at.secant_y[i] = carried * along, carried * across
     if tyre.lateral_curve == LINEAR:
-        across = carried * body.cornering_stiffness[i]
+        at.secant_y[i] = carried * body.cornering_stiffness[i]
     elif tyre.lateral_curve == CONSTANT_STIFFNESS:
         # Over the slip angle itself, while slips are sines of it.
-        sine = min(abs(at.slip_y) / transport_y, 1.0)
-        across = body.cornering_stiffness[i] * (asin(sine) / sine if sine > 0.0 else 1.0)
-    return Friction(carried * along_secant, across, transport_x, transport_y, limit_x, limit_y)
+        sine = min(abs(at.slip_y[i]) / transport_y, 1.0)
+        at.secant_y[i] = body.cornering_stiffness[i] * (asin(sine) / sine if sine > 0.0 else 1.0)
 
 
 @inlined
-def within_friction(car: Car, of: Friction, force_x: float, force_y: float) -> tuple[float, float]:
-    """Factors [1] that keep forces along and across a wheel [N] within its friction, one for both on a circle."""
+def within_friction(car: Car, at: Contacts, i: int, force_x: float, force_y: float) -> tuple[float, float]:
+    """Factors [1] that keep forces along and across wheel i [N] within its friction, one for both on a circle."""
     if car.tyre.combined == SLIP_VECTOR:
         squared = force_x * force_x + force_y * force_y
-        scale = of.largest_x / sqrt(squared) if squared > of.largest_x * of.largest_x else 1.0
+        limit = at.largest_x[i]
+        scale = limit / sqrt(squared) if squared > limit * limit else 1.0
         return scale, scale
     return (
-        of.largest_x / abs(force_x) if abs(force_x) > of.largest_x else 1.0,
-        of.largest_y / abs(force_y) if abs(force_y) > of.largest_y else 1.0,
+        at.largest_x[i] / abs(force_x) if abs(force_x) > at.largest_x[i] else 1.0,
+        at.largest_y[i] / abs(force_y) if abs(force_y) > at.largest_y[i] else 1.0,
     )
 
 
 @inlined
-def slips(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int) -> tuple[float, float]:
+def slips(y: Sequence[float], car: Car, body: BodyConstants, at: Contacts, i: int) -> tuple[float, float]:
     """The slips [1] at which the friction curve gives the present forces of wheel i, along and across.
 
     In steady driving they are the slip ratio and the sine of the slip angle (with the sign of their force); at rest,
     where kinematic slip is 0/0, they stay meaningful and continuous.
     """
-    at = contact(y, car, body, step, i, y[WHEEL_SPEED + i])
-    of = friction(y, car, body, step, i, at)
-    spring_x = car.tyre.longitudinal_stiffness * y[DEFLECTION_X + i] + body.damping_x * at.slip_x
-    spring_y = car.tyre.lateral_stiffness * y[DEFLECTION_Y + i] + body.damping_y * at.slip_y
-    slip_x = spring_x / (of.secant_x + of.transport_x * body.damping_x)
-    slip_y = spring_y / (of.secant_y + of.transport_y * body.damping_y)
-    scale_x, scale_y = within_friction(car, of, of.secant_x * slip_x, of.secant_y * slip_y)
+    spring_x = car.tyre.longitudinal_stiffness * y[DEFLECTION_X + i] + body.damping_x * at.slip_x[i]
+    spring_y = car.tyre.lateral_stiffness * y[DEFLECTION_Y + i] + body.damping_y * at.slip_y[i]
+    slip_x = spring_x / (at.secant_x[i] + at.transport_x[i] * body.damping_x)
+    slip_y = spring_y / (at.secant_y[i] + at.transport_y[i] * body.damping_y)
+    scale_x, scale_y = within_friction(car, at, i, at.secant_x[i] * slip_x, at.secant_y[i] * slip_y)
     return slip_x * scale_x, slip_y * scale_y

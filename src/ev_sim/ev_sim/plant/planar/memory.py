@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.contract.record import each_wheel, entry, memory_type, per_wheel, series
+from ev_msgs_py.contract.record import each_wheel, entry, memory_type, part, per_wheel, series
 from ev_sim.plant.planar.state import INTEGRATED_SIZE
 
 
@@ -18,6 +18,31 @@ class TyreRecord:
     c3: float = entry(unit="1", about="coefficient of the friction curve")
     rolling_resistance: float = entry(unit="1", about="that the surface adds to that of the vehicle")
     friction: float = entry(unit="1", about="available")
+
+
+@dataclass(slots=True)
+class Contacts:
+    """The contacts of the wheels with the road: velocities in the frame of each wheel, and what friction gives there.
+
+    A slip velocity over the transport velocity is a slip; the force of the friction curve over that slip is its secant.
+    """
+
+    cosine: list[float] = per_wheel(unit="1", about="of the angle of the wheel, bent by compliance")
+    sine: list[float] = per_wheel(unit="1", about="of the angle of the wheel, bent by compliance")
+    wheel_speed: list[float] = per_wheel(unit="rad/s", about="0 if the brake has stopped it within the step")
+    along: list[float] = per_wheel(unit="m/s", about="of the wheel centre")
+    speed: list[float] = per_wheel(unit="m/s", about="of the wheel centre, magnitude")
+    rim: list[float] = per_wheel(unit="m/s")
+    slip_x: list[float] = per_wheel(unit="m/s")
+    slip_y: list[float] = per_wheel(unit="m/s")
+    transport_x: list[float] = per_wheel(unit="m/s")
+    transport_y: list[float] = per_wheel(unit="m/s")
+    grip: list[float] = per_wheel(unit="1", about="what the road scales the friction of an mf_tyre by")
+    stiffness: list[float] = per_wheel(unit="1", about="what its air pressure scales its slip stiffness by")
+    secant_x: list[float] = per_wheel(unit="N")
+    secant_y: list[float] = per_wheel(unit="N")
+    largest_x: list[float] = per_wheel(unit="N", about="force that the road holds")
+    largest_y: list[float] = per_wheel(unit="N", about="force that the road holds")
 
 
 @dataclass(slots=True)
@@ -38,6 +63,7 @@ class Step:
     tyre: list[TyreRecord] = each_wheel(TyreRecord)
     segment: list[float] = per_wheel(unit="1", about="of the road under the wheel, from which the next is looked for")
     slope_segment: float = entry(unit="1", about="of the slope, from which the next is looked for")
+    contact: Contacts = part(Contacts)
     motion: list[float] = per_wheel(unit="1", about="direction that dry friction opposes: -1, 1, or 0 for none")
     held: list[float] = per_wheel(unit="1", about="1 while dry friction holds the wheel at rest, else 0")
     load: list[float] = per_wheel(unit="N")

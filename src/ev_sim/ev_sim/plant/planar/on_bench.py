@@ -20,13 +20,11 @@ from ev_sim.battery.resistive import current_at_power
 from ev_sim.plant.commands import accepted
 from ev_sim.plant.planar.drive_torques import Lags, behind_gear
 from ev_sim.plant.planar.energy import PowerConstants, source_voltage
-from ev_sim.plant.planar.lift import notes
 from ev_sim.plant.planar.memory import STAGES, STEP, Step
 from ev_sim.plant.planar.on_bench_parameters import LOAD_MACHINE, PlanarOnBenchParameters
 from ev_sim.plant.planar.outputs import SIGNALS, Seen, seen, wheels_from
-from ev_sim.plant.planar.parameters import load_files
-from ev_sim.plant.planar.plant import advance
-from ev_sim.plant.planar.prepare import PlanarConstants, prepare
+from ev_sim.plant.planar.plant import PLANAR, advance
+from ev_sim.plant.planar.prepare import PlanarConstants
 from ev_sim.plant.planar.start import begin
 from ev_sim.plant.planar.state import VX, WHEEL_SPEED, PlanarState
 
@@ -95,16 +93,8 @@ def _load(car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> Lo
     "plant",
     "planar_on_bench",
     PlanarOnBenchParameters,
-    state=PlanarOnBenchState,
-    prepare=prepare,
-    start=at_start,
-    outputs=outputs,
-    notes=notes,
-    writes=(*SIGNALS, LoadCommand),
-    load_files=load_files,
     needs=(individual_machines,),
-    heavy=True,
-    mirrored=True,
+    **PLANAR | {"state": PlanarOnBenchState, "start": at_start, "outputs": outputs, "writes": (*SIGNALS, LoadCommand)},
 )
 @inlined
 def planar_on_bench(

@@ -28,6 +28,6 @@ class PlanarOnBenchParameters(PlanarParameters):
         "load_machine",
         choices=WHEEL_SPEEDS,
         about="with which speed a driven wheel meets the road: load_machine: the one measured at its load machine; "
-        "virtual: the one that the load machine is told to hold",
+        "virtual: the one that the load machine is told to hold, the default behind a real bus",
         source="dissertation, section 4.1: the speed of the load machine is that of the virtual driven wheel",
     )

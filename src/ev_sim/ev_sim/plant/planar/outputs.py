@@ -58,7 +58,7 @@ def seen(
     for i in range(4):
         step.shaft[i] = step.shaft[i] * car.driven[i] * car.gear[i]
         step.motor[i] = s.motor_torque[i] * car.motors[i]
-        slip_x[i], sine = slips(y, car, c.body, step, i)
+        slip_x[i], sine = slips(y, car, c.body, step.contact, i)
         slip_y[i] = -asin(min(max(sine, -1.0), 1.0))
     tyre = step.tyre
     return (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.contract.record import working_memory
@@ -27,21 +28,21 @@ from ev_sim.plant.planar.state import HEADING, VX, VY, WHEEL_ANGLE, PlanarState
 from ev_sim.plant.planar.steering import steer
 from ev_sim.profiles.profile import value_at
 
+# What all methods of this plant have, but for what they say themselves.
+PLANAR: dict[str, Any] = {
+    "state": PlanarState,
+    "prepare": prepare,
+    "start": at_start,
+    "outputs": outputs,
+    "notes": notes,
+    "writes": SIGNALS,
+    "load_files": load_files,
+    "heavy": True,
+    "mirrored": True,
+}
 
-@method(
-    "plant",
-    "planar",
-    PlanarParameters,
-    state=PlanarState,
-    prepare=prepare,
-    start=at_start,
-    outputs=outputs,
-    notes=notes,
-    writes=SIGNALS,
-    load_files=load_files,
-    heavy=True,
-    mirrored=True,
-)
+
+@method("plant", "planar", PlanarParameters, **PLANAR)
 @inlined
 def planar(
     p: PlanarParameters,
@@ -89,15 +90,7 @@ def advance(
     "plant",
     "planar_electrical",
     PlanarParameters,
-    state=PlanarState,
-    prepare=prepare_electrical,
-    start=at_start,
-    outputs=electrical_outputs,
-    notes=notes,
-    writes=ELECTRICAL_SIGNALS,
-    load_files=load_files,
-    heavy=True,
-    mirrored=True,
+    **PLANAR | {"prepare": prepare_electrical, "outputs": electrical_outputs, "writes": ELECTRICAL_SIGNALS},
 )
 @inlined
 def planar_electrical(

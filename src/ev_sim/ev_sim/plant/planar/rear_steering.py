@@ -8,29 +8,13 @@ from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.commands import accepted
-from ev_sim.plant.planar.lift import notes
-from ev_sim.plant.planar.outputs import SIGNALS, outputs
-from ev_sim.plant.planar.parameters import PlanarParameters, load_files
-from ev_sim.plant.planar.plant import planar
-from ev_sim.plant.planar.prepare import PlanarConstants, prepare
-from ev_sim.plant.planar.start import at_start
+from ev_sim.plant.planar.parameters import PlanarParameters
+from ev_sim.plant.planar.plant import PLANAR, planar
+from ev_sim.plant.planar.prepare import PlanarConstants
 from ev_sim.plant.planar.state import PlanarState
 
 
-@method(
-    "plant",
-    "planar_rear_steering",
-    PlanarParameters,
-    state=PlanarState,
-    prepare=prepare,
-    start=at_start,
-    outputs=outputs,
-    notes=notes,
-    writes=SIGNALS,
-    load_files=load_files,
-    heavy=True,
-    mirrored=True,
-)
+@method("plant", "planar_rear_steering", PlanarParameters, **PLANAR)
 @inlined
 def planar_rear_steering(
     p: PlanarParameters,

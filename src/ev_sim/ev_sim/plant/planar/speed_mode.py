@@ -17,12 +17,10 @@ from ev_sim.drives.speed_control import SpeedControlParameters, speed_control
 from ev_sim.plant.commands import accepted
 from ev_sim.plant.planar.drive_torques import Lags, apply_drives
 from ev_sim.plant.planar.energy import PowerConstants, account
-from ev_sim.plant.planar.lift import notes
 from ev_sim.plant.planar.memory import Step
-from ev_sim.plant.planar.outputs import SIGNALS, outputs
-from ev_sim.plant.planar.parameters import PlanarParameters, load_files
-from ev_sim.plant.planar.plant import advance
-from ev_sim.plant.planar.prepare import PlanarConstants, prepare
+from ev_sim.plant.planar.parameters import PlanarParameters
+from ev_sim.plant.planar.plant import PLANAR, advance
+from ev_sim.plant.planar.prepare import PlanarConstants
 from ev_sim.plant.planar.start import begin
 from ev_sim.plant.planar.state import WHEEL_SPEED, PlanarState
 
@@ -58,16 +56,8 @@ def a_motor_for_each_wheel(_parameters: PlanarSpeedModeParameters, vehicle: Vehi
     "plant",
     "planar_speed_mode",
     PlanarSpeedModeParameters,
-    state=PlanarSpeedModeState,
-    prepare=prepare,
-    start=at_start,
-    outputs=outputs,
-    notes=notes,
-    writes=SIGNALS,
-    load_files=load_files,
     needs=(a_motor_for_each_wheel,),
-    heavy=True,
-    mirrored=True,
+    **PLANAR | {"state": PlanarSpeedModeState, "start": at_start},
 )
 @inlined
 def planar_speed_mode(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ev_msgs_py.vehicle.car import Car
 from ev_sim.drives.engine import begin_engine
-from ev_sim.plant.planar.contact import contact, friction, within_friction
+from ev_sim.plant.planar.contact import look, within_friction
 from ev_sim.plant.planar.equilibrium import begin_driven
 from ev_sim.plant.planar.lift import note_lifted
 from ev_sim.plant.planar.loads import loads
@@ -55,10 +55,10 @@ def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     find_road(y, c.body, step, c.road, True)
     y[TRANSFER_X], y[TRANSFER_Y] = -step.gravity_x, -step.gravity_y
     step.load = list(loads(y, car, step.gravity_z))
+    look(y, car, c.body, step, True)
     for i in range(4):
         share = 0.5 * (front if i < 2 else 1.0 - front)
         force_x, force_y = -share * car.mass * step.gravity_x, -share * car.mass * step.gravity_y
-        of = friction(y, car, c.body, step, i, contact(y, car, c.body, step, i, 0.0))
-        scale_x, scale_y = within_friction(car, of, force_x, force_y)
+        scale_x, scale_y = within_friction(car, step.contact, i, force_x, force_y)
         y[DEFLECTION_X + i] = scale_x * force_x / car.tyre.longitudinal_stiffness
         y[DEFLECTION_Y + i] = scale_y * force_y / car.tyre.lateral_stiffness

@@ -6,7 +6,7 @@ import math
 
 from ev_msgs_py.vehicle.car import GRAVITY
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.mf_tyre import MfTyre
+from ev_msgs_py.vehicle.mf_tyre import mf_tyres
 from ev_sim.surfaces.table import REFERENCE, tyre_on_road
 from ev_sim.tyres.curve import CURVES, SLIP_FLOOR, secant
 from ev_sim.tyres.degressive import sensitivity
@@ -37,8 +37,8 @@ def tyre_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tu
         return 2 * tyre.front_cornering_stiffness, 2 * tyre.rear_cornering_stiffness
     on_road = tyre_on_road(tyre, surface)
     if tyre.curve == "mf_tyre":
-        tyres = MfTyre(*tyre.front_mf), MfTyre(*tyre.rear_mf)
-        front, rear = (2 * cornering_stiffness(of, load / 2, on_road) for of, load in zip(tyres, loads, strict=True))
+        tyres, scales = mf_tyres(tyre.front_mf, tyre.rear_mf), on_road[:2]
+        front, rear = (2 * cornering_stiffness(tyres, 2 * n, load / 2, *scales) for n, load in enumerate(loads))
         return front, rear
     slope = tyre.lateral_ratio * secant(CURVES.index(tyre.curve), SLIP_FLOOR, on_road)
     front, rear = (slope * load * sensitivity(tyre, load / 2) for load in loads)

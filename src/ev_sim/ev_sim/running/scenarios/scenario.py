@@ -127,9 +127,14 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
         if not _is_played(role, values):
             continue
         try:
-            for other, needed in chosen_method(role, values[role]).requires.items():
+            method = chosen_method(role, values[role])
+            for other, needed in method.requires.items():
                 if other in values:
                     values[other].setdefault("method", needed)
+            if values[role].get("mode") == "realtime":
+                for other, value in method.in_real_time.items():
+                    node, _, parameter = other.partition(".")
+                    values[node].setdefault(parameter, value)
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}") from None
     for role in values:

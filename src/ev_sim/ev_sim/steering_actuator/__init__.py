@@ -1,0 +1,1 @@
+"""What turns road wheels where no column or rod does."""
