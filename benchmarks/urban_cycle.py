@@ -1,40 +1,60 @@
 """Time of the dissertation's urban cycle offline, by torque control method, beside its plant alone.
 
     source scripts/setup.sh && python benchmarks/urban_cycle.py [--repeats N] [--json FILE]
+    ... --controls [ASR ...]       also with these traction controls in the place of a method; without a name with all
+    ... --scenarios NAME ...       also all runs of these scenarios
+    ... --duration SECONDS         only the beginning of each run
 
 A cycle has 580 s, the plant steps of 1 ms, control 5 ms. The plant alone runs in the same compiled loop, its wheels
-under a constant command. All rows are measured in turn in one run, so their ratios hold on a busy machine, too. The
-JSON has the ratios to the plant alone as ratio_method_1 to ratio_method_5.
+under a constant command; a row is beside the plant of its own run. All rows are measured in turn in one run, so their
+ratios hold on a busy machine, too. The JSON has the ratios to the plant alone as ratio_method_1 to ratio_method_5.
 """
 
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import json
 import platform
 import time
 from pathlib import Path
 
 from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
 from ev_msgs_py.contract.frame import PLACES
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.lockstep.run import GraphRun
-from ev_sim.running.offline import run_offline
-from ev_sim.running.scenarios.scenario import Run
-from ev_sim.study.case import run_of
-from ev_sim.study.urban_cases import FIVE, METHODS, case
+from ev_sim.running.offline import load_compiled
+from ev_sim.running.scenarios.scenario import Run, load_scenario
+from ev_sim.study.asr_controls import controls, values_of
+from ev_sim.study.case import Case, run_of
+from ev_sim.study.urban_cases import FIVE, METHODS, SCENARIO, case
 
 DRIVER, SEED = "pulse", 1
-PLANT = "plant alone"
-COMMAND = WheelTorqueCommand(Wheels.front(100.0, 100.0), NO_WHEELS)
+# What the plant alone is told; one in speed mode gets a set-point out of reach, with which it is in torque mode.
+COMMANDS = (WheelTorqueCommand(Wheels.front(100.0, 100.0), NO_WHEELS), WheelSpeedCommand(Wheels.all(200.0)))
 
 
-def runs() -> dict[str, Run]:
-    """The cycle by the name of its row."""
-    return {f"method {n}, {METHODS[n].title}": run_of(case(n, DRIVER, SEED)) for n in FIVE}
+def runs(given: argparse.Namespace) -> dict[str, Run]:
+    """The runs by the names of their rows."""
+    found = {f"method {n}, {METHODS[n].title}": run_of(case(n, DRIVER, SEED)) for n in FIVE}
+    named = controls() if given.controls == [] else given.controls or []
+    for name in named:
+        differential = ("electronic_differential", "method", "equal_torque")
+        found[f"asr {name}"] = run_of(Case(name, SCENARIO, (*values_of(name), differential)))
+    for name in given.scenarios:
+        found |= {f"{name} / {run.name}": run for run in load_scenario(name).runs}
+    longest = given.duration
+    return {name: dataclasses.replace(run, duration=min(run.duration, longest)) for name, run in found.items()}
+
+
+def plant_of(run: Run) -> str:
+    """Name of the row of a run's plant."""
+    plant = run.configurations[MASTER]
+    return f"{plant.method.name} alone, {plant.common.vehicle.name}, {plant.period / 1e6:g} ms"
 
 
 def steps_of(run: Run) -> int:
@@ -45,16 +65,19 @@ def steps_of(run: Run) -> int:
 def time_of_plant(run: Run) -> float:
     """Seconds in which the plant of a run takes as many steps as the run has, under constant commands."""
     graph = GraphRun(run.configurations, steps_of(run) + 1)
-    graph.frames[:, PLACES[WheelTorqueCommand]] = shape_of(WheelTorqueCommand).flat(COMMAND)
+    for command in COMMANDS:
+        if type(command) in run.configurations[MASTER].method.reads:
+            graph.frames[:, PLACES[type(command)]] = shape_of(type(command)).flat(command)
     start = time.perf_counter()
     graph.drive_alone(MASTER)
     return time.perf_counter() - start
 
 
 def time_of_cycle(run: Run) -> float:
-    """Seconds that a run takes."""
+    """Seconds in which a run takes its steps; what comes before and after does not depend on their number."""
+    graph = GraphRun(run.configurations, steps_of(run) + 1)
     start = time.perf_counter()
-    run_offline(run.configurations, run.duration)
+    graph.drive(lambda time: None, lambda role, text: None)
     return time.perf_counter() - start
 
 
@@ -63,25 +86,32 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--json", type=Path, help="write the table to this file")
     parser.add_argument("--repeats", type=int, default=3, help="the best of so many counts")
+    parser.add_argument("--controls", nargs="*", metavar="ASR", choices=controls(), help="these, too, or all of them")
+    parser.add_argument("--scenarios", nargs="+", default=[], metavar="NAME", help="all runs of these, too")
+    parser.add_argument("--duration", type=float, default=580.0, help="longest simulated time of a run [s]")
     arguments = parser.parse_args()
-    cycles = runs()
-    first = next(iter(cycles.values()))
+    cycles = runs(arguments)
+    plants = {plant_of(run): run for run in cycles.values()}
     for run in cycles.values():
-        run_offline(run.configurations, 1.0)  # compiles
+        load_compiled(run.configurations)
     best: dict[str, float] = {}
     for _ in range(arguments.repeats):
-        counts = {PLANT: time_of_plant(first), **{name: time_of_cycle(run) for name, run in cycles.items()}}
+        counts = {name: time_of_plant(run) for name, run in plants.items()}
+        counts |= {name: time_of_cycle(run) for name, run in cycles.items()}
         best = {name: min(seconds, best.get(name, seconds)) for name, seconds in counts.items()}
-    print(f"{'one cycle of 580 s':<40}{'s':>8}{'us/step':>10}{'ratio':>8}{'x real time':>13}")
-    for name, seconds in best.items():
-        per_step, ratio = seconds / steps_of(first) * 1e6, seconds / best[PLANT]
-        print(f"{name:<40}{seconds:>8.2f}{per_step:>10.1f}{ratio:>8.1f}{first.duration / seconds:>13.0f}")
+    ratios = {name: best[name] / best[plant_of(run)] for name, run in cycles.items()}
+    print(f"{'run':<52}{'s':>8}{'us/step':>10}{'ratio':>8}{'x real time':>13}")
+    for name, run in (plants | cycles).items():
+        seconds, ratio = best[name], f"{ratios[name]:.2f}" if name in ratios else ""
+        print(
+            f"{name:<52}{seconds:>8.3f}{seconds / steps_of(run) * 1e6:>10.2f}{ratio:>8}{run.duration / seconds:>13.0f}"
+        )
     if arguments.json:
-        rows = [{"name": name, "seconds": seconds, "ratio": seconds / best[PLANT]} for name, seconds in best.items()]
+        rows = [{"name": name, "seconds": seconds, "ratio": ratios.get(name, 1.0)} for name, seconds in best.items()]
         machine = platform.processor() or platform.machine()
-        ratios = {f"ratio_method_{n}": best[name] / best[PLANT] for n, name in zip(FIVE, cycles, strict=True)}
+        five = {f"ratio_method_{n}": ratios[name] for n, name in zip(FIVE, cycles, strict=False)}
         document = {
-            "machine": machine, "python": platform.python_version(), "seconds per": "cycle", **ratios, "rows": rows
+            "machine": machine, "python": platform.python_version(), "seconds per": "cycle", **five, "rows": rows
         }  # fmt: skip
         arguments.json.write_text(json.dumps(document, indent=2) + "\n")
 
