@@ -5,7 +5,8 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 export PYTHONPATH="$EV_STACK_ROOT/tools:$PYTHONPATH"
 # Small disks are mounted where nobody else sees them, and are gone with us; where that is not granted, these are skipped.
-own_mounts=(unshare --mount --propagation private)
+# Shared memory is that of these runs alone: what other programs leave behind there is not their fault.
+own_mounts=(unshare --mount --propagation private sh -c 'mount -t tmpfs none /dev/shm && exec "$0" "$@"')
 if "${own_mounts[@]}" true 2>/dev/null; then
     export EV_CAMPAIGN_OWN_MOUNTS=1
     exec "${own_mounts[@]}" python -m campaign "$@"

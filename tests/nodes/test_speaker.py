@@ -6,7 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from ev_msgs_py.contract.topics import QUEUE_DEPTH
 from ev_msgs_py.nodes import speaker as speaker_module
+from ev_msgs_py.nodes.signal_io import Reader
 from ev_msgs_py.nodes.speaker import Speaker
 
 OURS, ANOTHER = b"ours", b"another"
@@ -66,3 +68,15 @@ def test_whose_node_is_not_known_is_heard_when_it_is_and_told_of_when_it_takes_l
     assert set(said) == {"a sender on /ev/imu is not heard: the graph does not tell whose node it is"}
     graph.names["ours"] = "plant"
     assert heard(speaker, OURS)
+
+
+def test_who_speaks_faster_than_it_is_refused_does_not_keep_the_node_from_all_else(wall):
+    """Without an end to its messages; the one of the plant is found behind them when the node looks again."""
+    speaker = Speaker(Graph(ours="plant", another="stranger"), "imu", "plant", lambda *_: None)
+    reader = object.__new__(Reader)
+    reader.speaker, said = speaker, iter([ANOTHER] * (QUEUE_DEPTH + 10) + [OURS] + [ANOTHER] * QUEUE_DEPTH)
+    reader._take = lambda: (b"", {"publisher_gid": {"data": next(said)}, "received_timestamp": 1})
+    assert reader.take() is None
+    assert reader.take() == b""
+    assert reader.take() is None
+    assert speaker.refused == 2 * QUEUE_DEPTH + 10

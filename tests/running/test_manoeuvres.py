@@ -26,9 +26,9 @@ PERIOD = 0.01
 CASES = [(scenario, run.name) for scenario in MANOEUVRES for run in load_scenario(scenario).runs]
 # The adaptive solver begins anew with every command: on lines, which have no limit to come to, less than all will do.
 CUT = {
-    ("steady_circle", "linear"): 30.0,
-    ("steady_circle", "constant_radius_linear"): 30.0,
-    ("coast_down", "coast_down"): 50.0,
+    ("steady_circle", "linear"): 15.0,
+    ("steady_circle", "constant_radius_linear"): 15.0,
+    ("coast_down", "coast_down"): 20.0,
 }
 
 

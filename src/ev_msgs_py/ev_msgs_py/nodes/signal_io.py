@@ -81,13 +81,16 @@ class Reader:
         self.close = partial(node.destroy_subscription, self._subscription)
 
     def take(self) -> bytes | None:
-        """The next message that is admitted, None if there is none."""
+        """The next message that is admitted, None if there is none, or none among the many of a stranger."""
         taken = self.take_with_time()
         return None if taken is None else taken[0]
 
     def take_with_time(self) -> tuple[bytes, int] | None:
         """The same, with the wall time at which the middleware received it [ns]."""
-        while (taken := self._take()) is not None:
+        for _ in range(QUEUE_DEPTH):  # who speaks faster than it is refused shall not keep the node from all else
+            taken = self._take()
+            if taken is None:
+                return None
             message, info = taken
             if self.speaker is None or self.speaker.admits(info):
                 return message, info["received_timestamp"] or time.time_ns()  # 0: the middleware does not tell
