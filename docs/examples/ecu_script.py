@@ -12,7 +12,7 @@ import time
 import can
 import cantools
 
-MULTICAST = "interface=udp_multicast,channel=239.192.11.11,port=43111,hop_limit=0"
+MULTICAST = "interface=udp_multicast,channel=239.192.11.11,port=28111,hop_limit=0"
 OPERATION_ENABLED, FAULT = 0x27, 0x08
 # Statusword (bits 0 to 3, 5 and 6) -> controlword that leads on, CiA 402.
 LEADS_ON = {0x40: 0x06, 0x60: 0x06, 0x21: 0x07, 0x23: 0x0F, OPERATION_ENABLED: 0x0F}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import socket
 import threading
@@ -171,10 +172,10 @@ def test_datagrams_that_are_no_frames_do_no_harm():
         ("socketcan", "can77", "CAN interface socketcan, channel can77: "),  # no such device, or no CAN in this kernel
         ("socketcand", "can11@127.0.0.1:1", "channel can11@127.0.0.1:1: Connection refused"),
         ("socketcand", "can11", "channel can11: is not of the form NAME@HOST:PORT"),
-        ("udp_multicast", "10.0.0.1:43111", "channel 10.0.0.1:43111: 10.0.0.1 is no multicast address"),
+        ("udp_multicast", "10.0.0.1:28111", "channel 10.0.0.1:28111: 10.0.0.1 is no multicast address"),
         ("udp_multicast", "239.192.11.11", "is not of the form GROUP:PORT"),
         ("udp_multicast", "239.192.11.11:99999", "port '99999' is refused, allowed is 1 to 65535"),
-        ("udp_multicast", "bus:43111", "'bus' does not appear to be an IPv4 or IPv6 address"),
+        ("udp_multicast", "bus:28111", "'bus' does not appear to be an IPv4 or IPv6 address"),
     ],
 )
 def test_a_channel_that_cannot_be_had_is_one_clear_line(interface: str, channel: str, said: str):
@@ -182,6 +183,16 @@ def test_a_channel_that_cannot_be_had_is_one_clear_line(interface: str, channel:
         open_channel(interface, channel)
     assert said in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_a_port_in_use_is_told_alone(caplog):
+    """python-can would warn behind it, in the line that the terminal shows, that the bus was not shut down."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("", 0))
+        with pytest.raises(BusError, match="Address already in use"):
+            open_channel("udp_multicast", f"239.192.11.11:{other.getsockname()[1]}")
+    gc.collect()
+    assert caplog.messages == []
 
 
 def test_every_interface_has_a_channel_for_each_circuit():

@@ -14,7 +14,7 @@ CIRCUITS = ("11", "12")  # right and left
 DEFAULT_CHANNELS = MappingProxyType(
     {
         "virtual": ("ev_bench_11", "ev_bench_12"),
-        "udp_multicast": ("239.192.11.11:43111", "239.192.11.12:43112"),
+        "udp_multicast": ("239.192.11.11:28111", "239.192.11.12:28112"),
         "socketcand": ("can11@127.0.0.1:29536", "can12@127.0.0.1:29536"),
         "socketcan": ("can0", "can1"),
     }

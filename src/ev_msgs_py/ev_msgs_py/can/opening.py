@@ -48,6 +48,8 @@ def _open(interface: str, channel: str) -> can.BusABC:
 
 
 def _bus(interface: str, channel: str, **more: Any) -> can.BusABC:
+    # What could not be opened would warn, behind the reason why, that nobody has closed it.
+    logging.getLogger("can.bus").setLevel(logging.ERROR)
     return can.Bus(channel=channel, interface=interface, ignore_config=True, **more)
 
 

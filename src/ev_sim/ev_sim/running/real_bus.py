@@ -18,7 +18,9 @@ from ev_sim.running.progress_bar import announce
 from ev_sim.running.scenarios.scenario import Run
 
 _ENDS = ("inverter_gateway", "test_bench")
-_FIRST_PORT = 43111  # two for each ROS domain, so that runs at the same time do not hear each other
+# Two for each ROS domain, so that runs at the same time do not hear each other; below those that Linux gives to sockets
+# which ask for none (from 32768 on), one of which would be in use now and then.
+_FIRST_PORT = 28111
 _PATIENCE = 0.5  # s for a frame to come back
 
 
