@@ -17,8 +17,8 @@ from ev_sim.running.recording.recording import signal_hash
 from ev_sim.running.scenarios.scenario import load_scenario
 
 MACHINES = {"a C library without FMA and AVX2": C_LIBRARIES["without FMA and AVX2"]}
-# Between them tyres, drives, columns, drivers and laws. Compiling the planar plant anew takes half a minute, the laws of the cycle
-# some seconds: scripts/determinism.sh does it for all scenarios.
+# Between them tyres, drives, columns, drivers and laws. Compiling the planar plant anew takes half a minute, the laws
+# of the cycle some seconds: scripts/determinism.sh does it for all scenarios.
 SCENARIOS = ("double_lane_change", "shchur2019", "urban_mixed")
 COMPILERS = {
     "code for any x86-64 processor": (FOREIGN["any x86-64 processor"], SCENARIOS[:2]),

@@ -24,8 +24,8 @@ pytestmark = pytest.mark.slow
 
 PERIOD = 0.01
 CASES = [(scenario, run.name) for scenario in MANOEUVRES for run in load_scenario(scenario).runs]
-# The adaptive solver begins anew with every command: on lines, which have no limit to come to, less than all will do, and one of
-# the circles goes beyond its limit.
+# The adaptive solver begins anew with every command: on lines, which have no limit to come to, less than all will do,
+# and one of the circles goes beyond its limit.
 CUT = {
     ("steady_circle", "linear"): 15.0,
     ("steady_circle", "constant_radius_linear"): 15.0,
