@@ -88,7 +88,7 @@ def batch(
 
 
 def _shared_out(runs: int, workers: int) -> list[range]:
-    """The runs in portions: handing over each alone costs as much as making it; the last ones shall be short."""
+    """The runs in portions: handing over each alone costs a tenth of making it; the last ones shall be short."""
     size = max(runs // (_PORTIONS * workers), 1)
     return [range(begin, min(begin + size, runs)) for begin in range(0, runs, size)]
 
