@@ -17,7 +17,7 @@ class Besieged(Node):
     def poll(self) -> bool:
         return True
 
-    def take_steps(self, until: float) -> bool:
+    def take_steps(self, until: float, guard: int) -> bool:
         return False
 
     def sweep(self) -> None:

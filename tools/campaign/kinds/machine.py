@@ -7,7 +7,8 @@ import resource
 import subprocess
 import sys
 
-from campaign.moments import MOVING, Moment
+from campaign.moments import MOVING, Moment, drawn
+from campaign.time_of_day import TimeOfDay
 from campaign.trial import RUNNER, Skipped, Trial
 from campaign.under_way import ROOT, UnderWay
 
@@ -92,8 +93,21 @@ def other_clock(trial: Trial) -> None:
 
 
 def wall_clock(trial: Trial) -> None:
-    """The time of day jumps: no name space has one of its own, and to set it would set that of the machine."""
-    raise Skipped("the time of day cannot be set for one run alone")
+    """The time of day of the whole run jumps by a second to decades, ahead or back, and later to where it was."""
+    time_of_day = TimeOfDay(trial.folder)
+    trial.environment |= time_of_day.environment
+    seconds = trial.chance.choice((1, -1)) * trial.chance.choice((1, 3600, 10**6, 10**9))
+    moment = drawn(trial.chance, trial.way, trial.duration, False)
+    back = trial.chance.uniform(0.0, 1.0)
+    trial.about = f"by {seconds} s, {moment}, and back after {back:.2f} s"
+
+    def disturb(run: UnderWay) -> None:
+        if moment.wait(run, RUNNER) is not None:
+            time_of_day.jump(seconds)
+            run.wait_until(lambda: False, back)
+            time_of_day.jump(0)
+
+    trial.disturb = disturb
 
 
 def rival(trial: Trial) -> None:

@@ -16,8 +16,8 @@ HEAD = np.dtype(
         *integers("due", "period", "limit", "integrates", "row", "until", "patience"),  # stamps and times in ns
         *integers("taken", "said", "spoke", "odd"),  # steps, the row of the last answer, when it was given; an input
         *integers("function", "state", "constants", "begin", "end"),  # of the part
-        *integers("rcl_take", "rcl_publish", "rcl_count", "rcl_clear", "rcl_add", "rcl_wait"),  # addresses
-        *integers("clock_gettime", "memcpy", "wait_set"),
+        *integers("rcl_take", "rcl_publish", "rcl_count", "rcl_clear", "rcl_add", "rcl_add_guard"),  # addresses
+        *integers("rcl_wait", "clock_gettime", "memcpy", "wait_set", "guard"),
         *integers("message", "info", "clock", "count"),  # words of the memory which these functions fill in
         *integers("heard"),  # byte of the memory to which the message is copied
     ]

@@ -146,6 +146,7 @@ def _sleep(head: Any, subscription: int, memory: Any) -> bool:
         return False
     call(head.rcl_clear, head.wait_set, 0, 0, 0)
     call(head.rcl_add, head.wait_set, subscription, 0, 0)
+    call(head.rcl_add_guard, head.wait_set, head.guard, 0, 0)
     return call(head.rcl_wait, head.wait_set, left, 0, 0) == 0
 
 

@@ -73,7 +73,7 @@ class BusNode(WithBus, Node):
         """What it speaks on; None before it is open and after it was closed."""
         return self._bus.channels if self._bus else None
 
-    def take_steps(self, until: float) -> bool:
+    def take_steps(self, until: float, guard: int) -> bool:
         """Its steps are cycles by the wall clock."""
         return False
 

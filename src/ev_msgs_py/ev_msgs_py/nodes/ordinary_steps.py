@@ -33,7 +33,7 @@ class OrdinarySteps:
         self._readers = [node.readers[kind] for kind in self._kinds]
         context = node.context.handle
         with context:
-            self._wait_set = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, context)
+            self._wait_set = rclpy_implementation.WaitSet(1, 1, 0, 0, 0, 0, context)
         self._memory = StepMemory([reader.end for reader in self._readers], outputs)
         self._call = _FUNCTION(node_loop.address())
         self._forget_at = 0.0
@@ -50,10 +50,11 @@ class OrdinarySteps:
         """Whether what it takes is there: the loop's machine code, and ROS's C library."""
         return bool(rcl.addresses()) and node_loop.is_kept()
 
-    def take(self, until: float, patience: float, limit: int) -> bool:
+    def take(self, until: float, patience: float, limit: int, guard: int) -> bool:
         """Take steps up to a time of the monotonic clock, a stamp, or the first pause of `patience` seconds.
 
-        False if that is not for the loop to do: before the first step, or beyond the limit.
+        The guard condition at the address wakes it up, too. False if that is not for the loop to do: before the first
+        step, or beyond the limit.
         """
         inbox = self._stepper.inbox
         if not self._stepper.under_way:
@@ -63,6 +64,7 @@ class OrdinarySteps:
             return False
         head, part = self._memory.head[0], self._stepper.part
         head["until"], head["patience"], head["limit"] = int(until * NANOSECONDS), int(patience * NANOSECONDS), limit
+        head["guard"] = guard
         head["function"], head["state"], head["constants"] = part.addresses()
         self._hand_over(head)
         why = self._call(*self._memory.addresses)

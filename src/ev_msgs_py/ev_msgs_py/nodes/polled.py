@@ -42,10 +42,10 @@ class Polled:
                 progressed = True
         return progressed
 
-    def take_steps(self, until: float) -> bool:
+    def take_steps(self, until: float, guard: int) -> bool:
         """Let compiled code take ordinary steps up to a time of the monotonic clock; False if it cannot."""
         limit, ordinary = self.free_until(), self._ordinary
-        if limit < 0 or ordinary is None or not ordinary.take(until, self.wake_up_within(), limit):
+        if limit < 0 or ordinary is None or not ordinary.take(until, self.wake_up_within(), limit, guard):
             return False
         if ordinary.taken:
             self.went_on(ordinary.spoke)

@@ -22,6 +22,7 @@ def addresses() -> dict[str, int]:
         "rcl_count": rcl.rcl_publisher_get_subscription_count,
         "rcl_clear": rcl.rcl_wait_set_clear,
         "rcl_add": rcl.rcl_wait_set_add_subscription,
+        "rcl_add_guard": rcl.rcl_wait_set_add_guard_condition,
         "rcl_wait": rcl.rcl_wait,
         "clock_gettime": libc.clock_gettime,
         "memcpy": libc.memcpy,

@@ -7,11 +7,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.duration import Duration
 from rclpy.node import Node
+
+from ev_msgs_py.nodes.last_words import wait_until_heard
 
 NOTED = "noted"  # key of a diagnostic value: what is named once, and does not make a run less reproducible
 _NAMED = 20  # of what is noted; more than these are counted only
+_PATIENCE = 1.0  # s for the last word to be heard
 _LOOK_PERIOD = 0.1  # s of wall time between looks at what a part notes
 
 
@@ -74,7 +76,7 @@ class Reports:
 
     def wait_until_heard(self) -> None:
         """The last word of a process is lost if it ends too soon."""
-        self._publisher.wait_for_all_acked(Duration(seconds=1.0))
+        wait_until_heard(self._publisher, time.monotonic() + _PATIENCE)
 
     def _diagnose(self, level: bytes, text: str, *more: KeyValue, name: str = "") -> None:
         status = DiagnosticStatus(level=level, name=self._node.get_fully_qualified_name() + name, message=text)

@@ -18,6 +18,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.service import Service
 
+from ev_msgs_py.nodes.alarm import Alarm
 from ev_msgs_py.nodes.signal_io import PolledGroup, SubscriptionHandle
 
 _SERVICE_PERIOD = 0.05  # s between looks at services
@@ -32,8 +33,11 @@ class Spinnable(Protocol):
     def poll(self) -> bool:
         """Take what is waited for; False if nothing was there."""
 
-    def take_steps(self, until: float) -> bool:
-        """Take steps up to a time of the monotonic clock, and sleep in between; False if it cannot do so by itself."""
+    def take_steps(self, until: float, guard: int) -> bool:
+        """Take steps up to a time of the monotonic clock, and sleep in between; False if it cannot do so by itself.
+
+        The guard condition at the address wakes it up, too.
+        """
 
     def sweep(self) -> None:
         """Take everything else too."""
@@ -56,34 +60,35 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
     for node in in_order:
         executor.add_node(node)
     services = [service for node in in_order for service in node.services]
-    rest = _Rest(in_order, context)
     alone = len(in_order) == 1  # who has stepped waits for others; nodes of one process wait for each other first
     next_look, next_sweep, came = 0.0, 0.0, True
     _take_over(in_order, True)
-    while not finished():
-        if time.monotonic() >= next_look:
-            if not context.ok():
-                break
-            for service in services:
-                _answer(service)
-            executor.spin_once(timeout_sec=0.0)
-            next_look = time.monotonic() + _SERVICE_PERIOD
-        rested = alone or not came
-        if rested and not (alone and in_order[0].take_steps(next_look)):
-            rest.until_message()
-        came = False
-        for node in in_order:
-            came |= node.poll()
-        # Where strangers wake it up all the time, a node need not look each time for what nobody waits for; but where
-        # something always comes, such as answers that are repeated, it must look now and then all the same.
-        late = time.monotonic() - next_sweep
-        if late >= (0.0 if rested and not came else _SWEEP_PERIOD):
-            next_sweep = time.monotonic() + _SWEEP_PERIOD
+    with Alarm(context, executor) as alarm:
+        rest = _Rest(in_order, alarm.guard, context)
+        while not finished():
+            if time.monotonic() >= next_look:
+                if not context.ok():
+                    break
+                for service in services:
+                    _answer(service)
+                executor.spin_once(timeout_sec=0.0)
+                next_look = time.monotonic() + _SERVICE_PERIOD
+            rested = alone or not came
+            if rested and not (alone and in_order[0].take_steps(next_look, alarm.guard.pointer)):
+                rest.until_message()
+            came = False
             for node in in_order:
-                node.sweep()
-        if not came:
-            for node in in_order:
-                node.idle()
+                came |= node.poll()
+            # Where strangers wake it up all the time, a node need not look each time for what nobody waits for; but
+            # where something always comes, such as answers that are repeated, it must look now and then all the same.
+            late = time.monotonic() - next_sweep
+            if late >= (0.0 if rested and not came else _SWEEP_PERIOD):
+                next_sweep = time.monotonic() + _SWEEP_PERIOD
+                for node in in_order:
+                    node.sweep()
+            if not came:
+                for node in in_order:
+                    node.idle()
     _take_over(in_order, False)
     executor.shutdown(timeout_sec=0.0)
 
@@ -109,11 +114,11 @@ def _answer(service: Service) -> None:
 class _Rest:
     """Lets nodes sleep; the wait set is made once, because making it takes as long as waiting."""
 
-    def __init__(self, nodes: Sequence[Spinnable], context: Context) -> None:
-        self._nodes = nodes
+    def __init__(self, nodes: Sequence[Spinnable], guard: Any, context: Context) -> None:
+        self._nodes, self._guard = nodes, guard
         handle: Any = context.handle
         with handle:
-            self._wait_set = rclpy_implementation.WaitSet(len(nodes), 0, 0, 0, 0, 0, handle)
+            self._wait_set = rclpy_implementation.WaitSet(len(nodes), 1, 0, 0, 0, 0, handle)
 
     def until_message(self) -> None:
         """Sleep until an awaited message arrives, or for as long as the nodes allow."""
@@ -126,6 +131,7 @@ class _Rest:
                 wait_set.add_subscription(subscription)
                 awaited = True
         if awaited:
+            wait_set.add_guard_condition(self._guard)
             wait_set.wait(int(timeout * 1e9))
         else:
             time.sleep(timeout)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 
-from rclpy.duration import Duration
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from ev_msgs_py.lockstep.stepper import Answer
+from ev_msgs_py.nodes.last_words import wait_until_heard
 from ev_msgs_py.nodes.signal_io import QUALITY, SignalWriter
 from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.wire.message_format import stamp_alone
@@ -43,7 +43,7 @@ class StatePublisher:
         """What a process has said last is lost if it ends too soon; who hears nothing any more is not waited for."""
         given_up = time.monotonic() + _PATIENCE
         for writer in self._writers:
-            writer.publisher.wait_for_all_acked(Duration(seconds=max(given_up - time.monotonic(), 0.0)))
+            wait_until_heard(writer.publisher, given_up)
 
     def ends(self) -> list[End]:
         """All publishers, in the order in which they speak."""

@@ -7,13 +7,13 @@ from typing import Any
 
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
-from rclpy.duration import Duration
 from rclpy.node import Node
 
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import MASTER, RECORDER, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes import ros_parameters
+from ev_msgs_py.nodes.last_words import wait_until_heard
 from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.nodes.run_role import run_node
 from ev_msgs_py.nodes.signal_io import SignalWriter
@@ -23,7 +23,7 @@ from ev_sim.running.recording.output_of_run import OutputOfRun
 from ev_sim.running.recording.recorder_input import POLL_PERIOD, RecorderInput
 from ev_sim.running.recording.recorder_parameters import RecorderParameters
 
-_PATIENCE, _A_MOMENT = 2.0, Duration(seconds=0.02)  # s
+_PATIENCE = 2.0  # s
 _LONG = 3.0  # s for a topic to be heard for the first time
 _NOTHING = Frame()  # the progress is nothing but its stamp
 
@@ -54,7 +54,7 @@ class RecorderNode(Node):
         self._input.take_all()
         return False
 
-    def take_steps(self, until: float) -> bool:
+    def take_steps(self, until: float, guard: int) -> bool:
         """It only listens."""
         return False
 
@@ -95,11 +95,13 @@ class RecorderNode(Node):
 
     def _wait_for_the_master(self) -> None:
         """The last word is lost if the process ends before it is heard; who else listens need not hear it."""
-        publisher, given_up = self._progress.publisher, time.monotonic() + _PATIENCE
-        while not publisher.wait_for_all_acked(_A_MOMENT) and time.monotonic() < given_up:
+        publisher, master = self._progress.publisher, (MASTER, self.get_namespace())
+
+        def is_there() -> bool:
             ends = self.get_subscriptions_info_by_topic(publisher.topic_name)
-            if (MASTER, self.get_namespace()) not in {(end.node_name, end.node_namespace) for end in ends}:
-                return
+            return master in {(end.node_name, end.node_namespace) for end in ends}
+
+        wait_until_heard(publisher, time.monotonic() + _PATIENCE, is_there)
 
     def close(self) -> None:
         """Leave nothing unwritten behind."""
