@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from scenario_roles import configurations_in
 
 from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.lockstep.configuration import configure
-from ev_sim.running.scenarios.scenario import load_scenario, scenario_names
+from ev_sim.running.scenarios.scenario import scenario_names
 
 pytestmark = pytest.mark.slow
 
@@ -41,5 +42,5 @@ def test_choices(choice):
 
 @pytest.mark.parametrize("scenario", scenario_names())
 def test_scenarios(scenario):
-    for seed, run in enumerate(load_scenario(scenario).runs):
-        check_configuration(run.configurations["steering_column"], steps=100, seeds=[seed])
+    for seed, configuration in enumerate(configurations_in(scenario, "steering_column")):
+        check_configuration(configuration, steps=100, seeds=[seed])

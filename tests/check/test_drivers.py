@@ -5,10 +5,11 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
+from scenario_roles import configurations_in
 
 from ev_msgs_py.check.method import check_configuration
 from ev_msgs_py.lockstep.configuration import Configuration, configure
-from ev_sim.running.scenarios.scenario import load_scenario, scenario_names
+from ev_sim.running.scenarios.scenario import scenario_names
 
 pytestmark = pytest.mark.slow
 
@@ -84,5 +85,5 @@ def test_choices(choice):
 
 @pytest.mark.parametrize("scenario", scenario_names())
 def test_scenarios(scenario):
-    for seed, run in enumerate(load_scenario(scenario).runs):
-        check_configuration(slow(run.configurations["driver"]), steps=200, seeds=[seed])
+    for seed, configuration in enumerate(configurations_in(scenario, "driver")):
+        check_configuration(slow(configuration), steps=200, seeds=[seed])

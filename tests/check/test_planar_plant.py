@@ -11,7 +11,7 @@ from ev_sim.running.scenarios.configured_file import vehicle_file
 
 pytestmark = pytest.mark.slow
 
-PERIODS = 15  # plain Python takes about 2 ms for a step of 1 ms
+PERIODS = 15  # plain Python takes about 10 ms for a step of 1 ms
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}
 MAGIC = {"vehicle.tyre.curve": "magic_formula", "vehicle.tyre.coefficients": [10.0, 1.6, 0.9, 0.5]}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import struct
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -39,14 +39,23 @@ def differing_bits(configuration: Configuration, steps: int, seed: int, inputs: 
             said = (answer,) if len(method.writes) == 1 else answer
         for signal, kind in zip(said, method.writes, strict=True):
             expected = shape_of(kind).carried(shape_of(kind).flat(signal))
-            for channel, one, other in zip(shape_of(kind).channels, there[frame.PLACES[kind]], expected, strict=True):
-                if _bits(one) != _bits(other):
-                    return f"step {step}: {kind.__name__}.{channel} is {one!r} compiled, {other!r} interpreted"
-        for place, (one, other) in enumerate(zip(compiled.state, plain.state, strict=False)):
-            if _bits(one) != _bits(other):
-                return f"step {step}: number {place} of the state is {one!r} compiled, {other!r} interpreted"
+            differing = _differing(there[frame.PLACES[kind]], expected)
+            if differing:
+                place, values = differing
+                return f"step {step}: {kind.__name__}.{shape_of(kind).channels[place]} is {values}"
+        # Compiled, a law without a state has one number in its memory.
+        differing = _differing(compiled.state[: len(plain.state)], plain.state)
+        if differing:
+            place, values = differing
+            return f"step {step}: number {place} of the state is {values}"
     return ""
 
 
-def _bits(number: float) -> bytes:
-    return struct.pack("<d", number)
+def _differing(compiled: Sequence[float], interpreted: Sequence[float]) -> tuple[int, str] | None:
+    """The first place where the bits differ, and both values there; None if all are the same."""
+    pair = [np.asarray(numbers, dtype=float) for numbers in (compiled, interpreted)]
+    one, other = (numbers.view(np.int64) for numbers in pair)
+    if np.array_equal(one, other):
+        return None
+    place = int(np.flatnonzero(one != other)[0])
+    return place, f"{float(pair[0][place])!r} compiled, {float(pair[1][place])!r} interpreted"

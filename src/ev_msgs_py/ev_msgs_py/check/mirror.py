@@ -7,6 +7,7 @@ where they are declared, at the field of the signal or at the parameter. Zero ha
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -38,18 +39,29 @@ def asymmetry(subject: Subject, seed: int) -> str:
 
 def mirrored(raw: bytes) -> bytes:
     """The mirror image of a frame; zeros in it are positive."""
-    numbers = np.frombuffer(raw)
-    image = numbers.copy()
-    for kind, place in frame.PLACES.items():
-        image[place] = mirrored_numbers(kind, numbers[place].tolist())
-    return _unsigned_zeros(image.tobytes())
+    order, sign = _in_the_mirror()
+    return _unsigned_zeros((np.frombuffer(raw)[order] * sign).tobytes())
 
 
 def mirrored_numbers(kind: type, numbers: Sequence[float]) -> list[float]:
     """The numbers of a signal in the mirror."""
+    return [-numbers[i] if shape_of(kind).lateral[i] else numbers[i] for i in _order(kind)]
+
+
+@cache
+def _in_the_mirror() -> tuple[np.ndarray, np.ndarray]:
+    """Of the mirror image of a frame: the places from which its numbers come, and their signs."""
+    order, sign = np.arange(frame.SIZE), np.ones(frame.SIZE)
+    for kind, place in frame.PLACES.items():
+        order[place] = [place.start + i for i in _order(kind)]
+        sign[place] = mirrored_numbers(kind, [1.0] * shape_of(kind).size)
+    return order, sign
+
+
+def _order(kind: type) -> Sequence[int]:
+    """The places of a signal from which the numbers of its mirror image come."""
     shape = shape_of(kind)
-    order = _exchanged(range(shape.size)) if shape.per_wheel else range(shape.size)
-    return [-numbers[i] if shape.lateral[i] else numbers[i] for i in order]
+    return _exchanged(range(shape.size)) if shape.per_wheel else range(shape.size)
 
 
 def _exchanged(row: Sequence[Any]) -> list[Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import random
+from collections import Counter
 from typing import Any
 
 from ev_msgs_py.check.stepping import Subject, difference, said
@@ -52,8 +53,7 @@ def unnamed_state(subject: Subject) -> str:
     law, state = subject.configuration.method.law, subject.part().state
     if law is None:
         return _not_numbers(state)
-    names = law.names()
-    twice = sorted({name for name in names if names.count(name) > 1})
+    twice = sorted(name for name, count in Counter(law.names()).items() if count > 1)
     return f"several numbers of the state are called {', '.join(twice)}" if twice else ""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -48,11 +49,18 @@ class Subject:
         part: Part = method_part(self.configuration, self.compiled)
         return part
 
-    def frames(self, seed: int) -> list[Frame]:
-        """What the method reads, step by step."""
+    def frames(self, seed: int) -> tuple[Frame, ...]:
+        """What the method reads, step by step; for reading only."""
         method, period = self.configuration.method, self.configuration.common.control_period
-        inputs = self.inputs(method.reads, seed, period)
-        return [frame_of(method.reads, inputs.next()) for _ in range(self.steps)]
+        return _frames(self.inputs, method.reads, seed, period, self.steps)
+
+
+@lru_cache(maxsize=8)  # each check asks for the same ones
+def _frames(
+    make_inputs: MakesInputs, reads: tuple[type, ...], seed: int, period: float, steps: int
+) -> tuple[Frame, ...]:
+    inputs = make_inputs(reads, seed, period)
+    return tuple(frame_of(reads, inputs.next()) for _ in range(steps))
 
 
 def frame_of(reads: Sequence[type], signals: Sequence[Any]) -> Frame:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
+
 import numpy as np
 
 
@@ -17,10 +19,10 @@ def random_segments(
     `length_range` is the shortest and the longest segment [m]. Lengths do not depend on the surface, so
     `probability` [1] is also each surface's expected share of the distance. The first start is 0.
     """
-    share = np.cumsum(probability) / np.sum(probability)
+    share = (np.cumsum(probability) / np.sum(probability)).tolist()
     starts, chosen = [0.0], []
     while starts[-1] < distance:
         draw, length = generator.random(), generator.uniform(*length_range)
-        chosen.append(surfaces[int(np.searchsorted(share, draw, side="right"))])
+        chosen.append(surfaces[bisect_right(share, draw)])
         starts.append(starts[-1] + float(length))
     return tuple(starts[:-1]), tuple(chosen)
