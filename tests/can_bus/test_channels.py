@@ -77,21 +77,21 @@ def received(channel: Channel, count: int) -> list[Frame]:
 
 def test_who_is_too_slow_for_its_bus_takes_what_is_new():
     """What has waited for a tenth of a second is left out, and named."""
-    with channel_name("udp_multicast") as name:
-        with (
-            closing(Channel("udp_multicast", name)) as one,
-            closing(Channel("udp_multicast", name)) as other,
-        ):
-            one.send(FRAMES[0])
-            assert select.select([other], [], [], PATIENCE)[0]  # its time is that at which it came
-            time.sleep(0.11)
-            taken, deadline = None, time.monotonic() + PATIENCE
-            while taken is None and time.monotonic() < deadline:  # on a busy machine this one may be late, too
-                one.send(FRAMES[1])
-                taken = other.receive()
-            assert taken == FRAMES[1]
-            assert other.late >= 1
-            assert other.trouble == f"{name}: frames that waited for more than 0.1 s were left out"
+    with (
+        channel_name("udp_multicast") as name,
+        closing(Channel("udp_multicast", name)) as one,
+        closing(Channel("udp_multicast", name)) as other,
+    ):
+        one.send(FRAMES[0])
+        assert select.select([other], [], [], PATIENCE)[0]  # its time is that at which it came
+        time.sleep(0.11)
+        taken, deadline = None, time.monotonic() + PATIENCE
+        while taken is None and time.monotonic() < deadline:  # on a busy machine this one may be late, too
+            one.send(FRAMES[1])
+            taken = other.receive()
+        assert taken == FRAMES[1]
+        assert other.late >= 1
+        assert other.trouble == f"{name}: frames that waited for more than 0.1 s were left out"
 
 
 @pytest.mark.parametrize("interface", ["virtual", "udp_multicast", "socketcand"])
