@@ -42,18 +42,21 @@ class Look:
 
     step: int
     wall_time: float  # s
+    cpu_time: float  # s, of all processes together
     memory: dict[str, int]  # resident [kB]
     descriptors: dict[str, int]
 
 
-def held(processes: dict[str, int]) -> tuple[dict[str, int], dict[str, int]]:
-    """Resident memory [kB] and number of open files of processes."""
-    memory, descriptors = {}, {}
+def look(step: int, processes: dict[str, int]) -> Look:
+    """At processes, by what the system tells of them."""
+    memory, descriptors, ticks = {}, {}, 0
     for name, process in processes.items():
         status = Path(f"/proc/{process}/status").read_text()
         memory[name] = int(status.partition("VmRSS:")[2].split()[0])
         descriptors[name] = len(os.listdir(f"/proc/{process}/fd"))
-    return memory, descriptors
+        of_user, of_system = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13]
+        ticks += int(of_user) + int(of_system)
+    return Look(step, time.monotonic(), ticks / os.sysconf("SC_CLK_TCK"), memory, descriptors)
 
 
 def endless_run(steps: int) -> Run:
@@ -83,7 +86,8 @@ def follow(domain: int, steps: int, processes: dict[str, int]) -> list[Look]:
         if rest:
             sys.exit(f"stamp {stamp} ns is no multiple of the period")
         if step >= steps * len(looks) // LOOKS:
-            looks.append(Look(step, time.monotonic(), *held(processes)))
+            looks.append(look(step, processes))
+            print(f"step {step}: {sum(looks[-1].memory.values())} kB", file=sys.stderr, flush=True)
     context.shutdown()
     return looks
 
@@ -126,7 +130,10 @@ def _drive(steps: int, domain: int) -> None:
 
 
 def summary(looks: list[Look]) -> dict[str, float]:
-    """Rates of the first and last quarter after the warm-up, and what has grown from its end to the last step."""
+    """Rates of the first and last quarter after the warm-up, and what has grown from its end to the last step.
+
+    The rate is one of this machine and of what else it does; CPU time per step depends on that much less.
+    """
     steady = looks[LOOKS // 10 :]
     quarter = len(steady) // 4
     first, last = (steady[0], steady[quarter]), (steady[-1 - quarter], steady[-1])
@@ -134,6 +141,8 @@ def summary(looks: list[Look]) -> dict[str, float]:
         "steps": steady[-1].step,
         "first_rate": _rate(*first),
         "last_rate": _rate(*last),
+        "first_cpu_time_of_a_step_us": _cpu_time(*first),
+        "last_cpu_time_of_a_step_us": _cpu_time(*last),
         "largest_growth_of_memory_kB": max(
             steady[-1].memory[name] - steady[0].memory[name] for name in steady[0].memory
         ),
@@ -145,6 +154,10 @@ def summary(looks: list[Look]) -> dict[str, float]:
 
 def _rate(begin: Look, end: Look) -> float:
     return (end.step - begin.step) / (end.wall_time - begin.wall_time)
+
+
+def _cpu_time(begin: Look, end: Look) -> float:
+    return 1e6 * (end.cpu_time - begin.cpu_time) / (end.step - begin.step)
 
 
 def main() -> None:
