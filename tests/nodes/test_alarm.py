@@ -9,7 +9,6 @@ from ros_graph import ros_domain
 from std_msgs.msg import Empty
 
 from ev_msgs_py.nodes import alarm
-from ev_msgs_py.nodes.last_words import wait_until_heard
 from ev_msgs_py.nodes.spinning import spin
 
 HOUR = 3600 * 10**9  # ns
@@ -72,25 +71,3 @@ def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
             while len(seen) < 12:
                 time.sleep(0.001)
     assert not executor.was_woken
-
-
-class Publisher:
-    """Nobody acknowledges what it says, however often one asks."""
-
-    asked = 0
-
-    def wait_for_all_acked(self, _timeout) -> bool:
-        self.asked += 1
-        return False
-
-
-def test_last_words_that_nobody_hears_are_given_up():
-    publisher = Publisher()
-    wait_until_heard(publisher, given_up=0.0)
-    assert publisher.asked == 1
-
-
-def test_last_words_are_waited_for_while_somebody_wants_them():
-    publisher = Publisher()
-    wait_until_heard(publisher, float("inf"), lambda: publisher.asked < 3)
-    assert publisher.asked == 3

@@ -109,6 +109,20 @@ class MasterNode(SteppedNode):
         self.reports.pass_on_now_and_then(self.stepper.part)
         self._silence.answered()
 
+    def _wait_for_the_recorder(self) -> None:
+        """Real time has not waited for it, and what a process has said last is lost if it ends too soon.
+
+        Where none is followed, whoever hears the state may be one.
+        """
+        reader = self.readers.get(RECORDER_WRITES)
+
+        def is_behind() -> bool:
+            while reader is not None and (message := reader.take()) is not None:
+                reader.receive(message)
+            return self.schedule.recorder_is_behind
+
+        self._state.wait_until_heard(is_behind)
+
     def _go_on(self) -> None:
         self._advance.where_due()
         if self._advance.ended and not self.done:
@@ -118,4 +132,4 @@ class MasterNode(SteppedNode):
             if self.realtime:
                 self.reports.tell(TIMING, self._advance.summary, {TIMING: json.dumps(self.schedule.timing.as_json())})
                 self.reports.wait_until_heard()
-                self._state.wait_until_heard()  # nobody has told that the last states have come, as in lockstep
+                self._wait_for_the_recorder()

@@ -113,6 +113,11 @@ class Schedule:
         return self._recorded >= (self.now if ends else self.now - RECORDER_LAG * self._stepper.period)
 
     @property
+    def recorder_is_behind(self) -> bool:
+        """Whether no recorder has told yet that it holds the present instant."""
+        return self._recorded < self.now
+
+    @property
     def at_end(self) -> bool:
         """Whether this is the last instant."""
         return 0 < self._end < self.now + self._stepper.period

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
@@ -14,7 +14,7 @@ from ev_msgs_py.nodes.signal_io import QUALITY, SignalWriter
 from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.wire.message_format import stamp_alone
 
-_PATIENCE = 2.0  # s of wall time for the last states to arrive
+_PATIENCE = 20.0  # s of wall time for the last states to arrive, on a machine with much other work
 
 
 class StatePublisher:
@@ -39,11 +39,11 @@ class StatePublisher:
         if answer is not None:
             self.publish(answer)
 
-    def wait_until_heard(self) -> None:
-        """What a process has said last is lost if it ends too soon; who hears nothing any more is not waited for."""
+    def wait_until_heard(self, is_wanted: Callable[[], bool]) -> None:
+        """Wait until the last states have arrived, for as long as they are wanted; what hangs is given up."""
         given_up = time.monotonic() + _PATIENCE
         for writer in self._writers:
-            wait_until_heard(writer.publisher, given_up)
+            wait_until_heard(writer.publisher, given_up, is_wanted)
 
     def ends(self) -> list[End]:
         """All publishers, in the order in which they speak."""

@@ -119,7 +119,9 @@ def _watch(
                 hanging.has_ended(node.name)
                 patience = min(patience, time.monotonic() + _PATIENCE)
                 if observer.time < last and time.monotonic() > patience + (_TO_CATCH_UP if observer.timing else 0.0):
-                    raise RunFailed(f"{node.failure()} at {observer.time:g} s of simulated time")
+                    slow = node.name == MASTER and observer.timing  # the plant has told that it came to its end
+                    who = f"node {RECORDER} lacks what was said last," if slow else node.failure()
+                    raise RunFailed(f"{who} at {observer.time:g} s of simulated time")
             elif code is not None:
                 raise RunFailed(f"{node.failure()}, at {observer.time:g} s of simulated time")
     now = time.monotonic()
