@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ev_msgs_py.check.inputs import RandomInputs
 from ev_msgs_py.check.stepping import MakesInputs, frame_of
@@ -51,7 +50,7 @@ def differing_bits(configuration: Configuration, steps: int, seed: int, inputs: 
     return ""
 
 
-def _differing(compiled: Sequence[float], interpreted: Sequence[float]) -> tuple[int, str] | None:
+def _differing(compiled: ArrayLike, interpreted: ArrayLike) -> tuple[int, str] | None:
     """The first place where the bits differ, and both values there; None if all are the same."""
     pair = [np.asarray(numbers, dtype=float) for numbers in (compiled, interpreted)]
     one, other = (numbers.view(np.int64) for numbers in pair)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 import time
 from types import TracebackType
+from typing import Any
 
 from rclpy.context import Context
 from rclpy.executors import Executor
@@ -26,7 +27,7 @@ class Alarm:
 
     def __init__(self, context: Context, executor: Executor) -> None:
         self._executor = executor
-        handle = context.handle
+        handle: Any = context.handle
         with handle:
             self.guard = rclpy_implementation.GuardCondition(handle)
         self._ended = threading.Event()

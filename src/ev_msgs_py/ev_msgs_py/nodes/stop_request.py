@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import signal
 import sys
-import threading
-from _thread import interrupt_main
+import time
+from _thread import interrupt_main, start_new_thread
 from types import FrameType, TracebackType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -27,14 +27,24 @@ def interrupt_destructors() -> None:
     report = sys.unraisablehook
 
     def hook(unraisable: sys.UnraisableHookArgs) -> None:
-        if issubclass(unraisable.exc_type, KeyboardInterrupt):
-            # At once it would be raised in here, and lost. In the background Ctrl-C is ignored: then it was SIGTERM.
-            which = signal.SIGINT if callable(signal.getsignal(signal.SIGINT)) else signal.SIGTERM
-            threading.Timer(_A_MOMENT, interrupt_main, [which]).start()
-        else:
+        if not issubclass(unraisable.exc_type, KeyboardInterrupt):
             report(unraisable)
+            return
+        # In the background Ctrl-C is ignored: then it was SIGTERM.
+        which = signal.SIGINT if callable(signal.getsignal(signal.SIGINT)) else signal.SIGTERM
+        while True:
+            try:
+                start_new_thread(_interrupt_soon, (which,))
+                return
+            except KeyboardInterrupt:  # raised in here it is lost: on a busy machine a moment may be too short
+                continue
 
     sys.unraisablehook = hook
+
+
+def _interrupt_soon(which: signal.Signals) -> None:
+    time.sleep(_A_MOMENT)
+    interrupt_main(which)
 
 
 class StopRequest:
