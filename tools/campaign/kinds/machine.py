@@ -10,7 +10,7 @@ import sys
 from campaign.moments import MOVING, Moment, drawn
 from campaign.time_of_day import TimeOfDay
 from campaign.trial import RUNNER, Skipped, Trial
-from campaign.under_way import ROOT, UnderWay
+from campaign.under_way import PATIENCE, ROOT, UnderWay
 
 _OWN_MOUNTS = "EV_CAMPAIGN_OWN_MOUNTS"  # set by scripts/campaign.sh inside a name space of its own
 _BUSY_AT_MOST = 30.0  # s
@@ -119,7 +119,7 @@ def rival(trial: Trial) -> None:
         if moment.wait(run, RUNNER) is None:
             return
         words = [ROOT / "scripts" / "run.sh", "coast_down", "--offline", "--duration", "0.1", "--out", trial.out]
-        second = subprocess.run(words, env=run.environment, capture_output=True, text=True, timeout=60)
+        second = subprocess.run(words, env=run.environment, capture_output=True, text=True, timeout=PATIENCE)
         refused = second.returncode == 1 and "another run is writing there" in second.stderr
         if second.returncode == 0 and run.process.poll() is not None:
             trial.replaced = True  # on a busy machine it begins when the first one has ended
