@@ -128,7 +128,7 @@ def test_a_stop_in_a_destructor_is_not_lost(ctrl_c, moment):
     Without a moment in between, as on a busy machine, the second interrupt often comes before the first one has passed.
     """
     text = STOPPED_IN_A_DESTRUCTOR.format(ctrl_c=ctrl_c, moment=moment)
-    process = start(["timeout", "20", sys.executable, "-c", text])
+    process = start(["timeout", "--signal=KILL", "20", sys.executable, "-c", text])
     assert process.communicate(timeout=PATIENCE)[0] == "stopped\n"
 
 
