@@ -1,7 +1,7 @@
 /* Preloaded into a run, it moves its time of day by the seconds that stand in a file, which may change at any time.
 
-   The monotonic clocks stay. Whoever asks for the time of day and then sleeps until a deadline of it sleeps too long or
-   too short by the whole jump, where a real jump would move the deadline too: that is stricter than what a machine does. */
+   The monotonic clocks stay, and so does the clock of the kernel: whoever asks for the time of day and has the kernel wait
+   until a deadline of it waits too long or too short by the whole jump. That is stricter than what a machine does. */
 
 #include <fcntl.h>
 #include <stddef.h>
