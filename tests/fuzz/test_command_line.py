@@ -69,4 +69,4 @@ def test_the_words_of_a_sweep(words):
 @fuzzed(12, 0.5)
 @given(words=st.lists(_texts.filter(lambda text: text not in ev_stack.COMMANDS), max_size=3))
 def test_unknown_commands(words):
-    refused(lambda: ev_stack.main(words))
+    refused(lambda: ev_stack.perform(words))

@@ -13,7 +13,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 import ev_sim
-from ev_sim.commands.ev_stack import main
+from ev_sim.commands.ev_stack import perform
 from ev_sim.fmu.slave import Slave
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "couple_fmus.py"
@@ -43,7 +43,7 @@ def files(tmp_path_factory) -> dict[str, Path]:
     made = {name: folder / f"{name}.fmu" for name in what}
     for name, words in what.items():
         words = [*words, *CHANGED, "--duration", str(DURATION)]
-        main(["fmu", "shchur2019", "--out", str(made[name]), *words])
+        perform(["fmu", "shchur2019", "--out", str(made[name]), *words])
     return made
 
 
@@ -103,11 +103,11 @@ def test_a_step_that_cannot_be_is_discarded_with_a_line_in_the_log(files, tmp_pa
 def test_wrong_words_get_one_line(words, said, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit) as ended:
-        main(["fmu", "shchur2019", "--out", "a.fmu", *words])
+        perform(["fmu", "shchur2019", "--out", "a.fmu", *words])
     assert str(ended.value).startswith(said)
 
 
 def test_without_pythonfmu_one_line_says_how_to_get_it(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "pythonfmu", None)
     with pytest.raises(SystemExit, match=r"^error: pythonfmu cannot be imported .*: pip install 'ev_sim\[fmu\]'$"):
-        main(["fmu", "shchur2019", "--out", str(tmp_path / "a.fmu")])
+        perform(["fmu", "shchur2019", "--out", str(tmp_path / "a.fmu")])

@@ -93,8 +93,69 @@ def test_what_goes_wrong_once_more_at_the_end_is_one_line_too(monkeypatch):
 
     monkeypatch.setattr(sys, "argv", ["recorder"])
     monkeypatch.setattr(run_role_module, "spin", fail)
+    monkeypatch.setattr(run_role_module, "turn_deaf", lambda: None)
     with pytest.raises(SystemExit, match=r"^recorder: \[Errno 27\] File too large$"):
         run_role_module.run_node("recorder", lambda: SimpleNamespace(close=fail, done=False))
+
+
+STOPPED_AT_THE_END = {
+    "a node": """
+from types import SimpleNamespace
+from ev_msgs_py.nodes import run_role
+
+def shut_down(and_then=run_role.rclpy.try_shutdown):
+    stop()
+    and_then()
+
+run_role.spin = lambda *_: stop()
+run_role.rclpy.try_shutdown = shut_down
+run_role.run_node("driver", lambda: SimpleNamespace(close=lambda: None, done=False))
+""",
+    "the runner": """
+from ev_sim.commands import ev_stack
+
+sys.argv = ["ev-stack"]
+ev_stack.main()
+""",
+    "the runner, stopped": """
+from ev_sim.commands import ev_stack
+
+def stopped(words):
+    stop()
+    while True:
+        pass
+
+ev_stack.perform = stopped
+ev_stack.main()
+""",
+}
+TO_STOP = """
+import atexit
+import signal
+import sys
+
+def stop():
+    signal.raise_signal(signal.{kind})
+
+if "stopped" in {who!r}:
+    signal.signal(signal.{kind}, signal.default_int_handler)
+atexit.register(stop)
+sys.argv = ["driver"]
+"""
+
+
+@pytest.mark.parametrize("kind", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("who", STOPPED_AT_THE_END)
+def test_a_stop_at_the_very_end_changes_nothing(who, kind):
+    """The runner asks nodes to stop that are just ending; Python's way of being interrupted there is a traceback.
+
+    What the campaign found with seed 21.
+    """
+    process = start([sys.executable, "-c", TO_STOP.format(who=who, kind=kind) + STOPPED_AT_THE_END[who]])
+    said, _ = process.communicate(timeout=PATIENCE)
+    assert "Traceback" not in said
+    assert process.returncode == (130 if said == "stopped\n" else 0)
+    assert said == "stopped\n" if who == "the runner, stopped" else "stopped" not in said
 
 
 STOPPED_IN_A_DESTRUCTOR = """

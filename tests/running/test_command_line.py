@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -156,6 +157,8 @@ def test_list_shows_every_scenario_and_method_in_a_line(capsys):
 @pytest.mark.parametrize("when", ["loading", "driving"])
 def test_ctrl_c_is_one_line_from_the_first_moment(when, monkeypatch, capsys):
     """What takes half a second to load is interrupted more often than what it does."""
+    monkeypatch.setattr(ev_stack, "turn_deaf", lambda: None)
+    monkeypatch.setattr(sys, "argv", ["ev-stack", "run", "shchur2019"])
 
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
@@ -163,6 +166,6 @@ def test_ctrl_c_is_one_line_from_the_first_moment(when, monkeypatch, capsys):
     module = SimpleNamespace(main=interrupted)
     monkeypatch.setattr(ev_stack, "import_module", interrupted if when == "loading" else lambda name: module)
     with pytest.raises(SystemExit) as ended:
-        ev_stack.main(["run", "shchur2019"])
+        ev_stack.main()
     assert ended.value.code == 130
     assert capsys.readouterr() == ("", "stopped\n")

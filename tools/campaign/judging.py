@@ -33,8 +33,9 @@ def judged(run: UnderWay, status: int | None) -> tuple[str, str]:
     if status is None:
         return FAILED, "no end"
     tracebacks = [text, *(log.read_text(errors="replace") for log in trial.out.glob("**/log/*.log"))]
-    if any("Traceback (most recent" in said for said in tracebacks):
-        return FAILED, "a traceback"
+    for said in tracebacks:
+        if "Traceback (most recent" in said:
+            return FAILED, f"a traceback: {said[said.index('Traceback') :]}"
     if status == 0:
         return _right(trial, text)
     if status < 0:

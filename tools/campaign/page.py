@@ -26,7 +26,9 @@ def result_text(verdicts: Sequence[Verdict], first: int, asked: int, seconds: fl
     rows.append(_row("all", list(verdicts)))
     reasons = sorted({f"Skipped, {v.trial.kind}: {v.remark}." for v in verdicts if v.outcome == SKIPPED})
     failures = [
-        f"- seed {v.trial.seed}, {v.trial.kind}, {v.trial.way}: {v.remark}" for v in verdicts if v.outcome == FAILED
+        f"- seed {v.trial.seed}, {v.trial.kind}, {v.trial.way}: {' '.join(v.remark.split())}"
+        for v in verdicts
+        if v.outcome == FAILED
     ]
     return "\n\n".join(
         part for part in (head, table(columns, rows).strip(), "\n".join(reasons), "\n".join(failures)) if part

@@ -25,7 +25,7 @@ from ev_msgs_py.nodes.master_node import MasterNode
 from ev_msgs_py.nodes.security import refuse_weak_security
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.nodes.stepped_node import SteppedNode
-from ev_msgs_py.nodes.stop_request import StopRequest
+from ev_msgs_py.nodes.stop_request import StopRequest, turn_deaf
 
 
 def make_node(role: str, **node_arguments: Any) -> SteppedNode:
@@ -56,7 +56,7 @@ def run_role(role: str) -> None:
 
 
 def run_node(name: str, make: Callable[[], Any]) -> None:
-    """Make a node, spin it, and turn refused input into one line and exit status 1."""
+    """Make a node, spin it, and turn refused input into one line and exit status 1; no signal counts behind that."""
     with StopRequest() as stop:
         try:
             _refuse_other_arguments()
@@ -68,6 +68,7 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
         except KeyboardInterrupt:
             pass
         finally:
+            turn_deaf()
             rclpy.try_shutdown()
 
 

@@ -22,6 +22,16 @@ def let_in() -> None:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
 
 
+def turn_deaf() -> None:
+    """Ignore these signals from here on: the process ends anyway, and Python's own end cannot bear them.
+
+    Where it waits for its threads it would print a traceback, and where it has put its handlers away it would be killed
+    with its shared memory left behind.
+    """
+    for kind in _SIGNALS:
+        signal.signal(kind, signal.SIG_IGN)
+
+
 def interrupt_destructors() -> None:
     """Let Ctrl-C end the program where it meets a destructor, too: Python would print a traceback and go on."""
     report = sys.unraisablehook
@@ -66,7 +76,8 @@ class StopRequest:
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         for number, handler in self._before.items():
-            signal.signal(number, handler)
+            if signal.getsignal(number) == self._on_signal:  # else the process has turned deaf
+                signal.signal(number, handler)
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:
         if self.received and not self._patient:

@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from ev_msgs_py.can.socketcand_hub import HOST, SocketcandHub
-from ev_msgs_py.nodes.stop_request import StopRequest
+from ev_msgs_py.nodes.stop_request import StopRequest, turn_deaf
 
 _PATIENCE = 0.2  # s between looks whether it shall end
 
@@ -25,6 +25,7 @@ def main(argv: list[str] | None = None) -> None:
         while not stop.received:
             hub.serve(_PATIENCE)
         hub.close()
+        turn_deaf()
 
 
 if __name__ == "__main__":

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from importlib import import_module
 
-from ev_msgs_py.nodes.stop_request import interrupt_destructors, let_in
+from ev_msgs_py.nodes.stop_request import interrupt_destructors, let_in, turn_deaf
 
 _INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
 
@@ -32,9 +33,22 @@ COMMANDS = {  # name -> module with main(words), words put in front, what it doe
 }
 
 
-def main(argv: list[str] | None = None) -> None:
+def main() -> None:
     """ev-stack COMMAND [options]"""
-    words = sys.argv[1:] if argv is None else argv
+    try:
+        interrupt_destructors()
+        let_in()  # scripts/run.sh holds signals back until here, where they are one line
+        perform(sys.argv[1:])
+    except KeyboardInterrupt:  # while a command is loaded as well, which takes half a second
+        turn_deaf()
+        print("stopped", file=sys.stderr)
+        sys.exit(_INTERRUPTED)
+    finally:
+        turn_deaf()
+
+
+def perform(words: Sequence[str]) -> None:
+    """Do what the words of a command line say; SystemExit, KeyboardInterrupt."""
     if not words or words[0] in ("-h", "--help"):
         print("ev-stack COMMAND [options]; COMMAND is one of")
         for name, (_, _, about) in COMMANDS.items():
@@ -45,11 +59,6 @@ def main(argv: list[str] | None = None) -> None:
         sys.exit(2)
     module, first, _ = COMMANDS[words[0]]
     try:
-        interrupt_destructors()
-        let_in()  # scripts/run.sh holds signals back until here, where they are one line
         import_module(f"ev_sim.commands.{module}").main([*first, *words[1:]])
-    except KeyboardInterrupt:  # while it is loaded as well, which takes half a second
-        print("stopped", file=sys.stderr)
-        sys.exit(_INTERRUPTED)
     except OSError as error:  # such as too many open files while it is loaded
         sys.exit(f"error: {': '.join(str(said) for said in (error.filename, error.strerror or error) if said)}")
