@@ -93,10 +93,14 @@ def other_clock(trial: Trial) -> None:
 
 
 def wall_clock(trial: Trial) -> None:
-    """The time of day of the whole run jumps by a second to decades, ahead or back, and later to where it was."""
+    """The time of day of the whole run jumps by a second to years, ahead or back, and later to where it was.
+
+    Not beyond 2038: Fast DDS can send nothing then, which is refused by name where a run starts.
+    """
     time_of_day = TimeOfDay(trial.folder)
     trial.environment |= time_of_day.environment
-    seconds = trial.chance.choice((1, -1)) * trial.chance.choice((1, 3600, 10**6, 10**9))
+    sign = trial.chance.choice((1, -1))
+    seconds = sign * trial.chance.choice((1, 3600, 10**6, 10**9 if sign < 0 else 3 * 10**8))
     moment = drawn(trial.chance, trial.way, trial.duration, False)
     back = trial.chance.uniform(0.0, 1.0)
     trial.about = f"by {seconds} s, {moment}, and back after {back:.2f} s"

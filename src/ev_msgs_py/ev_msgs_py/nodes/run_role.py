@@ -26,6 +26,7 @@ from ev_msgs_py.nodes.security import refuse_weak_security
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.stop_request import StopRequest, turn_deaf
+from ev_msgs_py.nodes.time_of_day import refuse_late_time_of_day, too_late
 
 
 def make_node(role: str, **node_arguments: Any) -> SteppedNode:
@@ -61,6 +62,7 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
         try:
             _refuse_other_arguments()
             refuse_weak_security(os.environ)
+            refuse_late_time_of_day()
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
             _spin_to_the_end(make(), stop)
         except (ValueError, RuntimeError, OSError, ParameterException) as error:
@@ -87,7 +89,12 @@ def _refuse_other_arguments() -> None:
 
 
 def one_line(error: Exception) -> str:
-    """The text of an error without line breaks and without the places in ROS's own source code."""
+    """The text of an error without line breaks and without the places in ROS's own source code.
+
+    Where the middleware cannot send because of the time of day, it says that.
+    """
     if isinstance(error, rclpy_implementation.UnknownROSArgsError):
         return f"unknown ROS arguments {error}"
-    return " ".join(re.sub(r", at /\S+:\d+", "", str(error)).split())
+    text = " ".join(re.sub(r", at /\S+:\d+", "", str(error)).split())
+    trouble = too_late() if isinstance(error, rclpy_implementation.RCLError) else None
+    return text if trouble is None else f"{text}; {trouble}"

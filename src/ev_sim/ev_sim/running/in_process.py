@@ -20,7 +20,7 @@ from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.running.domain import free_domain
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
-from ev_sim.running.observer import Observer
+from ev_sim.running.observing import observing
 from ev_sim.running.outcome import Outcome, Progress, RunFailed, not_reproducible
 from ev_sim.running.progress_bar import announce
 from ev_sim.running.real_bus import real_bus
@@ -41,16 +41,14 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
     with (
         free_domain() as domain,
         StopRequest(patient=True) as stop,
+        observing(run.namespace, domain) as observer,
         real_bus(run, domain, directory) as bus,
     ):
         parameters = node_parameters(run, directory, bag, bus)
         write_parameter_file(directory / "parameters.yaml", run, parameters)
         announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
-        context = rclpy.Context()
-        rclpy.init(context=context, domain_id=domain)
         try:
-            observer = Observer(context, run.namespace)
-            nodes += [_node(name, run.namespace, values, context) for name, values in parameters.items()]
+            nodes += [_node(name, run.namespace, values, observer.context) for name, values in parameters.items()]
             recorder = nodes[-1]
             next_look = 0.0
 
@@ -73,7 +71,6 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
             for node in nodes:
                 node.close()
                 node.destroy_node()
-            context.try_shutdown()
     warnings, notes = not_reproducible(run, observer.warnings), observer.notes
     return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes, observer.timing)
 

@@ -7,26 +7,31 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import rclpy
+from rclpy.impl.implementation_singleton import rclpy_implementation
 
 from ev_msgs_py.nodes.run_role import one_line
 from ev_msgs_py.nodes.security import refuse_weak_security, security_is_asked_for
+from ev_msgs_py.nodes.time_of_day import refuse_late_time_of_day
 from ev_sim.running.observer import OBSERVER, Observer
 from ev_sim.running.outcome import RunFailed
 
 
 @contextmanager
 def observing(namespace: str, domain: int, name: str = OBSERVER) -> Iterator[Observer]:
-    """An observer of the graph in a domain; RunFailed where ROS 2 refuses it, as for keys that are missing."""
+    """An observer of the graph in a domain; RunFailed where ROS 2 refuses it, as without keys, or fails."""
     context = rclpy.Context()
     try:
         try:
             refuse_weak_security(os.environ)
+            refuse_late_time_of_day()
             rclpy.init(args=enclave(name, namespace), context=context, domain_id=domain)
             observer = Observer(context, namespace, name)
         except RuntimeError as error:
             raise RunFailed(one_line(error)) from None
         yield observer
         observer.destroy_node()
+    except rclpy_implementation.RCLError as error:
+        raise RunFailed(one_line(error)) from None
     finally:
         context.try_shutdown()
 
