@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from ev_msgs_py.compiling import node_loop
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER
 from ev_msgs_py.lockstep.methods import node_package
@@ -44,6 +45,7 @@ def run_in_processes(
     came. All nodes are stopped then.
     """
     file = directory / "parameters.yaml"
+    node_loop.keep()  # whoever has updated the sources has set up nothing anew
     with (
         free_domain() as domain,
         StopRequest(patient=True) as stop,
@@ -90,7 +92,7 @@ def _watch(
     run: Run, nodes: list[NodeProcess], observer: Observer, directory: Path, progress: Progress, stop: StopRequest
 ) -> Outcome:
     """Look at processes and time until plant and recorder have come to their end by themselves."""
-    started = ended = None  # wall time at which the car was first seen under way, and at its last instant
+    started = ended = None  # wall time of the last look at a car at rest in time, and of the first at its last instant
     ending = {MASTER, RECORDER}
     last = stamps.to_seconds(stamps.from_seconds(run.duration) // run.period * run.period)
     answer_timeout = run.configurations[MASTER].extra.answer_timeout
@@ -99,6 +101,7 @@ def _watch(
     while ending:
         if stop.received:
             raise KeyboardInterrupt
+        looked = time.monotonic()
         time.sleep(_LOOK_PERIOD)
         before = observer.time
         observer.look()
@@ -109,7 +112,7 @@ def _watch(
             if word is not None:
                 announce(word)
         if started is None and observer.time > 0:
-            started = time.monotonic()
+            started = looked
         if ended is None and observer.time >= last:
             ended = time.monotonic()
         for node in nodes:

@@ -1,0 +1,25 @@
+"""What is seen to before the nodes of a run are started, each in a process of its own."""
+
+import pytest
+
+from ev_msgs_py.compiling import node_loop
+from ev_sim.running import processes
+from ev_sim.running.outcome import RunFailed
+from ev_sim.running.scenarios.scenario import load_scenario
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_the_loop_of_the_nodes_is_compiled_if_nobody_has(kept, tmp_path, monkeypatch):
+    """As after an update of the sources: nodes do not wait for it, and went without it at half the speed."""
+
+    def fail():
+        raise RunFailed("no domain")
+
+    compiled = []
+    monkeypatch.setattr(node_loop, "is_kept", lambda: kept)
+    monkeypatch.setattr(node_loop, "address", lambda: compiled.append("the loop"))
+    monkeypatch.setattr(processes, "free_domain", fail)
+    run = load_scenario("coast_down").runs[0]
+    with pytest.raises(RunFailed, match="^no domain$"):
+        processes.run_in_processes(run, tmp_path, False, lambda _: None)
+    assert compiled == ([] if kept else ["the loop"])
