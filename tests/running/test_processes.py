@@ -20,6 +20,6 @@ def test_the_loop_of_the_nodes_is_compiled_if_nobody_has(kept, tmp_path, monkeyp
     monkeypatch.setattr(node_loop, "address", lambda: compiled.append("the loop"))
     monkeypatch.setattr(processes, "free_domain", fail)
     run = load_scenario("coast_down").runs[0]
-    with pytest.raises(RunFailed, match="^no domain$"):
+    with pytest.raises(RunFailed, match=r"^no domain$"):
         processes.run_in_processes(run, tmp_path, False, lambda _: None)
     assert compiled == ([] if kept else ["the loop"])
