@@ -17,7 +17,7 @@ from tqdm import tqdm
 from campaign.aftermath import left_behind, shared_memory
 from campaign.judging import FAILED, SKIPPED, Verdict, judged
 from campaign.kinds import kind_of
-from campaign.page import PART, result_text
+from campaign.page import part_of, result_text
 from campaign.trial import Skipped, begun
 from campaign.under_way import AFTER_STRIKE, PATIENCE, UnderWay
 from documentation.markdown import with_blocks
@@ -35,18 +35,23 @@ def main(argv: list[str] | None = None) -> None:
     parser.add_argument("--seed", type=int, default=1, help="of the first trial, default 1; each has one more")
     parser.add_argument("--minutes", type=float, help="begin no trial after so many")
     parser.add_argument("--only", type=int, nargs="+", metavar="SEED", help="repeat just these")
-    parser.add_argument("--page", type=Path, help="write the table into this page, such as docs/campaign.md")
+    parser.add_argument(
+        "--page", type=Path, help="write the table into its part of this page, as docs/campaign.md has them"
+    )
     parser.add_argument(
         "--keep", type=Path, metavar="DIR", help="keep what failed runs leave behind and say in this folder"
     )
     given = parser.parse_args(argv)
     seeds = given.only or range(given.seed, given.seed + given.count)
+    part = part_of(seeds[0])
+    if given.page and f"generated: {part} " not in given.page.read_text(encoding="utf-8"):
+        parser.error(f"--page: {given.page} has no part 'generated: {part}' for the table")
     start = time.monotonic()
     verdicts = campaign(seeds, None if given.minutes is None else start + 60 * given.minutes, given.keep)
     text = result_text(verdicts, seeds[0], len(seeds), time.monotonic() - start)
     print(text)
     if given.page:
-        given.page.write_text(with_blocks(given.page.read_text(encoding="utf-8"), {PART: text}), encoding="utf-8")
+        given.page.write_text(with_blocks(given.page.read_text(encoding="utf-8"), {part: text}), encoding="utf-8")
     sys.exit(any(verdict.outcome == FAILED for verdict in verdicts))
 
 

@@ -10,7 +10,10 @@ from campaign.judging import FAILED, OUTCOMES, SKIPPED, Verdict
 from campaign.kinds import KINDS
 from documentation.markdown import table
 
-PART = "results"
+
+def part_of(first: int) -> str:
+    """What the part of a page is called that holds the results from a seed on."""
+    return f"results from seed {first}"
 
 
 def result_text(verdicts: Sequence[Verdict], first: int, asked: int, seconds: float) -> str:
