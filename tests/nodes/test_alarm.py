@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
+import os
+import socket
+import subprocess
+import sys
 import time
 
+import pytest
+from campaign.time_of_day import TimeOfDay
+from campaign.trial import Skipped
 from rclpy.node import Node
-from ros_graph import ros_domain
+from ros_graph import PATIENCE, ros_domain
 from std_msgs.msg import Empty
 
 from ev_msgs_py.nodes import alarm
 from ev_msgs_py.nodes.spinning import spin
+from ev_sim.running.domain import free_domain
 
 HOUR = 3600 * 10**9  # ns
-
-
-class Executor:
-    """Notes whether it was woken up."""
-
-    was_woken = False
-
-    def wake(self) -> None:
-        self.was_woken = True
 
 
 class Waiting(Node):
@@ -63,11 +62,49 @@ def test_a_wait_ends_when_the_time_of_day_is_set_back(monkeypatch):
 def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
     """Clocks that are made to go faster, or are set forward, end no wait: that would cost time."""
     ahead = iter(range(0, 10 * HOUR, HOUR))
-    seen = []
+    seen, woken = [], []
     monkeypatch.setattr(alarm, "_ahead", lambda: seen.append(next(ahead, 10 * HOUR)) or seen[-1])
     with ros_domain() as context:
-        executor = Executor()
-        with alarm.Alarm(context, executor):
+        node = Node("sleeper", context=context)
+        with alarm.Alarm(node, lambda: woken.append(True)):
             while len(seen) < 12:
                 time.sleep(0.001)
-    assert not executor.was_woken
+        node.destroy_node()
+    assert not woken
+
+
+ANNOUNCED = """
+import sys, rclpy
+from rclpy.node import Node
+from ev_msgs_py.nodes.alarm import Alarm
+rclpy.init()
+with Alarm(Node("announced")):
+    sys.stdin.read()
+"""
+PORT_OF_ANOTHER = 7400 + 10 + 2 * 5  # in domain 0: where the sixth process of a domain would hear announcements
+PORTS_PER_DOMAIN = 250
+SILENCE = 0.5  # s; a node announces itself every 0.1 s, or more often
+
+
+def test_a_node_goes_on_announcing_itself_when_the_time_of_day_is_set_back(tmp_path):
+    """Its thread of timed events would wait for an hour; where that happened to all, they did not find each other."""
+    try:
+        time_of_day = TimeOfDay(tmp_path)
+    except Skipped as reason:
+        pytest.skip(str(reason))
+    with free_domain() as domain, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("127.0.0.1", PORT_OF_ANOTHER + PORTS_PER_DOMAIN * domain))
+        other.settimeout(PATIENCE)
+        environment = {**os.environ, **time_of_day.environment, "ROS_DOMAIN_ID": str(domain)}
+        with subprocess.Popen([sys.executable, "-c", ANNOUNCED], env=environment, stdin=subprocess.PIPE) as node:
+            other.recv(65536)
+            time_of_day.jump(HOUR // 10**9)  # the kernel's clock stays, so from here on waits last for an hour
+            other.settimeout(SILENCE)
+            with pytest.raises(TimeoutError):
+                while True:
+                    other.recv(65536)
+            time_of_day.jump(0)
+            other.settimeout(PATIENCE)
+            assert other.recv(65536).startswith(b"RTPS")
+            assert node.poll() is None
+            node.stdin.close()

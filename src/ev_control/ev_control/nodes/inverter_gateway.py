@@ -85,11 +85,11 @@ class GatewayRoleOnBus(RoleOnBus):
 
 def make(**node_arguments: Any) -> Any:
     """The node: of a role in lockstep, of one in real time, or without a graph, of which it is told no method."""
-    given = told(_ROLE, **node_arguments)
-    if given.get("mode") == "realtime" and given.get("method", _METHOD) == _METHOD:
-        return GatewayRoleOnBus(**node_arguments)
-    in_graph = "method" in given or given.get("mode") == "lockstep"
-    return make_node(_ROLE, **node_arguments) if in_graph else InverterGatewayNode(**node_arguments)
+    with told(_ROLE, **node_arguments) as given:
+        if given.get("mode") == "realtime" and given.get("method", _METHOD) == _METHOD:
+            return GatewayRoleOnBus(**node_arguments)
+        in_graph = "method" in given or given.get("mode") == "lockstep"
+        return make_node(_ROLE, **node_arguments) if in_graph else InverterGatewayNode(**node_arguments)
 
 
 def main() -> None:

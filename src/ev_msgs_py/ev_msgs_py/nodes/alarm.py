@@ -1,19 +1,25 @@
 """Ends waits of the middleware that would otherwise last for as long as the time of day was set back.
 
 Where it was built for a C library that can wait by the time of day only, as the wheels of PyPI are, it adds time-outs
-to that: a wait of a millisecond lasts an hour longer if the clock is set back by an hour just then.
+to that: a wait of a millisecond lasts an hour longer if the clock is set back by an hour just then. Our own waits are
+ended by a guard condition. The thread that announces a process to others, and repeats what they have not received,
+begins to wait anew when a timer is made, as for a publisher.
 """
 
 from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
+from contextlib import suppress
 from types import TracebackType
 from typing import Any
 
-from rclpy.context import Context
-from rclpy.executors import Executor
+from rcl_interfaces.msg import ParameterEvent
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.exceptions import NotInitializedException
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
 
 _PERIOD = 0.02  # s between looks at the clocks
 _SET_BACK = 1_000_000  # ns: waits that last longer by less than that are nobody's trouble
@@ -22,18 +28,20 @@ _SET_BACK = 1_000_000  # ns: waits that last longer by less than that are nobody
 class Alarm:
     """When the time of day has been set back it triggers its `guard`, which every wait of ours includes.
 
-    The executor is woken up, too: even to look without waiting it waits for no time. It watches in its `with` block.
+    It calls `wake`, too, for an executor: even to look without waiting that waits for no time. It watches in its `with`
+    block, within the life of the node.
     """
 
-    def __init__(self, context: Context, executor: Executor) -> None:
-        self._executor = executor
-        handle: Any = context.handle
+    def __init__(self, node: Node, wake: Callable[[], object] = lambda: None) -> None:
+        self._node, self._wake = node, wake
+        handle: Any = node.context.handle
         with handle:
             self.guard = rclpy_implementation.GuardCondition(handle)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, args=(_ahead(),), name="alarm", daemon=True)
 
     def __enter__(self) -> Alarm:
+        self._wake_timed_events()  # the time of day may have been set back while the node was being made
         self._thread.start()
         return self
 
@@ -46,8 +54,16 @@ class Alarm:
             ahead = _ahead()
             if ahead < before - _SET_BACK:
                 self.guard.trigger_guard_condition()
-                self._executor.wake()
+                self._wake()
+                self._wake_timed_events()
             before = ahead
+
+    def _wake_timed_events(self) -> None:
+        """On a topic on which every node may speak; where ROS has just been shut down nobody waits any more."""
+        with suppress(RuntimeError, NotInitializedException):
+            silent = PublisherEventCallbacks(use_default_callbacks=False)
+            publisher = self._node.create_publisher(ParameterEvent, "/parameter_events", 1, event_callbacks=silent)
+            self._node.destroy_publisher(publisher)
 
 
 def _ahead() -> int:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -42,13 +43,26 @@ def node_maker(role: str) -> Callable[..., Any]:
     return makers[0] if len(makers) == len(modules) == 1 else partial(make_node, role)
 
 
-def told(name: str, **node_arguments: Any) -> dict[str, Any]:
-    """The parameters that a node of this name is given; who makes a role's node learns from them which one."""
-    asked = Node(name, automatically_declare_parameters_from_overrides=True, **node_arguments)
+@contextmanager
+def told(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
+    """The parameters that a node of this name is given; who makes a role's node learns from them which one.
+
+    The node must be made within the block. A context whose last node goes leaves the graph, and when somebody leaves
+    while others are finding each other, Fast DDS may lock one of these up for ever: removing what has left waits for
+    its thread of timed events, which waits to announce itself. So another node stays meanwhile, under a hidden name,
+    for the graph mixes up what belongs to two nodes of one name.
+    """
+    quiet: Any = {"enable_rosout": False, "start_parameter_services": False}
+    stays = Node(f"_{name}", context=node_arguments.get("context"), use_global_arguments=False, **quiet)
     try:
-        return ros_parameters.overrides(asked)
+        asked = Node(name, automatically_declare_parameters_from_overrides=True, **quiet, **node_arguments)
+        try:
+            given = ros_parameters.overrides(asked)
+        finally:
+            asked.destroy_node()
+        yield given
     finally:
-        asked.destroy_node()
+        stays.destroy_node()
 
 
 def run_role(role: str) -> None:

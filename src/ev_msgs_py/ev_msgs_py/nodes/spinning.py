@@ -63,7 +63,7 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
     alone = len(in_order) == 1  # who has stepped waits for others; nodes of one process wait for each other first
     next_look, next_sweep, came = 0.0, 0.0, True
     _take_over(in_order, True)
-    with Alarm(context, executor) as alarm:
+    with Alarm(in_order[0], executor.wake) as alarm:
         rest = _Rest(in_order, alarm.guard, context)
         while not finished():
             if time.monotonic() >= next_look:

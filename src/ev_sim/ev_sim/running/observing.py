@@ -9,6 +9,7 @@ from contextlib import contextmanager
 import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
+from ev_msgs_py.nodes.alarm import Alarm
 from ev_msgs_py.nodes.run_role import one_line
 from ev_msgs_py.nodes.security import refuse_weak_security, security_is_asked_for
 from ev_msgs_py.nodes.time_of_day import refuse_late_time_of_day
@@ -28,7 +29,8 @@ def observing(namespace: str, domain: int, name: str = OBSERVER) -> Iterator[Obs
             observer = Observer(context, namespace, name)
         except RuntimeError as error:
             raise RunFailed(one_line(error)) from None
-        yield observer
+        with Alarm(observer):
+            yield observer
         observer.destroy_node()
     except rclpy_implementation.RCLError as error:
         raise RunFailed(one_line(error)) from None
