@@ -73,6 +73,24 @@ def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
     assert not woken
 
 
+def test_a_process_tells_the_graph_several_times_what_it_consists_of(monkeypatch):
+    """Once at its beginning, and after the time of day was set back until what was told before is out of the way."""
+    ahead = [HOUR, HOUR, 0]
+    monkeypatch.setattr(alarm, "_ahead", lambda: ahead.pop(0) if len(ahead) > 1 else ahead[0])
+    monkeypatch.setattr(alarm, "_AGAIN", (0.0, 0.05, 0.1))
+    told = []
+    with ros_domain() as context:
+        node = Node("teller", context=context)
+        create = node.create_publisher
+        monkeypatch.setattr(node, "create_publisher", lambda *how, **more: told.append(how[1]) or create(*how, **more))
+        given_up = time.monotonic() + PATIENCE
+        with alarm.Alarm(node):
+            while len(told) < 4 and time.monotonic() < given_up:
+                time.sleep(0.001)
+        node.destroy_node()
+    assert told == ["/parameter_events"] * 4
+
+
 ANNOUNCED = """
 import sys, rclpy
 from rclpy.node import Node

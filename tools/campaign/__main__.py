@@ -18,6 +18,7 @@ from campaign.aftermath import left_behind, shared_memory
 from campaign.judging import FAILED, SKIPPED, Verdict, judged
 from campaign.kinds import kind_of
 from campaign.page import part_of, result_text
+from campaign.stacks import keep_stacks
 from campaign.trial import Skipped, begun
 from campaign.under_way import AFTER_STRIKE, PATIENCE, UnderWay
 from documentation.markdown import with_blocks
@@ -89,6 +90,8 @@ def driven(seed: int, folder: Path, keep: Path | None) -> Verdict:
                 trial.disturb(run)
                 status = run.end(AFTER_STRIKE if run.struck and trial.must_end else PATIENCE)
                 ended = time.monotonic()
+                if status is None and keep is not None:
+                    keep_stacks(run.processes(), folder)
                 outcome, remark = judged(run, status)
                 if outcome != FAILED:
                     found = [run.remark] if run.remark else list(left_behind(run, memory))

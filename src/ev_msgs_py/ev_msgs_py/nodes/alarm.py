@@ -4,6 +4,10 @@ Where it was built for a C library that can wait by the time of day only, as the
 to that: a wait of a millisecond lasts an hour longer if the clock is set back by an hour just then. Our own waits are
 ended by a guard condition. The thread that announces a process to others, and repeats what they have not received,
 begins to wait anew when a timer is made, as for a publisher.
+
+With a publisher a process also tells the graph anew what it consists of. Of what has arrived at once, the middleware
+puts the oldest by the time of day first, so that something from before may go for the last word: it is told several
+times.
 """
 
 from __future__ import annotations
@@ -23,6 +27,7 @@ from rclpy.node import Node
 
 _PERIOD = 0.02  # s between looks at the clocks
 _SET_BACK = 1_000_000  # ns: waits that last longer by less than that are nobody's trouble
+_AGAIN = (0.0, 0.5, 2.0)  # s after the time of day was set back
 
 
 class Alarm:
@@ -41,7 +46,7 @@ class Alarm:
         self._thread = threading.Thread(target=self._watch, args=(_ahead(),), name="alarm", daemon=True)
 
     def __enter__(self) -> Alarm:
-        self._wake_timed_events()  # the time of day may have been set back while the node was being made
+        self._speak_up()  # the time of day may have been set back while the node was being made
         self._thread.start()
         return self
 
@@ -50,15 +55,19 @@ class Alarm:
         self._thread.join()
 
     def _watch(self, before: int) -> None:
+        due: list[float] = []
         while not self._ended.wait(_PERIOD):
             ahead = _ahead()
             if ahead < before - _SET_BACK:
                 self.guard.trigger_guard_condition()
                 self._wake()
-                self._wake_timed_events()
+                due = [time.monotonic() + later for later in _AGAIN]
             before = ahead
+            if due and time.monotonic() >= due[0]:
+                del due[0]
+                self._speak_up()
 
-    def _wake_timed_events(self) -> None:
+    def _speak_up(self) -> None:
         """On a topic on which every node may speak; where ROS has just been shut down nobody waits any more."""
         with suppress(RuntimeError, NotInitializedException):
             silent = PublisherEventCallbacks(use_default_callbacks=False)
