@@ -63,6 +63,7 @@ def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
     """Clocks that are made to go faster, or are set forward, end no wait: that would cost time."""
     ahead = iter(range(0, 10 * HOUR, HOUR))
     seen, woken = [], []
+    monkeypatch.setattr(alarm, "_AT_FIRST", 0)
     monkeypatch.setattr(alarm, "_ahead", lambda: seen.append(next(ahead, 10 * HOUR)) or seen[-1])
     with ros_domain() as context:
         node = Node("sleeper", context=context)
@@ -73,10 +74,11 @@ def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
     assert not woken
 
 
-def test_a_process_tells_the_graph_several_times_what_it_consists_of(monkeypatch):
-    """Once at its beginning, and after the time of day was set back until what was told before is out of the way."""
-    ahead = [HOUR, HOUR, 0]
+@pytest.mark.parametrize("ahead", [[HOUR, HOUR, 0], [0]], ids=["while it watches", "while the node was being made"])
+def test_a_process_tells_the_graph_several_times_what_it_consists_of(ahead, monkeypatch):
+    """After the time of day was set back, until what was told before is out of the way."""
     monkeypatch.setattr(alarm, "_ahead", lambda: ahead.pop(0) if len(ahead) > 1 else ahead[0])
+    monkeypatch.setattr(alarm, "_AT_FIRST", HOUR)
     monkeypatch.setattr(alarm, "_AGAIN", (0.0, 0.05, 0.1))
     told = []
     with ros_domain() as context:
@@ -85,10 +87,10 @@ def test_a_process_tells_the_graph_several_times_what_it_consists_of(monkeypatch
         monkeypatch.setattr(node, "create_publisher", lambda *how, **more: told.append(how[1]) or create(*how, **more))
         given_up = time.monotonic() + PATIENCE
         with alarm.Alarm(node):
-            while len(told) < 4 and time.monotonic() < given_up:
+            while len(told) < 3 and time.monotonic() < given_up:
                 time.sleep(0.001)
         node.destroy_node()
-    assert told == ["/parameter_events"] * 4
+    assert told == ["/parameter_events"] * 3
 
 
 ANNOUNCED = """

@@ -43,10 +43,9 @@ class Alarm:
         with handle:
             self.guard = rclpy_implementation.GuardCondition(handle)
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._watch, args=(_ahead(),), name="alarm", daemon=True)
+        self._thread = threading.Thread(target=self._watch, args=(_AT_FIRST,), name="alarm", daemon=True)
 
     def __enter__(self) -> Alarm:
-        self._speak_up()  # the time of day may have been set back while the node was being made
         self._thread.start()
         return self
 
@@ -78,3 +77,6 @@ class Alarm:
 def _ahead() -> int:
     """How far the time of day is ahead of the monotonic clock [ns]."""
     return time.time_ns() - time.monotonic_ns()
+
+
+_AT_FIRST = _ahead()  # before any node was made: the time of day may have been set back since
