@@ -5,9 +5,8 @@ to that: a wait of a millisecond lasts an hour longer if the clock is set back b
 ended by a guard condition. The thread that announces a process to others, and repeats what they have not received,
 begins to wait anew when a timer is made, as for a publisher.
 
-With a publisher a process also tells the graph anew what it consists of. Of what has arrived at once, the middleware
-puts the oldest by the time of day first, so that something from before may go for the last word: it is told several
-times.
+With a publisher a process also tells the graph anew what it consists of. Between senders, the middleware finds by the
+time of day what has arrived, and may lose something where that was set back: it is told several times.
 """
 
 from __future__ import annotations
