@@ -17,7 +17,7 @@ from std_msgs.msg import Empty
 
 from ev_msgs_py.nodes import alarm
 from ev_msgs_py.nodes.spinning import spin
-from ev_sim.running.domain import free_domain
+from ev_sim.running.domain import discovery_port, free_domain
 
 HOUR = 3600 * 10**9  # ns
 
@@ -101,8 +101,7 @@ rclpy.init()
 with Alarm(Node("announced")):
     sys.stdin.read()
 """
-PORT_OF_ANOTHER = 7400 + 10 + 2 * 5  # in domain 0: where the sixth process of a domain would hear announcements
-PORTS_PER_DOMAIN = 250
+ANOTHER = 5  # a participant that is not there
 SILENCE = 0.5  # s; a node announces itself every 0.1 s, or more often
 
 
@@ -113,7 +112,7 @@ def test_a_node_goes_on_announcing_itself_when_the_time_of_day_is_set_back(tmp_p
     except Skipped as reason:
         pytest.skip(str(reason))
     with free_domain() as domain, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
-        other.bind(("127.0.0.1", PORT_OF_ANOTHER + PORTS_PER_DOMAIN * domain))
+        other.bind(("127.0.0.1", discovery_port(domain, ANOTHER)))
         other.settimeout(PATIENCE)
         environment = {**os.environ, **time_of_day.environment, "ROS_DOMAIN_ID": str(domain)}
         with subprocess.Popen([sys.executable, "-c", ANNOUNCED], env=environment, stdin=subprocess.PIPE) as node:

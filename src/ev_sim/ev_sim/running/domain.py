@@ -56,6 +56,11 @@ def reserved_domains() -> list[int]:
     return domains
 
 
+def discovery_port(domain: int, participant: int) -> int:
+    """The UDP port at which a participant of a domain, counted from 0, hears announcements of others."""
+    return _FIRST_PORT + _PORTS_PER_DOMAIN * domain + _UNICAST + 2 * participant
+
+
 @contextmanager
 def _reservation(domain: int) -> Iterator[bool]:
     """Whether the domain could be reserved, for the time of the block; also false if the lock is another user's."""
@@ -80,8 +85,8 @@ def _lock_file(domain: int) -> Path:
 
 def _is_silent(domain: int) -> bool:
     """Whether the ports of all participants can be had; the first ones may be gone while later ones live on."""
-    base = _FIRST_PORT + _PORTS_PER_DOMAIN * domain
-    for port in (base, *(base + _UNICAST + 2 * participant for participant in range(_PARTICIPANTS))):
+    ports = (discovery_port(domain, participant) for participant in range(_PARTICIPANTS))
+    for port in (_FIRST_PORT + _PORTS_PER_DOMAIN * domain, *ports):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
                 probe.bind(("", port))
