@@ -15,7 +15,7 @@ from rclpy.node import Node
 from ros_graph import PATIENCE, ros_domain
 from std_msgs.msg import Empty
 
-from ev_msgs_py.nodes import alarm
+from ev_msgs_py.nodes import alarm, time_of_day
 from ev_msgs_py.nodes.spinning import spin
 from ev_sim.running.domain import discovery_port, free_domain
 
@@ -51,7 +51,7 @@ class Waiting(Node):
 def test_a_wait_ends_when_the_time_of_day_is_set_back(monkeypatch):
     """Without the alarm it takes an hour, or as long as this test may take."""
     ahead = [HOUR, HOUR, HOUR, 0]
-    monkeypatch.setattr(alarm, "_ahead", lambda: ahead.pop(0) if len(ahead) > 1 else ahead[0])
+    monkeypatch.setattr(time_of_day, "ahead", lambda: ahead.pop(0) if len(ahead) > 1 else ahead[0])
     with ros_domain() as context:
         node = Waiting("waiting", context=context)
         node.subscription = node.create_subscription(Empty, "nothing", lambda _: None, 1)
@@ -64,7 +64,7 @@ def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
     ahead = iter(range(0, 10 * HOUR, HOUR))
     seen, woken = [], []
     monkeypatch.setattr(alarm, "_AT_FIRST", 0)
-    monkeypatch.setattr(alarm, "_ahead", lambda: seen.append(next(ahead, 10 * HOUR)) or seen[-1])
+    monkeypatch.setattr(time_of_day, "ahead", lambda: seen.append(next(ahead, 10 * HOUR)) or seen[-1])
     with ros_domain() as context:
         node = Node("sleeper", context=context)
         with alarm.Alarm(node, lambda: woken.append(True)):
@@ -77,7 +77,7 @@ def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
 @pytest.mark.parametrize("ahead", [[HOUR, HOUR, 0], [0]], ids=["while it watches", "while the node was being made"])
 def test_a_process_tells_the_graph_several_times_what_it_consists_of(ahead, monkeypatch):
     """After the time of day was set back, until what was told before is out of the way."""
-    monkeypatch.setattr(alarm, "_ahead", lambda: ahead.pop(0) if len(ahead) > 1 else ahead[0])
+    monkeypatch.setattr(time_of_day, "ahead", lambda: ahead.pop(0) if len(ahead) > 1 else ahead[0])
     monkeypatch.setattr(alarm, "_AT_FIRST", HOUR)
     monkeypatch.setattr(alarm, "_AGAIN", (0.0, 0.05, 0.1))
     told = []
@@ -108,21 +108,21 @@ SILENCE = 0.5  # s; a node announces itself every 0.1 s, or more often
 def test_a_node_goes_on_announcing_itself_when_the_time_of_day_is_set_back(tmp_path):
     """Its thread of timed events would wait for an hour; where that happened to all, they did not find each other."""
     try:
-        time_of_day = TimeOfDay(tmp_path)
+        of_the_node = TimeOfDay(tmp_path)
     except Skipped as reason:
         pytest.skip(str(reason))
     with free_domain() as domain, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("127.0.0.1", discovery_port(domain, ANOTHER)))
         other.settimeout(PATIENCE)
-        environment = {**os.environ, **time_of_day.environment, "ROS_DOMAIN_ID": str(domain)}
+        environment = {**os.environ, **of_the_node.environment, "ROS_DOMAIN_ID": str(domain)}
         with subprocess.Popen([sys.executable, "-c", ANNOUNCED], env=environment, stdin=subprocess.PIPE) as node:
             other.recv(65536)
-            time_of_day.jump(HOUR // 10**9)  # the kernel's clock stays, so from here on waits last for an hour
+            of_the_node.jump(HOUR // 10**9)  # the kernel's clock stays, so from here on waits last for an hour
             other.settimeout(SILENCE)
             with pytest.raises(TimeoutError):
                 while True:
                     other.recv(65536)
-            time_of_day.jump(0)
+            of_the_node.jump(0)
             other.settimeout(PATIENCE)
             assert other.recv(65536).startswith(b"RTPS")
             assert node.poll() is None

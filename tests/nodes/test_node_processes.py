@@ -193,6 +193,42 @@ def test_a_stop_in_a_destructor_is_not_lost(ctrl_c, moment):
     assert process.communicate(timeout=PATIENCE)[0] == "stopped\n"
 
 
+STOPPED_HALF_WAY = """
+import signal
+from ev_msgs_py.nodes import stop_request
+
+class HalfMade:
+    def __init__(self, kind):
+        if kind is not None:
+            signal.raise_signal(kind)
+        self.handle = 0
+
+    def __del__(self):
+        del self.handle
+        if {also}:
+            raise OSError("an error of its own")
+
+stop_request.interrupt_destructors()
+signal.signal(signal.SIGTERM, stop_request.interrupt)
+try:
+    HalfMade({kind})
+except KeyboardInterrupt:
+    print("stopped")
+"""
+
+
+@pytest.mark.parametrize("kind", ["signal.SIGINT", "signal.SIGTERM"])
+def test_what_a_stop_leaves_half_made_is_destroyed_without_a_word(kind):
+    """As in the compiler, where Ctrl-C left a traceback behind the line that says so (campaign, seed 39)."""
+    process = start([sys.executable, "-c", STOPPED_HALF_WAY.format(kind=kind, also=False)])
+    assert process.communicate(timeout=PATIENCE)[0] == "stopped\n"
+
+
+def test_an_error_in_a_destructor_is_told_where_nothing_was_stopped():
+    process = start([sys.executable, "-c", STOPPED_HALF_WAY.format(kind=None, also=True)])
+    assert "OSError: an error of its own" in process.communicate(timeout=PATIENCE)[0]
+
+
 BAD = {
     "out of range": (["--ros-args", "-p", "vehicle.mass:=-3.0"], "vehicle.mass: -3.0 is refused"),
     "of a wrong type": (["--ros-args", "-p", "vehicle.mass:=heavy"], "vehicle.mass: 'heavy' is refused"),

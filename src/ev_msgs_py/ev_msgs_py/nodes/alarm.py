@@ -24,8 +24,9 @@ from rclpy.exceptions import NotInitializedException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
+from ev_msgs_py.nodes.time_of_day import SetBack, ahead
+
 _PERIOD = 0.02  # s between looks at the clocks
-_SET_BACK = 1_000_000  # ns: waits that last longer by less than that are nobody's trouble
 _AGAIN = (0.0, 0.5, 2.0)  # s after the time of day was set back
 
 
@@ -42,7 +43,7 @@ class Alarm:
         with handle:
             self.guard = rclpy_implementation.GuardCondition(handle)
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._watch, args=(_AT_FIRST,), name="alarm", daemon=True)
+        self._thread = threading.Thread(target=self._watch, args=(SetBack(_AT_FIRST),), name="alarm", daemon=True)
 
     def __enter__(self) -> Alarm:
         self._thread.start()
@@ -52,15 +53,13 @@ class Alarm:
         self._ended.set()
         self._thread.join()
 
-    def _watch(self, before: int) -> None:
+    def _watch(self, set_back: SetBack) -> None:
         due: list[float] = []
         while not self._ended.wait(_PERIOD):
-            ahead = _ahead()
-            if ahead < before - _SET_BACK:
+            if set_back.is_seen():
                 self.guard.trigger_guard_condition()
                 self._wake()
                 due = [time.monotonic() + later for later in _AGAIN]
-            before = ahead
             if due and time.monotonic() >= due[0]:
                 del due[0]
                 self._speak_up()
@@ -73,9 +72,4 @@ class Alarm:
             self._node.destroy_publisher(publisher)
 
 
-def _ahead() -> int:
-    """How far the time of day is ahead of the monotonic clock [ns]."""
-    return time.time_ns() - time.monotonic_ns()
-
-
-_AT_FIRST = _ahead()  # before any node was made: the time of day may have been set back since
+_AT_FIRST = ahead()  # before any node was made: the time of day may have been set back since

@@ -10,6 +10,7 @@ from types import FrameType, TracebackType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _A_MOMENT = 0.001  # s
+_INTERRUPTS: list[int] = []  # those that came as KeyboardInterrupt
 
 
 def hold_back() -> None:
@@ -32,13 +33,23 @@ def turn_deaf() -> None:
         signal.signal(kind, signal.SIG_IGN)
 
 
+def interrupt(number: int, frame: FrameType | None) -> None:
+    """Handle a signal as Python handles Ctrl-C, by KeyboardInterrupt, and remember that it came."""
+    _INTERRUPTS.append(number)
+    raise KeyboardInterrupt
+
+
 def interrupt_destructors() -> None:
-    """Let Ctrl-C end the program where it meets a destructor, too: Python would print a traceback and go on."""
+    """Let Ctrl-C end the program where it meets a destructor, too: Python would print a traceback and go on.
+
+    Nor is there a traceback where what an interrupt has left half-made cannot be destroyed.
+    """
     report = sys.unraisablehook
 
     def hook(unraisable: sys.UnraisableHookArgs) -> None:
         if not issubclass(unraisable.exc_type, KeyboardInterrupt):
-            report(unraisable)
+            if not _INTERRUPTS:
+                report(unraisable)
             return
         # In the background Ctrl-C is ignored: then it was SIGTERM.
         which = signal.SIGINT if callable(signal.getsignal(signal.SIGINT)) else signal.SIGTERM
@@ -50,6 +61,8 @@ def interrupt_destructors() -> None:
                 continue
 
     sys.unraisablehook = hook
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, interrupt)
 
 
 def _interrupt_soon(which: signal.Signals) -> None:

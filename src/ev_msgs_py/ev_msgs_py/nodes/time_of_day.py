@@ -1,4 +1,4 @@
-"""Up to when the middleware can say what time it is."""
+"""What the time of day may not do: be later than the middleware can say, or go back."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import time
 from rclpy.utilities import get_rmw_implementation_identifier
 
 _LAST = 2**31 - 1  # s since 1970
+_SET_BACK = 1_000_000  # ns: waits that last longer by less than that are nobody's trouble
 
 
 def too_late() -> str | None:
@@ -23,3 +24,20 @@ def refuse_late_time_of_day() -> None:
     trouble = too_late()
     if trouble is not None:
         raise RuntimeError(trouble)
+
+
+def ahead() -> int:
+    """How far the time of day is ahead of the monotonic clock [ns]."""
+    return time.time_ns() - time.monotonic_ns()
+
+
+class SetBack:
+    """Sees the time of day being set back, from look to look; the first is at `before`, as `ahead` gave it."""
+
+    def __init__(self, before: int) -> None:
+        self._before = before
+
+    def is_seen(self) -> bool:
+        """Whether it was set back since the last look."""
+        before, self._before = self._before, ahead()
+        return self._before < before - _SET_BACK

@@ -62,6 +62,13 @@ class OutputFolder:
         return self.directory if self._alone else self.directory / run.name
 
 
+def forget_recording(directory: Path) -> None:
+    """Remove what the recorder of a run has written into its folder, so that another one may begin there."""
+    for name in ("bag", "signals.npz"):
+        if (directory / name).exists():
+            _remove(directory / name)
+
+
 def _remove(path: Path) -> None:
     if path.is_dir():
         shutil.rmtree(path)

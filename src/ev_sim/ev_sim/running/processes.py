@@ -17,6 +17,7 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER
 from ev_msgs_py.lockstep.methods import node_package
 from ev_msgs_py.nodes.stop_request import StopRequest
+from ev_sim.running.beginning import Beginning, NotBegun
 from ev_sim.running.domain import free_domain
 from ev_sim.running.hanging import Hanging
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
@@ -24,6 +25,7 @@ from ev_sim.running.node_process import NodeProcess, start_node
 from ev_sim.running.observer import Observer
 from ev_sim.running.observing import observing
 from ev_sim.running.outcome import Outcome, Progress, RunFailed, not_reproducible
+from ev_sim.running.output_folder import forget_recording
 from ev_sim.running.progress_bar import announce
 from ev_sim.running.real_bus import real_bus
 from ev_sim.running.recording.recording import load
@@ -49,20 +51,25 @@ def run_in_processes(
     with (
         free_domain() as domain,
         StopRequest(patient=True) as stop,
-        observing(run.namespace, domain) as observer,
         real_bus(run, domain, directory) as bus,
     ):
         parameters = node_parameters(run, directory, bag, bus)
         write_parameter_file(file, run, parameters)
-        announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
-        nodes: list[NodeProcess] = []
-        try:
-            for name in parameters:
-                own = (own_nodes or {}).get(name)
-                nodes.append(start_node(name, own or command(name), not own, run, file, domain))
-            return _watch(run, nodes, observer, directory, progress, stop)
-        finally:
-            _stop(nodes)
+        while True:
+            beginning = Beginning()
+            nodes: list[NodeProcess] = []
+            with observing(run.namespace, domain) as observer:
+                announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
+                try:
+                    for name in parameters:
+                        own = (own_nodes or {}).get(name)
+                        nodes.append(start_node(name, own or command(name), not own, run, file, domain))
+                    return _watch(run, nodes, observer, directory, progress, stop, beginning)
+                except NotBegun as error:
+                    announce(f"{error}: its nodes are started anew")
+                finally:
+                    _stop(nodes)
+            forget_recording(directory)
 
 
 def package_of(node: str) -> str:
@@ -89,7 +96,13 @@ def command(name: str) -> list[str]:
 
 
 def _watch(
-    run: Run, nodes: list[NodeProcess], observer: Observer, directory: Path, progress: Progress, stop: StopRequest
+    run: Run,
+    nodes: list[NodeProcess],
+    observer: Observer,
+    directory: Path,
+    progress: Progress,
+    stop: StopRequest,
+    beginning: Beginning,
 ) -> Outcome:
     """Look at processes and time until plant and recorder have come to their end by themselves."""
     started = ended = None  # wall time of the last look at a car at rest in time, and of the first at its last instant
@@ -108,6 +121,7 @@ def _watch(
         progress(observer.time)
         if observer.time != before:
             patience = math.inf  # the recorder still has to keep what the plant said before its end
+        beginning.look(observer)
         for word in (*observer.new_words(), hanging.look()):
             if word is not None:
                 announce(word)

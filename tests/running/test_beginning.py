@@ -1,0 +1,106 @@
+"""A run whose nodes have lost sight of each other, because the time of day was set back, is begun anew."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from ros_graph import offline_hash, recorded_hash, shchur
+
+from ev_msgs_py.nodes import time_of_day
+from ev_sim.running import beginning, processes
+from ev_sim.running.beginning import Beginning, NotBegun
+
+HOUR = 3600 * 10**9  # ns
+PATIENCE = 3.0  # s
+
+
+@pytest.fixture
+def clocks(monkeypatch):
+    """Seconds of the monotonic clock, and nanoseconds by which the time of day is ahead of it."""
+    now = SimpleNamespace(seconds=100.0, ahead=HOUR)
+    monkeypatch.setattr(beginning.time, "monotonic", lambda: now.seconds)
+    monkeypatch.setattr(time_of_day, "ahead", lambda: now.ahead)
+    monkeypatch.setattr(beginning, "ahead", lambda: now.ahead)
+    monkeypatch.setattr(beginning, "_TO_BEGIN", PATIENCE)
+    return now
+
+
+def waited(begins: Beginning, run: SimpleNamespace, clocks: SimpleNamespace, most: float = 60.0) -> float:
+    """Seconds until it is told that the run has not begun, infinite if it is not for so long."""
+    start = clocks.seconds
+    while clocks.seconds < start + most:
+        try:
+            begins.look(run)
+        except NotBegun:
+            return clocks.seconds - start
+        clocks.seconds += 0.05
+    return math.inf
+
+
+def standing() -> SimpleNamespace:
+    """A run that has taken no step, as its observer sees it."""
+    return SimpleNamespace(time=0.0, rests=False)
+
+
+def test_a_run_that_takes_no_step_behind_a_set_back_has_not_begun(clocks):
+    begins = Beginning()
+    clocks.ahead = 0
+    assert waited(begins, standing(), clocks) == pytest.approx(PATIENCE, abs=0.1)
+
+
+@pytest.mark.parametrize("jump", [0, HOUR, -500_000], ids=["none", "ahead", "by half a millisecond"])
+def test_without_a_set_back_a_run_may_take_its_time(jump, clocks):
+    """A node of a user's own may load for a minute, or stand at a breakpoint; clocks are slewed all the time."""
+    begins = Beginning()
+    clocks.ahead += jump
+    assert waited(begins, standing(), clocks) == math.inf
+
+
+def test_a_run_that_goes_on_has_begun(clocks):
+    """Nodes that know each other do not find each other again."""
+    begins, run = Beginning(), standing()
+    run.time = 0.01
+    clocks.ahead = 0
+    assert waited(begins, run, clocks) == math.inf
+
+
+def test_a_run_that_makes_its_first_step_behind_the_set_back_has_begun(clocks):
+    begins, run = Beginning(), standing()
+    clocks.ahead = 0
+    assert waited(begins, run, clocks, 0.9 * PATIENCE) == math.inf
+    run.time = 0.01
+    assert waited(begins, run, clocks) == math.inf
+
+
+def test_while_time_is_stopped_no_run_can_begin(clocks):
+    """A service can stop time before the first step."""
+    begins, run = Beginning(), standing()
+    run.rests = True
+    clocks.ahead = 0
+    assert waited(begins, run, clocks) == math.inf
+    run.rests = False
+    assert waited(begins, run, clocks) == pytest.approx(PATIENCE, abs=0.1)
+
+
+def test_the_nodes_of_a_run_that_has_not_begun_are_started_anew(tmp_path, monkeypatch, capsys):
+    """Into the same folder, where the first recorder has begun a bag: with the right result, and it is said."""
+    begun = []
+
+    class OnceNotBegun(Beginning):
+        def __init__(self) -> None:
+            begun.append(self)
+
+        def look(self, observer) -> None:
+            if self is begun[0] and (tmp_path / "bag").exists():
+                raise NotBegun("the time of day was set back")
+
+    monkeypatch.setattr(processes, "Beginning", OnceNotBegun)
+    run = shchur(0.1)
+    outcome = processes.run_in_processes(run, tmp_path, True, lambda _: None)
+    assert len(begun) == 2
+    assert recorded_hash(tmp_path) == offline_hash(run)
+    assert outcome.recording.time[-1] == pytest.approx(0.1)
+    assert [*(tmp_path / "bag").glob("*.mcap")]
+    assert capsys.readouterr().err.count("the time of day was set back: its nodes are started anew") == 1
