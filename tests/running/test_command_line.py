@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+from ev_msgs_py.nodes import stop_request
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands import ev_stack
 from ev_sim.commands.command_line import arguments, overrides, own_nodes
@@ -154,11 +157,21 @@ def test_list_shows_every_scenario_and_method_in_a_line(capsys):
     assert all(len(line.split()) > 1 or line == "scenarios" for line in lines)
 
 
-@pytest.mark.parametrize("when", ["loading", "driving"])
-def test_ctrl_c_is_one_line_from_the_first_moment(when, monkeypatch, capsys):
-    """What takes half a second to load is interrupted more often than what it does."""
-    monkeypatch.setattr(ev_stack, "turn_deaf", lambda: None)
+@pytest.fixture
+def command(monkeypatch):
+    """`ev-stack run shchur2019` in this process, which is as it was afterwards."""
+    before = signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
     monkeypatch.setattr(sys, "argv", ["ev-stack", "run", "shchur2019"])
+    monkeypatch.setattr(stop_request, "_INTERRUPTS", [])
+    monkeypatch.setattr(ev_stack, "turn_deaf", lambda: None)
+    yield ev_stack.main
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.parametrize("when", ["loading", "driving"])
+def test_ctrl_c_is_one_line_from_the_first_moment(when, command, monkeypatch, capsys):
+    """What takes half a second to load is interrupted more often than what it does."""
 
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
@@ -166,6 +179,22 @@ def test_ctrl_c_is_one_line_from_the_first_moment(when, monkeypatch, capsys):
     module = SimpleNamespace(main=interrupted)
     monkeypatch.setattr(ev_stack, "import_module", interrupted if when == "loading" else lambda name: module)
     with pytest.raises(SystemExit) as ended:
-        ev_stack.main()
+        command()
     assert ended.value.code == 130
     assert capsys.readouterr() == ("", "stopped\n")
+
+
+@pytest.mark.parametrize("interrupted", [True, False])
+def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_told(interrupted, command, monkeypatch, capsys):
+    """The compiler hears of no Ctrl-C in a callback, and goes on without what that should have brought."""
+
+    def compile_it(*_: object) -> None:
+        if interrupted:
+            with suppress(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+        raise RuntimeError("no compiled object yet")
+
+    monkeypatch.setattr(ev_stack, "import_module", lambda name: SimpleNamespace(main=compile_it))
+    with pytest.raises(SystemExit if interrupted else RuntimeError):
+        command()
+    assert capsys.readouterr().err == ("stopped\n" if interrupted else "")

@@ -39,6 +39,11 @@ def interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
+def was_interrupted() -> bool:
+    """Whether an interrupt came; it may show as another error, for a callback from C does not pass it on."""
+    return bool(_INTERRUPTS)
+
+
 def interrupt_destructors() -> None:
     """Let Ctrl-C end the program where it meets a destructor, too: Python would print a traceback and go on.
 
@@ -48,7 +53,7 @@ def interrupt_destructors() -> None:
 
     def hook(unraisable: sys.UnraisableHookArgs) -> None:
         if not issubclass(unraisable.exc_type, KeyboardInterrupt):
-            if not _INTERRUPTS:
+            if not was_interrupted():
                 report(unraisable)
             return
         # In the background Ctrl-C is ignored: then it was SIGTERM.

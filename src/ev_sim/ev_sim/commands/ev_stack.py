@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from ev_msgs_py.nodes.stop_request import interrupt_destructors, let_in, turn_deaf
+from ev_msgs_py.nodes.stop_request import interrupt_destructors, let_in, turn_deaf, was_interrupted
 
 _INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
 
@@ -39,7 +39,9 @@ def main() -> None:
         interrupt_destructors()
         let_in()  # scripts/run.sh holds signals back until here, where they are one line
         perform(sys.argv[1:])
-    except KeyboardInterrupt:  # while a command is loaded as well, which takes half a second
+    except (KeyboardInterrupt, Exception) as error:  # while a command is loaded as well, which takes half a second
+        if not (isinstance(error, KeyboardInterrupt) or was_interrupted()):
+            raise
         turn_deaf()
         print("stopped", file=sys.stderr)
         sys.exit(_INTERRUPTED)
