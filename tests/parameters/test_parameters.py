@@ -128,6 +128,7 @@ def test_flatten_is_the_inverse_of_build(values):
         ("name", "three", "one of one, two"),
         ("name", 1, "a text, one of one, two"),
         ("text", 5, "a text, any value of its type"),
+        ("text", "a\0b", "a text without the character NUL"),
         ("points", 1.0, "an array of numbers"),
         ("points", "12", "an array of numbers"),
         ("points", b"12", "an array of numbers"),

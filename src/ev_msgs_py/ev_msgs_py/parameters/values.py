@@ -51,6 +51,8 @@ def _check_element(entry: Entry, value: Any) -> Any:
             raise _refused(entry, value, f"a whole number, {spec.allowed}")
     elif not isinstance(value, str):
         raise _refused(entry, value, f"a text, {spec.allowed}")
+    elif "\0" in value:  # no file has it in its name, and ROS cuts a text off there
+        raise _refused(entry, value, "a text without the character NUL")
     too_low = spec.low is not None and value < spec.low
     too_high = spec.high is not None and value > spec.high
     unknown = bool(spec.choices) and value not in spec.choices
