@@ -208,6 +208,7 @@ class HalfMade:
         if {also}:
             raise OSError("an error of its own")
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background it is ignored
 stop_request.interrupt_destructors()
 signal.signal(signal.SIGTERM, stop_request.interrupt)
 try:

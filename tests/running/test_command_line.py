@@ -160,7 +160,7 @@ def test_list_shows_every_scenario_and_method_in_a_line(capsys):
 @pytest.fixture
 def command(monkeypatch):
     """`ev-stack run shchur2019` in this process, which is as it was afterwards."""
-    before = signal.getsignal(signal.SIGINT)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run in the background
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
     monkeypatch.setattr(sys, "argv", ["ev-stack", "run", "shchur2019"])
     monkeypatch.setattr(stop_request, "_INTERRUPTS", [])
