@@ -56,7 +56,7 @@ class UnderWay:
         def before() -> None:
             if dies_with_us is not None:
                 dies_with_us()
-            signal.signal(signal.SIGINT, signal.SIG_DFL)  # a campaign in the background ignores it, and so would the run
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # in the background it is ignored
             for kind, most in limits.items():
                 resource.setrlimit(kind, (most, most))
 
