@@ -40,7 +40,7 @@ def interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def was_interrupted() -> bool:
-    """Whether an interrupt came; it may show as another error, for a callback from C does not pass it on."""
+    """Whether an interrupt came; it may show as another error, as behind a callback from C."""
     return bool(_INTERRUPTS)
 
 

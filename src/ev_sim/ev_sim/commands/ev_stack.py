@@ -39,8 +39,9 @@ def main() -> None:
         interrupt_destructors()
         let_in()  # scripts/run.sh holds signals back until here, where they are one line
         perform(sys.argv[1:])
-    except (KeyboardInterrupt, Exception) as error:  # while a command is loaded as well, which takes half a second
-        if not (isinstance(error, KeyboardInterrupt) or was_interrupted()):
+    except BaseException as error:  # while a command is loaded as well, which takes half a second
+        made_by_ctrl_c = was_interrupted() and not (isinstance(error, SystemExit) and not error.code)
+        if not (isinstance(error, KeyboardInterrupt) or made_by_ctrl_c):
             raise
         turn_deaf()
         print("stopped", file=sys.stderr)

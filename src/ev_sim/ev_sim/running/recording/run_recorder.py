@@ -10,6 +10,7 @@ import numpy as np
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
+from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.running.recording.durable_bag import DurableBag
 from ev_sim.running.recording.message_table import MessageTable
@@ -144,16 +145,21 @@ class RunRecorder:
 
 
 def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path) -> None:
-    """The bag of a run that had no messages: the same bytes that the nodes would have sent."""
+    """The bag of a run that had no messages: the same bytes that the nodes would have sent.
+
+    KeyboardInterrupt, when the message that is being written is there as a whole, if Ctrl-C or SIGTERM came.
+    """
     frames = frame.stack(len(recording.time), period)
     for topic in topics:
         frames[:, frame.PLACES[topic.signal]] = np.stack([recording.channels[name] for name in topic.channels], axis=1)
     stamp = np.arange(len(frames)) * period
-    with DurableBag(bag, checkpoint_period=float("inf")) as written:
+    with StopRequest(patient=True) as stop, DurableBag(bag, checkpoint_period=float("inf")) as written:
         handles, messages = [], []
         for topic, name in zip(topics, names, strict=True):
             handles.append(written.add_topic(name, topic.message_type, depth=QUEUE_DEPTH))
             messages.append(MessageTable(topic).serialize(stamp, frames))
         for step in range(len(frames)):
+            if stop.received:
+                raise KeyboardInterrupt
             for handle, column in zip(handles, messages, strict=True):
                 written.write(handle, step * period, column[step])

@@ -1,0 +1,38 @@
+"""The bag of a run without messages, when it is interrupted while it is written."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+
+import pytest
+from ros_graph import shchur
+from rosbags.highlevel import AnyReader
+
+from ev_sim.running.node_parameters import recorded_topics
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.durable_bag import DurableBag
+from ev_sim.running.recording.run_recorder import write_bag
+
+WRITTEN = 50  # messages before Ctrl-C
+
+
+def test_ctrl_c_leaves_a_bag_that_counts_what_it_holds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Between a message and its count there is no place to be interrupted at."""
+    run = shchur(0.5)
+    topics = recorded_topics(run)
+    write, told = DurableBag.write, []
+
+    def interrupted(bag: DurableBag, *message) -> None:
+        told.append(message)
+        if len(told) == WRITTEN:
+            signal.raise_signal(signal.SIGINT)
+        write(bag, *message)
+
+    monkeypatch.setattr(DurableBag, "write", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        recording = run_offline(run.configurations, run.duration)
+        write_bag(recording, topics, [topic.name for topic in topics], run.period, tmp_path / "bag")
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert reader.message_count == sum(1 for _ in reader.messages()) == len(told)
+    assert WRITTEN <= len(told) < WRITTEN + len(topics)
