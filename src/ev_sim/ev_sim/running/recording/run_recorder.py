@@ -160,6 +160,8 @@ def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str
             messages.append(MessageTable(topic).serialize(stamp, frames))
         for step in range(len(frames)):
             if stop.received:
-                raise KeyboardInterrupt
+                break
             for handle, column in zip(handles, messages, strict=True):
                 written.write(handle, step * period, column[step])
+    if stop.received:
+        raise KeyboardInterrupt
