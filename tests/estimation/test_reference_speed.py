@@ -16,7 +16,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.running.processes import command
+from ev_sim.running.node_command import command
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 REAR = ("rear_left", "rear_right")

@@ -16,7 +16,7 @@ from ros_graph import NAMESPACE, NODES, PATIENCE, Probe, ros_domain
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.nodes import run_role as run_role_module
-from ev_sim.running.processes import command
+from ev_sim.running.node_command import command
 
 pytestmark = pytest.mark.slow
 

@@ -6,8 +6,8 @@ from documentation.own_methods import writing_methods
 from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES, ROLES, RoleKind
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.graph import sequence, writers
+from ev_sim.running.node_command import package_of
 from ev_sim.running.node_parameters import RECORDER
-from ev_sim.running.processes import package_of
 
 _THICK = "==>"
 _DOTTED = "-.->"

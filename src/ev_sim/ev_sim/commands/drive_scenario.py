@@ -13,6 +13,7 @@ from ev_sim.commands.command_line import overrides, own_nodes
 from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.real_time import in_words
 from ev_sim.report.result import Result
+from ev_sim.running.files_of_run import BAG, PARAMETERS, SIGNALS
 from ev_sim.running.node_parameters import node_parameters, recorded_topics, write_parameter_file
 from ev_sim.running.outcome import Outcome, Progress, RunFailed
 from ev_sim.running.output_folder import OutputFolder
@@ -96,13 +97,13 @@ def _driven(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
 def _drive_offline(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
     from ev_sim.running.offline import drive_offline
 
-    write_parameter_file(directory / "parameters.yaml", run, node_parameters(run, directory, bag))
+    write_parameter_file(directory / PARAMETERS, run, node_parameters(run, directory, bag))
     outcome = drive_offline(run, progress)
-    save(outcome.recording, directory / "signals.npz")
+    save(outcome.recording, directory / SIGNALS)
     if bag:
         from ev_sim.running.recording.run_recorder import write_bag
 
         topics = recorded_topics(run)
         names = [f"{run.namespace}/{topic.name}" for topic in topics]
-        write_bag(outcome.recording, topics, names, run.period, directory / "bag")
+        write_bag(outcome.recording, topics, names, run.period, directory / BAG)
     return outcome

@@ -14,10 +14,11 @@ from ev_msgs_py.parameters.config_folders import config_folders
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import add_overrides, overrides
 from ev_sim.interface.driving import only_run
+from ev_sim.running.files_of_run import PARAMETERS
+from ev_sim.running.node_command import package_of
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
 from ev_sim.running.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.running.processes import package_of
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -34,7 +35,7 @@ def main(argv: list[str] | None = None) -> None:
         run = only_run(given.scenario, given.run, overrides(given))
         folder = OutputFolder(given.out, (run,)).directory
         nodes = node_parameters(run, folder, bag=not given.no_record)
-        file = folder / "parameters.yaml"
+        file = folder / PARAMETERS
         write_parameter_file(file, run, nodes)
         started = [{"package": package_of(name), "executable": name} for name in nodes]
     except (ParameterError, RunFailed, LookupError, OSError) as error:

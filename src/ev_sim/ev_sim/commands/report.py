@@ -13,6 +13,7 @@ from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.page.content import Signals
 from ev_sim.report.page.writing import NAME, Page, write_page
+from ev_sim.running.files_of_run import SIGNALS
 from ev_sim.running.recording.recording import load
 
 
@@ -65,5 +66,5 @@ def _summary(folder: Path) -> Mapping[str, Any]:
 
 def _signals(label: str, folder: Path, summary: Mapping[str, Any]) -> Signals:
     names = list(summary["runs"])
-    runs = {name: load((folder if len(names) == 1 else folder / name) / "signals.npz") for name in names}
+    runs = {name: load((folder if len(names) == 1 else folder / name) / SIGNALS) for name in names}
     return Signals(label, runs, build(Vehicle, summary["vehicle"]))

@@ -17,6 +17,7 @@ from ev_sim.replay.latency import in_words as latency_in_words
 from ev_sim.replay.latency import latency_of, latency_sheet
 from ev_sim.report.figures.saving import save_figures
 from ev_sim.report.summary import Summary, write_summary
+from ev_sim.running.files_of_run import PARAMETERS, SIGNALS
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
 from ev_sim.running.outcome import Outcome
 from ev_sim.running.output_folder import OutputFolder
@@ -24,7 +25,6 @@ from ev_sim.running.recording.recording import Recording, save
 from ev_sim.running.scenarios.scenario import Run
 
 _RECORDED, _REPLAYED = "recorded", "replayed"
-_FILE, _PARAMETERS = "signals.npz", "parameters.yaml"
 
 
 def replay_folder(replay: Replay, out: Path) -> tuple[Run, OutputFolder]:
@@ -38,10 +38,10 @@ def replay_folder(replay: Replay, out: Path) -> tuple[Run, OutputFolder]:
         raise ParameterError(f"--out {out}: the run that is replayed is there, allowed is another folder")
     folder = OutputFolder(out, tuple(folders.values()))
     before, after = (folder.of(each) for each in folders.values())
-    _write_told(before / _PARAMETERS, replay)
-    save(replay.recorded.recording, before / _FILE)
-    run = replay.run(before / _FILE)
-    write_parameter_file(after / _PARAMETERS, run, node_parameters(run, after, bag=False))
+    _write_told(before / PARAMETERS, replay)
+    save(replay.recorded.recording, before / SIGNALS)
+    run = replay.run(before / SIGNALS)
+    write_parameter_file(after / PARAMETERS, run, node_parameters(run, after, bag=False))
     return run, folder
 
 
@@ -98,7 +98,7 @@ class Replayed:
     def write(self, folder: OutputFolder, page: bool, formats: Sequence[str]) -> str:
         """Write all of it; the answer names the page if there is one."""
         runs = {_RECORDED: self._recorded(), _REPLAYED: self.outcome.recording}
-        save(self.outcome.recording, folder.directory / _REPLAYED / _FILE)
+        save(self.outcome.recording, folder.directory / _REPLAYED / SIGNALS)
         table_files(self.differences, folder.directory)
         content = self._content(runs)
         figures = {"latency": latency_sheet(self._latency)} if self._latency else {}

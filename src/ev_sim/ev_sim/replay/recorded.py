@@ -13,11 +13,12 @@ from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.playback.signals_file import RecordingError
+from ev_sim.running.files_of_run import BAG, PARAMETERS, SIGNALS
 from ev_sim.running.recording.recording import Recording, load
 from ev_sim.running.scenarios.parameter_file import ParameterFile
 from ev_sim.running.scenarios.scenario import NAMESPACE
 
-_METADATA, _SIGNALS = "metadata.yaml", "signals.npz"
+_METADATA = "metadata.yaml"
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ def find_recorded(path: Path, namespace: str = "") -> Recorded:
     `namespace` is that of the topics, where a bag has several. ParameterError, in one line, if nothing can be read.
     """
     storage, folder = _found(path)
-    parameters = folder / "parameters.yaml"
+    parameters = folder / PARAMETERS
     told = ParameterFile(parameters) if parameters.exists() else None
     if storage.name.endswith(".npz"):
         return _of_signals(storage, told)
@@ -73,11 +74,11 @@ def _found(path: Path) -> tuple[Path, Path]:
     if path.is_dir():
         if (path / _METADATA).exists():
             return path, path.parent
-        if (path / "bag" / _METADATA).exists():
-            return path / "bag", path
-        if (path / _SIGNALS).exists():
-            return path / _SIGNALS, path
-        below = sorted(each.name for each in path.iterdir() if (each / "bag").is_dir() or (each / _SIGNALS).exists())
+        if (path / BAG / _METADATA).exists():
+            return path / BAG, path
+        if (path / SIGNALS).exists():
+            return path / SIGNALS, path
+        below = sorted(each.name for each in path.iterdir() if (each / BAG).is_dir() or (each / SIGNALS).exists())
         if below:
             raise ParameterError(f"{path} has several runs, allowed is one: {', '.join(str(path / b) for b in below)}")
     elif path.suffix in (".mcap", ".db3"):

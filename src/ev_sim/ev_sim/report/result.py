@@ -20,6 +20,7 @@ from ev_sim.report.own_metrics import own_metrics
 from ev_sim.report.reports import report_for
 from ev_sim.report.samples import Parameters, Runs
 from ev_sim.report.summary import Summary, write_summary
+from ev_sim.running.files_of_run import SIGNALS
 from ev_sim.running.outcome import Outcome
 from ev_sim.running.recording.recording import Recording, combined_hash, save, signal_hash
 from ev_sim.running.scenarios.differences import COMMAND_LINE, Difference, differences
@@ -147,7 +148,7 @@ class Result:
         for name, run in self.runs.items():
             of_run = folder if len(self.outcomes) == 1 else folder / name
             of_run.mkdir(parents=True, exist_ok=True)
-            save(run, of_run / "signals.npz")
+            save(run, of_run / SIGNALS)
         self.write_report(folder, formats=formats)
 
     def write_report(self, folder: Path, page: bool = True, formats: Sequence[str] = ()) -> dict[str, Any]:

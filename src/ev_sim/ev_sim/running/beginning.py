@@ -11,12 +11,8 @@ from ev_sim.running.observer import Observer
 _TO_BEGIN = 3.0  # s for the first step behind a time of day that was set back; nodes tell each other things again
 
 
-class NotBegun(RuntimeError):
-    """A run has not begun and will not."""
-
-
 class Beginning:
-    """Watches a run up to its first step; made before its nodes are, and `look` is to be called often.
+    """Watches a run up to its first step; made before its nodes are, and `is_missed` is to be asked often.
 
     The middleware keeps what processes tell about themselves in the order of the time of day. Where that is set back
     while they find each other, one of them may never learn what another one has told. Processes that are started
@@ -27,11 +23,10 @@ class Beginning:
         self._set_back = SetBack(ahead())
         self._deadline = math.inf
 
-    def look(self, observer: Observer) -> None:
-        """NotBegun if the time of day was set back and no step was taken in the seconds behind it."""
+    def is_missed(self, observer: Observer) -> bool:
+        """Whether the time of day was set back and no step was taken in the seconds behind it."""
         if self._set_back.is_seen() or (observer.rests and self._deadline < math.inf):
             self._deadline = time.monotonic() + _TO_BEGIN
         if observer.time > 0:
             self._deadline = math.inf
-        if time.monotonic() > self._deadline:
-            raise NotBegun("the time of day was set back, and the run has not begun since")
+        return time.monotonic() > self._deadline

@@ -19,6 +19,7 @@ from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.running.domain import free_domain
+from ev_sim.running.files_of_run import PARAMETERS, SIGNALS
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
 from ev_sim.running.observing import observing
 from ev_sim.running.outcome import Outcome, Progress, RunFailed, not_reproducible
@@ -45,7 +46,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
         real_bus(run, domain, directory) as bus,
     ):
         parameters = node_parameters(run, directory, bag, bus)
-        write_parameter_file(directory / "parameters.yaml", run, parameters)
+        write_parameter_file(directory / PARAMETERS, run, parameters)
         announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         try:
             nodes += [_node(name, run.namespace, values, observer.context) for name, values in parameters.items()]
@@ -72,7 +73,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
                 node.close()
                 node.destroy_node()
     warnings, notes = not_reproducible(run, observer.warnings), observer.notes
-    return Outcome(load(directory / "signals.npz"), wall_time, warnings, notes, observer.timing)
+    return Outcome(load(directory / SIGNALS), wall_time, warnings, notes, observer.timing)
 
 
 def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:

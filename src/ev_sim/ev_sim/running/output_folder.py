@@ -10,12 +10,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.files_of_run import BAG, PARAMETERS, SIGNALS
 from ev_sim.running.scenarios.scenario import Run
 
 _OF_A_SCENARIO = ("summary.json", "report.html", "table.csv", "table.md", "table.tex", "table.parquet")
-_OF_A_RUN = ("bag", "bag_before_reset_*", "log", "signals.npz", "parameters.yaml")
+_OF_A_RUN = (BAG, f"{BAG}_before_reset_*", "log", SIGNALS, PARAMETERS)
 _FIGURES = ("*.png", "*.pdf", "*.svg")
-_MARKS = ("summary.json", "parameters.yaml")  # what a run leaves behind, first and last
+_MARKS = ("summary.json", PARAMETERS)  # what a run leaves behind, first and last
 
 
 class OutputFolder:
@@ -64,7 +65,7 @@ class OutputFolder:
 
 def forget_recording(directory: Path) -> None:
     """Remove what the recorder of a run has written into its folder, so that another one may begin there."""
-    for name in ("bag", "signals.npz"):
+    for name in (BAG, SIGNALS):
         if (directory / name).exists():
             _remove(directory / name)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.files_of_run import BAG, SIGNALS
 from ev_sim.running.recording.recorder_parameters import RecorderParameters
 from ev_sim.running.recording.recording import save
 from ev_sim.running.recording.run_recorder import RunRecorder
@@ -18,7 +19,7 @@ class OutputOfRun:
 
     def __init__(self, p: RecorderParameters, topics: Sequence[Topic], names: Sequence[str]) -> None:
         self._directory = Path(p.directory)
-        bag = self._directory / "bag" if p.bag else None
+        bag = self._directory / BAG if p.bag else None
         if bag is not None and bag.exists():
             raise ParameterError(f"parameter directory: {p.directory!r} is refused, allowed is one without a bag")
         self._directory.mkdir(parents=True, exist_ok=True)
@@ -39,4 +40,4 @@ class OutputOfRun:
             try:
                 self.recorder.close()
             finally:  # what the bag has no room for may still fit in there
-                save(self.recorder.recording(), self._directory / "signals.npz")
+                save(self.recorder.recording(), self._directory / SIGNALS)
