@@ -15,6 +15,7 @@ from ros_graph import NAMESPACE, NODES, PATIENCE, Probe, ros_domain
 
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.nodes import leaving
 from ev_msgs_py.nodes import run_role as run_role_module
 from ev_sim.running.node_command import command
 
@@ -93,7 +94,7 @@ def test_what_goes_wrong_once_more_at_the_end_is_one_line_too(monkeypatch):
 
     monkeypatch.setattr(sys, "argv", ["recorder"])
     monkeypatch.setattr(run_role_module, "spin", fail)
-    monkeypatch.setattr(run_role_module, "turn_deaf", lambda: None)
+    monkeypatch.setattr(leaving, "turn_deaf", lambda: None)
     with pytest.raises(SystemExit, match=r"^recorder: \[Errno 27\] File too large$"):
         run_role_module.run_node("recorder", lambda: SimpleNamespace(close=fail, done=False))
 

@@ -22,11 +22,12 @@ from rclpy.utilities import remove_ros_args
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.lockstep.methods import NODES
 from ev_msgs_py.nodes import ros_parameters
+from ev_msgs_py.nodes.leaving import leave
 from ev_msgs_py.nodes.master_node import MasterNode
 from ev_msgs_py.nodes.security import refuse_weak_security
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.nodes.stepped_node import SteppedNode
-from ev_msgs_py.nodes.stop_request import StopRequest, turn_deaf
+from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_msgs_py.nodes.time_of_day import refuse_late_time_of_day, too_late
 
 
@@ -78,21 +79,17 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
             refuse_weak_security(os.environ)
             refuse_late_time_of_day()
             rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-            _spin_to_the_end(make(), stop)
+            node = make()
+            try:
+                spin([node], lambda: node.done or stop.received)
+            finally:
+                node.close()
         except (ValueError, RuntimeError, OSError, ParameterException) as error:
-            sys.exit(f"{name}: {one_line(error)}")
+            leave(f"{name}: {one_line(error)}")
         except KeyboardInterrupt:
-            pass
-        finally:
-            turn_deaf()
-            rclpy.try_shutdown()
-
-
-def _spin_to_the_end(node: Any, stop: StopRequest) -> None:
-    try:
-        spin([node], lambda: node.done or stop.received)
-    finally:
-        node.close()
+            leave()
+        else:
+            leave()
 
 
 def _refuse_other_arguments() -> None:

@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from ev_msgs_py.nodes.leaving import SILENTLY
 from ev_msgs_py.nodes.stop_request import hold_back
 from ev_sim.running.children import ends_with_us
 from ev_sim.running.observing import enclave
@@ -58,7 +59,7 @@ def start_node(name: str, words: Sequence[str], ours: bool, run: Run, parameters
     log = logs / f"{name}.log"
     arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
     arguments += enclave(name, run.namespace)
-    environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain), SILENTLY: "1"}
     with log.open("wb") as output:
         try:
             with same_addresses():

@@ -1,0 +1,36 @@
+"""How the process of a node leaves the graph.
+
+A node that says goodbye takes its publishers out of the graph one by one. Who removes a publisher that it has heard
+holds a lock of Fast DDS and waits for its own thread of timed events: if that is just about to announce its process,
+and waits for the lock, the process is locked up for ever (https://github.com/eProsima/Fast-DDS/issues/6502). Nodes that
+a runner has started end all together, and nobody is left who needs to know: they leave without a word. Who else has
+followed the run misses them when their lease is over, after 4 s.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import rclpy
+
+from ev_msgs_py.nodes.stop_request import turn_deaf
+
+SILENTLY = "EV_STACK_LEAVE_SILENTLY"  # variable of the environment: a runner sets it for its nodes
+
+
+def leave(trouble: str | None = None) -> None:
+    """Let the process end; SystemExit, with status 1 and a line on stderr, if there was trouble. No signal counts now.
+
+    To be called while the node still lives: one that is forgotten says goodbye.
+    """
+    turn_deaf()
+    if SILENTLY in os.environ:
+        if trouble is not None:
+            print(trouble, file=sys.stderr)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(0 if trouble is None else 1)
+    rclpy.try_shutdown()
+    if trouble is not None:
+        sys.exit(trouble)
