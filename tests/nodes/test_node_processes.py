@@ -110,7 +110,7 @@ def shut_down(and_then=run_role.rclpy.try_shutdown):
 
 run_role.spin = lambda *_: stop()
 run_role.rclpy.try_shutdown = shut_down
-run_role.run_node("driver", lambda: SimpleNamespace(close=lambda: None, done=False))
+run_role.run_node("driver", lambda: SimpleNamespace(close=lambda: None, done=False, subscriptions=()))
 """,
     "the runner": """
 from ev_sim.commands import ev_stack

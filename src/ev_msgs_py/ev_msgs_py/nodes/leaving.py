@@ -4,7 +4,8 @@ A node that says goodbye takes its publishers out of the graph one by one. Who r
 holds a lock of Fast DDS and waits for its own thread of timed events: if that is just about to announce its process,
 and waits for the lock, the process is locked up for ever (https://github.com/eProsima/Fast-DDS/issues/6502). Nodes that
 a runner has started end all together, and nobody is left who needs to know: they leave without a word. Who else has
-followed the run misses them when their lease is over, after 4 s.
+followed the run misses them when their lease is over, after 4 s. Only what they hear they take out of the graph, which
+makes nobody wait for a timer: who wants to know that its last word has arrived shall not wait for them.
 """
 
 from __future__ import annotations
@@ -13,14 +14,21 @@ import os
 import sys
 
 import rclpy
+from rclpy.node import Node
 
 from ev_msgs_py.nodes.stop_request import turn_deaf
 
 SILENTLY = "EV_STACK_LEAVE_SILENTLY"  # variable of the environment: a runner sets it for its nodes
 
 
+def stop_listening(node: Node) -> None:
+    """Hear nothing any more, so that nobody waits until this node has heard something."""
+    for subscription in list(node.subscriptions):
+        node.destroy_subscription(subscription)
+
+
 def leave(trouble: str | None = None) -> None:
-    """Let the process end; SystemExit, with status 1 and a line on stderr, if there was trouble. No signal counts now.
+    """Let the process end; SystemExit, with status 1 and a line on stderr, if there was trouble. No signal counts then.
 
     To be called while the node still lives: one that is forgotten says goodbye.
     """

@@ -22,7 +22,7 @@ from rclpy.utilities import remove_ros_args
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.lockstep.methods import NODES
 from ev_msgs_py.nodes import ros_parameters
-from ev_msgs_py.nodes.leaving import leave
+from ev_msgs_py.nodes.leaving import leave, stop_listening
 from ev_msgs_py.nodes.master_node import MasterNode
 from ev_msgs_py.nodes.security import refuse_weak_security
 from ev_msgs_py.nodes.spinning import spin
@@ -84,6 +84,7 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
                 spin([node], lambda: node.done or stop.received)
             finally:
                 node.close()
+            stop_listening(node)
         except (ValueError, RuntimeError, OSError, ParameterException) as error:
             leave(f"{name}: {one_line(error)}")
         except KeyboardInterrupt:
