@@ -8,8 +8,9 @@ import pytest
 
 from ev_msgs_py.contract.topics import QUEUE_DEPTH
 from ev_msgs_py.nodes import speaker as speaker_module
-from ev_msgs_py.nodes.signal_io import Reader
+from ev_msgs_py.nodes.signal_io import HELD, Reader
 from ev_msgs_py.nodes.speaker import Speaker
+from ev_sim.running.observer import Observer
 
 OURS, ANOTHER = b"ours", b"another"
 
@@ -70,13 +71,32 @@ def test_whose_node_is_not_known_is_heard_when_it_is_and_told_of_when_it_takes_l
     assert heard(speaker, OURS)
 
 
+def reader_of(said: list[bytes]) -> Reader:
+    """What reads messages of these publishers, of which one may speak."""
+    reader, left = object.__new__(Reader), iter(said)
+    reader.speaker = Speaker(Graph(ours="plant", another="stranger"), "imu", "plant", lambda *_: None)
+
+    def take():
+        gid = next(left, None)
+        return None if gid is None else (b"", {"publisher_gid": {"data": gid}, "received_timestamp": 1})
+
+    reader._take = take
+    return reader
+
+
 def test_who_speaks_faster_than_it_is_refused_does_not_keep_the_node_from_all_else(wall):
     """Without an end to its messages; the one of the plant is found behind them when the node looks again."""
-    speaker = Speaker(Graph(ours="plant", another="stranger"), "imu", "plant", lambda *_: None)
-    reader = object.__new__(Reader)
-    reader.speaker, said = speaker, iter([ANOTHER] * (QUEUE_DEPTH + 10) + [OURS] + [ANOTHER] * QUEUE_DEPTH)
-    reader._take = lambda: (b"", {"publisher_gid": {"data": next(said)}, "received_timestamp": 1})
+    reader = reader_of([ANOTHER] * (QUEUE_DEPTH + 10) + [OURS] + [ANOTHER] * QUEUE_DEPTH)
     assert reader.take() is None
     assert reader.take() == b""
     assert reader.take() is None
-    assert speaker.refused == 2 * QUEUE_DEPTH + 10
+    assert reader.speaker.refused == 2 * QUEUE_DEPTH + 10
+
+
+def test_a_look_of_the_runner_finds_the_recorder_behind_all_that_is_held_of_a_stranger(wall):
+    """It looks every 0.05 s: at 10 kHz it would come to the recorder's word ever later, and never in a short run."""
+    observer, words = object.__new__(Observer), []
+    observer._progress, observer._diagnostics = reader_of([ANOTHER] * (HELD - 1) + [OURS]), reader_of([])
+    observer._progress.receive = words.append
+    observer.look()
+    assert words == [b""]

@@ -23,7 +23,8 @@ from ev_msgs_py.wire.message_format import format_of
 
 SubscriptionHandle = rclpy_implementation.Subscription  # what rclpy's Subscription wraps
 QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last
-_HEARD = QoSProfile(depth=20 * QUEUE_DEPTH)  # until they are taken; those of strangers shall not displace the others
+HELD = 20 * QUEUE_DEPTH  # messages, until they are taken; those of strangers shall not displace the others
+_HEARD = QoSProfile(depth=HELD)
 
 
 class SignalWriter:
@@ -80,14 +81,14 @@ class Reader:
         self._take = partial(self.handle.take_message, message_class, True)
         self.close = partial(node.destroy_subscription, self._subscription)
 
-    def take(self) -> bytes | None:
-        """The next message that is admitted, None if there is none, or none among the many of a stranger."""
-        taken = self.take_with_time()
+    def take(self, patience: int = QUEUE_DEPTH) -> bytes | None:
+        """The next message that is admitted, None if there is none, or none among so many of a stranger."""
+        taken = self.take_with_time(patience)
         return None if taken is None else taken[0]
 
-    def take_with_time(self) -> tuple[bytes, int] | None:
+    def take_with_time(self, patience: int = QUEUE_DEPTH) -> tuple[bytes, int] | None:
         """The same, with the wall time at which the middleware received it [ns]."""
-        for _ in range(QUEUE_DEPTH):  # who speaks faster than it is refused shall not keep the node from all else
+        for _ in range(patience):  # who speaks faster than it is refused shall not keep the node from all else
             taken = self._take()
             if taken is None:
                 return None

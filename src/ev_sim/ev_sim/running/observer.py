@@ -17,7 +17,7 @@ from ev_msgs_py.contract.roles import RECORDER, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes.health import HEALTH
 from ev_msgs_py.nodes.reports import NOTED
-from ev_msgs_py.nodes.signal_io import Reader, SignalReader
+from ev_msgs_py.nodes.signal_io import HELD, Reader, SignalReader
 from ev_msgs_py.nodes.speaker import NAMELESS
 from ev_msgs_py.nodes.time_services import TIME
 from ev_msgs_py.nodes.timing import TIMING
@@ -54,9 +54,9 @@ class Observer(Node):
         return words
 
     def look(self) -> None:
-        """Take what has come since the last look."""
+        """Take what has come since the last look, the many messages of a stranger included: looks are rare."""
         for reader in (self._progress, self._diagnostics):
-            while (message := reader.take()) is not None:
+            while (message := reader.take(HELD)) is not None:
                 reader.receive(message)
 
     def _note_progress(self, message: bytes) -> None:
