@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from campaign.under_way import UnderWay
+from ev_sim.running.files_of_run import SIGNALS
 
 START, THERE, ANNOUNCED, MOVING, ENDING = "start", "process", "announced", "moving", "ending"
 
@@ -29,7 +30,7 @@ class Moment:
             THERE: lambda: run.pid_of(target) is not None,
             ANNOUNCED: lambda: run.domain() is not None,
             MOVING: run.is_moving,
-            ENDING: lambda: (run.trial.out / "signals.npz").exists(),
+            ENDING: lambda: (run.trial.out / SIGNALS).exists(),
         }
         if not run.wait_until(begun[self.phase]):
             return None

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from campaign.trial import RUNNER, Trial
 from ev_sim.running.children import ends_with_us
+from ev_sim.running.files_of_run import BAG, PARAMETERS
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 150.0  # s of wall time for a run that nothing keeps from its end, on a machine with much other work
@@ -94,9 +95,9 @@ class UnderWay:
     def is_moving(self) -> bool:
         """Whether messages have been recorded; offline there are only files."""
         if self.trial.way == "offline":
-            return (self.trial.out / "parameters.yaml").exists()
+            return (self.trial.out / PARAMETERS).exists()
         try:
-            said = (self.trial.out / "bag" / "metadata.yaml").read_text()
+            said = (self.trial.out / BAG / "metadata.yaml").read_text()
         except OSError:
             return False
         count = re.search(r"message_count: (\d+)", said)
