@@ -8,9 +8,8 @@ import pytest
 
 from ev_msgs_py.contract.topics import QUEUE_DEPTH
 from ev_msgs_py.nodes import speaker as speaker_module
-from ev_msgs_py.nodes.signal_io import HELD, Reader
+from ev_msgs_py.nodes.signal_io import Reader
 from ev_msgs_py.nodes.speaker import Speaker
-from ev_sim.running.observer import Observer
 
 OURS, ANOTHER = b"ours", b"another"
 
@@ -91,12 +90,3 @@ def test_who_speaks_faster_than_it_is_refused_does_not_keep_the_node_from_all_el
     assert reader.take() == b""
     assert reader.take() is None
     assert reader.speaker.refused == 2 * QUEUE_DEPTH + 10
-
-
-def test_a_look_of_the_runner_finds_the_recorder_behind_all_that_is_held_of_a_stranger(wall):
-    """It looks every 0.05 s: at 10 kHz it would come to the recorder's word ever later, and never in a short run."""
-    observer, words = object.__new__(Observer), []
-    observer._progress, observer._diagnostics = reader_of([ANOTHER] * (HELD - 1) + [OURS]), reader_of([])
-    observer._progress.receive = words.append
-    observer.look()
-    assert words == [b""]

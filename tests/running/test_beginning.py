@@ -38,7 +38,7 @@ def waited(begins: Beginning, run: SimpleNamespace, clocks: SimpleNamespace, mos
 
 
 def standing() -> SimpleNamespace:
-    """A run that has taken no step, as its observer sees it."""
+    """A run that has taken no step, as its runner is told."""
     return SimpleNamespace(time=0.0, rests=False)
 
 

@@ -10,8 +10,7 @@ from sockets_of_process import sockets_of
 
 from ev_msgs_py.nodes.security import refuse_weak_security
 from ev_sim.running.domain import free_domain
-from ev_sim.running.observer import OBSERVER
-from ev_sim.running.observing import enclave, observing
+from ev_sim.running.observing import OBSERVER, enclave, observing
 from ev_sim.running.outcome import RunFailed
 from ev_sim.security.permissions import Permissions, permissions
 from ev_sim.security.policy_file import policy_file

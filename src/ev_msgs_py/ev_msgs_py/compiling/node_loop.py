@@ -9,6 +9,8 @@ import numpy as np
 from ev_msgs_py.compiling.machine_code import code_file, function_address, text_file
 from ev_msgs_py.compiling.message_memory import RUN, TOPIC, Memory, integers
 from ev_msgs_py.compiling.node_steps import take_steps
+from ev_msgs_py.compiling.tally import KEPT, KEYS, TALLIED, Sums
+from ev_msgs_py.compiling.tally import address as tally_address
 
 HEAD = np.dtype(
     [
@@ -20,12 +22,13 @@ HEAD = np.dtype(
         *integers("rcl_wait", "clock_gettime", "memcpy", "wait_set", "guard"),
         *integers("message", "info", "clock", "count"),  # words of the memory which these functions fill in
         *integers("heard"),  # byte of the memory to which the message is copied
+        *integers("tallied", "taken_topics"),  # topics whose numbers are added up, and how many of them are inputs
     ]
 )
 INPUT = np.dtype([*TOPIC, *integers("subscription", "followed", "came", "came_next", "refused")])
 OUTPUT = np.dtype([*TOPIC, *integers("publisher", "message")])
 
-_TEXT = '''"""The ordinary steps of nodes: generated, do not edit."""
+_TEXT = f'''"""The ordinary steps of nodes: generated, do not edit."""
 
 import numpy as np
 from numba import carray, cfunc, types
@@ -33,8 +36,8 @@ from numba import carray, cfunc, types
 P = types.voidptr
 
 
-@cfunc(types.int32(P, P, P, P, P, P, P), cache=True, error_model="numpy")
-def step(head, inputs, outputs, runs, senders, frames, block):
+@cfunc(types.int32(P, P, P, P, P, P, P, P, P, P), cache=True, error_model="numpy")
+def step(head, inputs, outputs, runs, senders, frames, block, topics, sums, keys):
     h = carray(head, 1, HEAD)[0]
     memory = Memory(
         carray(block, h.size, np.uint8),
@@ -51,9 +54,17 @@ def step(head, inputs, outputs, runs, senders, frames, block):
         carray(senders, (h.inputs, h.senders, 2), np.int64),
         carray(frames, (4, h.width), np.float64),
         memory,
+        Sums(
+            carray(topics, h.tallied, TALLIED),
+            carray(sums, (h.tallied, {KEPT}), np.int64),
+            carray(keys, {KEYS}, np.int64),
+        ),
     )
 '''
-_NAMES = {"HEAD": HEAD, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN, "Memory": Memory, "take_steps": take_steps}
+_NAMES = {
+    "HEAD": HEAD, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN, "TALLIED": TALLIED,
+    "Memory": Memory, "Sums": Sums, "take_steps": take_steps,
+}  # fmt: skip
 
 
 def is_kept() -> bool:
@@ -65,6 +76,7 @@ def keep() -> None:
     """See to it that the machine code is on disk: nodes go without it rather than wait, at half the speed."""
     if not is_kept():
         address()
+    tally_address()
 
 
 @cache

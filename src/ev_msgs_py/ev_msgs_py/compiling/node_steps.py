@@ -13,6 +13,7 @@ from typing import Any
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.compiling.foreign import call
 from ev_msgs_py.compiling.message_memory import is_laid_out_like, read_numbers, stamp_in, write_message
+from ev_msgs_py.compiling.tally import add_up
 from ev_msgs_py.contract.frame import TIME
 from ev_msgs_py.contract.stamps import NANOSECONDS
 
@@ -27,7 +28,9 @@ GID = 5  # word of the information on a message at which the identity of its pub
 
 
 @compilable
-def take_steps(head: Any, inputs: Any, outputs: Any, runs: Any, senders: Any, frames: Any, memory: Any) -> int:
+def take_steps(
+    head: Any, inputs: Any, outputs: Any, runs: Any, senders: Any, frames: Any, memory: Any, sums: Any
+) -> int:
     """Take steps until there is a reason to stop, which is returned.
 
     `frames` has four rows: the inputs of two steps, which take turns in being due, and what is said to them. Of the
@@ -50,7 +53,7 @@ def take_steps(head: Any, inputs: Any, outputs: Any, runs: Any, senders: Any, fr
         if missing < 0:
             if head.due > head.limit:
                 return LIMIT
-            failure = _step(head, inputs, frames)
+            failure = _step(head, inputs, frames, sums)
             if failure:
                 return failure
             _speak(head, outputs, runs, frames, memory)
@@ -104,7 +107,7 @@ def _take(head: Any, one: Any, senders: Any, runs: Any, frames: Any, memory: Any
 
 
 @compilable
-def _step(head: Any, inputs: Any, frames: Any) -> int:
+def _step(head: Any, inputs: Any, frames: Any, sums: Any) -> int:
     """One step of the part; what it says stands in the row of the inputs or, if it integrates, two rows behind."""
     said = head.row + 2 if head.integrates else head.row
     frames[head.row, TIME] = head.due / NANOSECONDS
@@ -117,6 +120,9 @@ def _step(head: Any, inputs: Any, frames: Any) -> int:
     for n in range(head.begin, head.end):
         if frames[said, n] - frames[said, n] != 0.0:
             return NOT_FINITE
+    step = head.due // head.period
+    add_up(sums, 0, head.taken_topics, step, frames[head.row])
+    add_up(sums, head.taken_topics, head.tallied, step + 1 if head.integrates else step, frames[said])
     for i in range(len(inputs)):
         inputs[i].came, inputs[i].came_next = inputs[i].came_next, 0
     head.due += head.period

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from ev_msgs_py.compiling.tally import Tally
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import TIME, Frame
 from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
@@ -52,10 +53,12 @@ class Stepper:
 
     `make` gives a new part, at rest; `period` is the step in nanoseconds. A part that answers at once answers with the
     stamp of its inputs. One that integrates answers with the stamp of the next step, and with its initial state for as
-    long as it has not stepped.
+    long as it has not stepped. With a `key` all that is taken and said is added up, unless steps `may_skip`.
     """
 
-    def __init__(self, method: Method, make: Callable[[], Part], period: int, may_skip: bool = False) -> None:
+    def __init__(
+        self, method: Method, make: Callable[[], Part], period: int, may_skip: bool = False, key: bytes = b""
+    ) -> None:
         self.reads = tuple(sorted(method.inputs, key=arrival_place))
         self.integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
         self.upstream = upstream_signals(method.role)
@@ -74,6 +77,7 @@ class Stepper:
         self.answer: Answer | None = None
         self.period = period
         self.before: Answer | None = None
+        self.tally = Tally(key, self.reads, method.writes) if key and not may_skip else None
         self._make = make
         self._at_rest = True
         self.part = make()
@@ -115,12 +119,16 @@ class Stepper:
     def _start(self, stamp: int) -> Answer:
         there = _frame_at(stamp)
         self.part.start(there)
+        if self.tally is not None:
+            self.tally.add_said(stamp // self.period, there.address)
         return Answer(stamp, there)
 
     def _begin_anew(self) -> None:
         self.part = self._make()
         self.answer = self.before = None
         self._at_rest = True
+        if self.tally is not None:
+            self.tally.forget()
 
     def begin_run(self) -> Answer:
         """Begin anew at time zero; the answer is the initial state of an integrating object."""
@@ -152,8 +160,12 @@ class Stepper:
             self.part.step(here, there)
             self.answer = Answer(stamp + self.period, there)
         else:
+            there = here
             self.part.step(here, here)
             self.answer = Answer(stamp, here)
+        if self.tally is not None:
+            self.tally.add_taken(stamp // self.period, here.address)
+            self.tally.add_said(self.answer.stamp // self.period, there.address)
         return self.answer
 
 

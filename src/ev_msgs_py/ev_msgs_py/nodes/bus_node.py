@@ -60,6 +60,11 @@ class BusNode(WithBus, Node):
         """Some ticks have passed; circuit and frame of all that is to be sent."""
         raise NotImplementedError
 
+    def close(self) -> None:
+        """Leave the bus, and hang up."""
+        super().close()
+        self.reports.runner.close()
+
     def changed(self) -> None:
         """Other parameters were taken over."""
         raise NotImplementedError

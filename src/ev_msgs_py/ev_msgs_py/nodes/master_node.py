@@ -16,13 +16,13 @@ from ev_msgs_py.lockstep.stepper import Answer
 from ev_msgs_py.nodes.advance import Advance
 from ev_msgs_py.nodes.master_inputs import MasterInputs
 from ev_msgs_py.nodes.master_parameters import MasterParameters
+from ev_msgs_py.nodes.runner_line import TIMING, Word
 from ev_msgs_py.nodes.schedule import Schedule
 from ev_msgs_py.nodes.silence import Silence
 from ev_msgs_py.nodes.state_publisher import StatePublisher
 from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.time_services import TimeServices
-from ev_msgs_py.nodes.timing import TIMING
 
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 
@@ -38,7 +38,7 @@ class MasterNode(SteppedNode):
         self._silence = Silence(self)
         self._advance = Advance(self.stepper, self.schedule, self._stepped, self.reports.warn)
         self._granted = TimeServices(
-            self, lambda: self.now, self._begin, self.schedule.pace_from_here, self.reports.tell
+            self, lambda: self.now, self._begin, self.schedule.pace_from_here, self.reports
         )
         self.schedule.rests = self._granted.rests
         # For rclpy's own executors; `spinning.spin` calls idle() by itself. The clock is the wall's, not /clock.
@@ -130,6 +130,8 @@ class MasterNode(SteppedNode):
             self.reports.pass_on(self.stepper.part)
             self.get_logger().info(self._advance.summary)
             if self.realtime:
-                self.reports.tell(TIMING, self._advance.summary, {TIMING: json.dumps(self.schedule.timing.as_json())})
+                timing = self.schedule.timing.as_json()
+                self.reports.tell(TIMING, self._advance.summary, {TIMING: json.dumps(timing)})
+                self.reports.runner.tell(Word(TIMING, self._advance.summary, values=timing))
                 self.reports.wait_until_heard()
                 self._wait_for_the_recorder()

@@ -19,7 +19,7 @@ from ev_msgs_py.lockstep.stepper import Answer
 from ev_msgs_py.nodes import rcl
 from ev_msgs_py.nodes.step_memory import End, StepMemory
 
-_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 7)
+_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 10)
 _NOBODY = b"\xff" * 16  # no identity
 _FORGET_PERIOD = 0.05  # s after which senders that are refused are looked at again
 
@@ -34,7 +34,7 @@ class OrdinarySteps:
         context = node.context.handle
         with context:
             self._wait_set = rclpy_implementation.WaitSet(1, 1, 0, 0, 0, 0, context)
-        self._memory = StepMemory([reader.end for reader in self._readers], outputs)
+        self._memory = StepMemory([reader.end for reader in self._readers], outputs, node.stepper.tally)
         self._call = _FUNCTION(node_loop.address())
         self._forget_at = 0.0
         method = node.configuration.method

@@ -1,4 +1,4 @@
-"""What a node says besides its signals: in its log and in /diagnostics."""
+"""What a node says besides its signals: in its log, in /diagnostics, and to the runner that has started it."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
 from ev_msgs_py.nodes.last_words import wait_until_heard
+from ev_msgs_py.nodes.runner_line import NOTE, REMARK, WARNING, RunnerLine, Word
 
 NOTED = "noted"  # key of a diagnostic value: what is named once, and does not make a run less reproducible
 _NAMED = 20  # of what is noted; more than these are counted only
@@ -23,6 +24,7 @@ class Reports:
     def __init__(self, node: Node, role: str) -> None:
         self._node = node
         self._role = role
+        self.runner = RunnerLine()
         self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._part: Any = None
         self._said: set[str] = set()
@@ -33,6 +35,7 @@ class Reports:
     def warn(self, text: str) -> None:
         """Say something in the log and in /diagnostics: the run may not be reproducible."""
         self._node.get_logger().warning(text)
+        self.runner.tell(Word(WARNING, text))
         self._diagnose(DiagnosticStatus.WARN, text)
 
     def note(self, what: str, text: str) -> None:
@@ -41,6 +44,7 @@ class Reports:
             return
         self._noted.add(what)
         self._node.get_logger().warning(text)
+        self.runner.tell(Word(NOTE, text, what))
         self._unheard.append((text, KeyValue(key=NOTED, value=what)))
         self._say_unheard()
 
@@ -59,6 +63,7 @@ class Reports:
     def pass_on(self, part: Any) -> None:
         """Say what a part notes for the first time, as OK; a new part begins anew."""
         self._next_look = time.monotonic() + _LOOK_PERIOD
+        self.runner.send_what_waits()
         self._say_unheard()
         if part is not self._part:
             self._part, self._said = part, set()
@@ -66,6 +71,7 @@ class Reports:
             if text not in self._said:
                 self._said.add(text)
                 self._node.get_logger().info(text)
+                self.runner.tell(Word(REMARK, text))
                 self._diagnose(DiagnosticStatus.OK, text)
 
     def tell(self, what: str, text: str, values: Mapping[str, Any]) -> None:

@@ -50,6 +50,11 @@ class RoleOnBus(WithBus, SteppedNode):
         frames: list[tuple[str, Frame]] = self.player.cycle(ticks)
         return frames
 
+    def close(self) -> None:
+        """Leave the bus, and tell the runner what was said."""
+        WithBus.close(self)
+        SteppedNode.close(self)
+
     def poll(self) -> bool:
         """Take frames and messages; False if there was nothing to do."""
         frames = self._bus is not None and self._bus.poll()

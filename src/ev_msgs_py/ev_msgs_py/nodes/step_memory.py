@@ -11,6 +11,7 @@ import numpy as np
 from ev_msgs_py.compiling.message_memory import RUN
 from ev_msgs_py.compiling.node_loop import HEAD, INPUT, OUTPUT
 from ev_msgs_py.compiling.node_steps import GID
+from ev_msgs_py.compiling.tally import Tally
 from ev_msgs_py.contract.frame import SIZE, Frame
 from ev_msgs_py.nodes import rcl
 from ev_msgs_py.wire.cdr import ENCAPSULATION
@@ -38,7 +39,7 @@ class End(NamedTuple):
 class StepMemory:
     """Arrays of records for one node; they last as long as the loop may be called."""
 
-    def __init__(self, inputs: Sequence[End], outputs: Sequence[End]) -> None:
+    def __init__(self, inputs: Sequence[End], outputs: Sequence[End], tally: Tally | None) -> None:
         self._block = bytearray()
         self.head = np.zeros(1, HEAD)
         self.inputs, self.outputs = np.zeros(len(inputs), INPUT), np.zeros(len(outputs), OUTPUT)
@@ -68,6 +69,9 @@ class StepMemory:
             head[name] = size
         arrays = (self.head, self.inputs, self.outputs, self.runs, self.senders, self.frames, self.words)
         self.addresses = tuple(array.ctypes.data for array in arrays)
+        if tally is not None:
+            head["tallied"], head["taken_topics"] = len(tally.sums.topics), tally.taken
+        self.addresses += (0, 0, 0) if tally is None else tuple(array.ctypes.data for array in tally.sums)
 
     def _words(self, count: int) -> int:
         """The place, in words, of so many new ones."""

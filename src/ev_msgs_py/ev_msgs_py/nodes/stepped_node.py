@@ -20,6 +20,7 @@ from ev_msgs_py.nodes.live_parameters import LiveParameters
 from ev_msgs_py.nodes.polled import Polled
 from ev_msgs_py.nodes.reception import Reception
 from ev_msgs_py.nodes.reports import Reports
+from ev_msgs_py.nodes.runner_line import TALLY, Word
 from ev_msgs_py.nodes.scheduling import ask_for
 from ev_msgs_py.nodes.signal_io import SignalReader, SignalWriter
 
@@ -42,7 +43,11 @@ class SteppedNode(Node, Polled):
         self.reports = Reports(self, role)
         self.live = LiveParameters(self, configuration, self.new_part, self._take_over)
         self.stepper = Stepper(
-            configuration.method, lambda: self.new_part(self.configuration), configuration.period, self.realtime
+            configuration.method,
+            lambda: self.new_part(self.configuration),
+            configuration.period,
+            self.realtime,
+            self.reports.runner.key,
         )
         self.reception = Reception(self.stepper, self.reports, self.publish)
         writes = sorted(configuration.method.writes, key=arrival_place)
@@ -98,6 +103,15 @@ class SteppedNode(Node, Polled):
 
     def reconfigured(self) -> None:
         """Called when new parameter values are taken over."""
+
+    def close(self) -> None:
+        """Tell the runner what was taken and said, as far as it is added up."""
+        stepper = self.stepper
+        if stepper.tally is not None and stepper.answer is not None:
+            last = -stepper.period if stepper.inbox.last is None else stepper.inbox.last
+            newest = stepper.tally.newest(last // stepper.period, stepper.answer.stamp // stepper.period)
+            self.reports.runner.tell(Word(TALLY, values=newest))
+        self.reports.runner.close()
 
     def wanted(self) -> tuple[type, ...]:
         """The signals that the next step waits for; in real time all: a step that lacks one will not be taken."""

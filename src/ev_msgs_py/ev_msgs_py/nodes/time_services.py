@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from ev_msgs_py.contract import stamps
+from ev_msgs_py.nodes.reports import Reports
+from ev_msgs_py.nodes.runner_line import TIME, Word
 
 TIME_SERVICES = ("pause", "resume", "step", "reset")
-
-
-TIME = "time"  # what the status of a call is called in /diagnostics
 
 
 class TimeServices:
     """pause, resume, step and reset of a node, by std_srvs/Trigger.
 
     `now()` is the present stamp; `begin()` begins a new run; `moves()` is called when time may go on;
-    `tell` is told of each call that was answered.
+    `reports` is told of each call that was answered.
     """
 
     def __init__(
@@ -29,9 +27,9 @@ class TimeServices:
         now: Callable[[], int],
         begin: Callable[[], None],
         moves: Callable[[], None],
-        tell: Callable[[str, str, Mapping[str, Any]], None],
+        reports: Reports,
     ) -> None:
-        self._now, self._begin, self._moves, self._tell = now, begin, moves, tell
+        self._now, self._begin, self._moves, self._reports = now, begin, moves, reports
         self.paused = False
         self._granted = 0
         for name, handler in zip(TIME_SERVICES, (self._pause, self._resume, self._step, self._reset), strict=True):
@@ -67,5 +65,6 @@ class TimeServices:
 
     def _done(self, response: Trigger.Response, text: str) -> Trigger.Response:
         response.success, response.message = True, f"{text} at {stamps.to_seconds(self._now())} s"
-        self._tell(TIME, response.message, {})
+        self._reports.tell(TIME, response.message, {})
+        self._reports.runner.tell(Word(TIME, response.message, values={"rests": self.paused}))
         return response

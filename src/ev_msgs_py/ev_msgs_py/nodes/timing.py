@@ -8,8 +8,6 @@ from typing import Any
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes.histogram import Histogram
 
-TIMING = "timing"  # what its status in /diagnostics is called
-
 
 class Timing:
     """Wall times of a run in real time, all by the monotonic clock.

@@ -10,6 +10,7 @@ from typing import Any
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.dashboard.controls import Controls
 from ev_sim.dashboard.live_frames import LiveFrames
+from ev_sim.dashboard.reports import Reported
 from ev_sim.dashboard.server import Pages
 from ev_sim.running.observing import observing
 from ev_sim.running.outcome import RunFailed
@@ -54,7 +55,7 @@ class _Dashboard:
 
     def __init__(self, observer: Any, port: int) -> None:
         self.was_there = False
-        self._observer = observer
+        self._reported = Reported(observer)
         self._said: set[str] = set()
         self._columns: list[str] = []
         self._time = 0.0
@@ -65,11 +66,8 @@ class _Dashboard:
 
     def look(self) -> None:
         """Take what has come and pass it on."""
-        self._observer.look()
-        for word in self._observer.new_words():
-            self.controls.say(word, refused=False)
-        for word in (*self._observer.notes, *self._observer.warnings):
-            self._refuse(word, word)
+        for word, about_time in self._reported.look():
+            self.controls.say(word, refused=not about_time)
         self.controls.look()
         self.was_there |= self.controls.has_master
         if not self.frames.look():

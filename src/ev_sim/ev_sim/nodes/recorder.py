@@ -16,6 +16,7 @@ from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.last_words import wait_until_heard
 from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.nodes.run_role import run_node
+from ev_msgs_py.nodes.runner_line import PROGRESS, Word
 from ev_msgs_py.nodes.signal_io import SignalWriter
 from ev_msgs_py.parameters.declaration import entries
 from ev_msgs_py.parameters.values import build
@@ -78,6 +79,7 @@ class RecorderNode(Node):
                 self._name(silent)
             else:
                 self._progress.write(held, _NOTHING)
+                self._reports.runner.tell(Word(PROGRESS, values={"stamp": held}))
             self._told, recorder.asked = held, False
         if recorder.loss:
             raise RuntimeError(f"the recording has a gap: {recorder.loss}")
@@ -107,6 +109,7 @@ class RecorderNode(Node):
         """Leave nothing unwritten behind."""
         if self._output is not None:
             self._output.write()
+        self._reports.runner.close()
 
 
 def main() -> None:

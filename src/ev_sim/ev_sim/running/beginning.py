@@ -6,7 +6,7 @@ import math
 import time
 
 from ev_msgs_py.nodes.time_of_day import SetBack, ahead
-from ev_sim.running.observer import Observer
+from ev_sim.running.told import Told
 
 _TO_BEGIN = 3.0  # s for the first step behind a time of day that was set back; nodes tell each other things again
 
@@ -23,10 +23,10 @@ class Beginning:
         self._set_back = SetBack(ahead())
         self._deadline = math.inf
 
-    def is_missed(self, observer: Observer) -> bool:
+    def is_missed(self, told: Told) -> bool:
         """Whether the time of day was set back and no step was taken in the seconds behind it."""
-        if self._set_back.is_seen() or (observer.rests and self._deadline < math.inf):
+        if self._set_back.is_seen() or (told.rests and self._deadline < math.inf):
             self._deadline = time.monotonic() + _TO_BEGIN
-        if observer.time > 0:
+        if told.time > 0:
             self._deadline = math.inf
         return time.monotonic() > self._deadline

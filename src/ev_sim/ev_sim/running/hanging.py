@@ -6,6 +6,8 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
+from rclpy.node import Node
+
 from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.graph import step_order
@@ -13,7 +15,7 @@ from ev_msgs_py.lockstep.stepper import WRITERS
 from ev_msgs_py.nodes.signal_io import SignalReader
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import stamp_of
-from ev_sim.running.observer import Observer
+from ev_sim.running.told import Told
 
 _HEARKEN = 0.6  # s to find the writers and to hear some repetitions, which come every 0.05 s
 _TO_COME_UP = 10.0  # s that nodes may take to start
@@ -26,11 +28,11 @@ class Hanging:
     if nobody speaks; else the first node, in the order of a step, that says nothing, or nothing of the instant.
     """
 
-    def __init__(self, observer: Observer, pids: Mapping[str, int], patience: float) -> None:
-        self._observer, self._pids = observer, dict(pids)
+    def __init__(self, observer: Node, told: Told, pids: Mapping[str, int], patience: float) -> None:
+        self._observer, self._told, self._pids = observer, told, dict(pids)
         self._wait = max(patience - _HEARKEN - 0.2, 0.1)
         self._since = self._hearkens = time.monotonic()
-        self._time = observer.time
+        self._time = told.time
         self._ears: dict[type, SignalReader] = {}
         self._heard: dict[str, int] = {}  # newest stamp by role
         self._named = False
@@ -38,8 +40,8 @@ class Hanging:
     def look(self) -> str | None:
         """One line on who does not answer, once for each time that the run stands still."""
         now = time.monotonic()
-        if self._observer.time != self._time or self._observer.rests:
-            self._time, self._since, self._named = self._observer.time, now, False
+        if self._told.time != self._time or self._told.rests:
+            self._time, self._since, self._named = self._told.time, now, False
             self._stop()
         elif self._ears:
             self._take()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from rclpy.parameter import Parameter
 
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.nodes.run_role import node_maker
+from ev_msgs_py.nodes.runner_line import LINE
 from ev_msgs_py.nodes.security import security_is_asked_for
 from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.nodes.stepped_node import SteppedNode
@@ -27,6 +29,7 @@ from ev_sim.running.progress_bar import announce
 from ev_sim.running.real_bus import real_bus
 from ev_sim.running.recording.recording import load
 from ev_sim.running.scenarios.scenario import Run
+from ev_sim.running.told import Told, told
 
 _LOOK_PERIOD = 0.1  # s of wall time between looks at simulated time
 
@@ -43,21 +46,24 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
         free_domain() as domain,
         StopRequest(patient=True) as stop,
         observing(run.namespace, domain) as observer,
+        told(run.namespace) as words,
         real_bus(run, domain, directory) as bus,
     ):
         parameters = node_parameters(run, directory, bag, bus)
         write_parameter_file(directory / PARAMETERS, run, parameters)
         announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         try:
-            nodes += [_node(name, run.namespace, values, observer.context) for name, values in parameters.items()]
+            for name, values in parameters.items():
+                with _line(words, name):
+                    nodes.append(_node(name, run.namespace, values, observer.context))
             recorder = nodes[-1]
             next_look = 0.0
 
             def finished() -> bool:
                 nonlocal next_look
                 if time.monotonic() >= next_look:
-                    observer.look()
-                    progress(observer.time)
+                    words.look()
+                    progress(words.time)
                     next_look = time.monotonic() + _LOOK_PERIOD
                 return recorder.done or stop.received
 
@@ -66,14 +72,24 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
             wall_time = time.monotonic() - start
             if not recorder.done:
                 raise KeyboardInterrupt
-            observer.look()
             progress(run.duration)
         finally:
             for node in nodes:
                 node.close()
                 node.destroy_node()
-    warnings, notes = not_reproducible(run, observer.warnings), observer.notes
-    return Outcome(load(directory / SIGNALS), wall_time, warnings, notes, observer.timing)
+            words.look()
+    return Outcome(load(directory / SIGNALS), wall_time, not_reproducible(run, words), words.notes, words.timing)
+
+
+@contextmanager
+def _line(told: Told, node: str) -> Iterator[None]:
+    """What is made in the block finds the line of a node in the environment, as a process would."""
+    os.environ[LINE], _ = told.line(node)
+    try:
+        yield
+    finally:
+        del os.environ[LINE]
+        told.started(node)
 
 
 def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from pathlib import Path
 
 from ev_msgs_py.contract.roles import RECORDER
@@ -17,7 +16,7 @@ def package_of(node: str) -> str:
 
 
 def command(name: str) -> list[str]:
-    """How the node of a role is started: by `ros2 run` where there is one, else what that would start.
+    """What `ros2 run` would start for the node of a role: that itself would not hand on the line to the runner.
 
     RunFailed if the workspace is not built or not sourced, or if the node comes from several packages.
     """
@@ -25,8 +24,6 @@ def command(name: str) -> list[str]:
         package = package_of(name)
     except LookupError as error:
         raise RunFailed(str(error)) from None
-    if shutil.which("ros2") is not None and "ROS_DISTRO" in os.environ:
-        return ["ros2", "run", package, name]
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
         path = Path(prefix) / "lib" / package / name
         if path.exists():

@@ -12,12 +12,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ev_msgs_py.nodes.leaving import SILENTLY
+from ev_msgs_py.nodes.runner_line import LINE
 from ev_msgs_py.nodes.stop_request import hold_back
+from ev_msgs_py.parameters.shown import shown
 from ev_sim.running.children import ends_with_us
 from ev_sim.running.observing import enclave
 from ev_sim.running.outcome import RunFailed
 from ev_sim.running.same_addresses import same_addresses
 from ev_sim.running.scenarios.scenario import Run
+from ev_sim.running.told import Told
 
 _ROOM = 65536  # bytes; who has less cannot even say what went wrong
 
@@ -37,7 +40,7 @@ class NodeProcess:
             return f"node {self.name} was stopped"
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with status {code}"
         lines = self.log.read_text(errors="replace").strip().splitlines()
-        said = f": {lines[-1]}" if lines and code > 0 else ""
+        said = f": {shown(lines[-1])}" if lines and code > 0 else ""
         if shutil.disk_usage(self.log.parent).free < _ROOM:
             said = f": no space left on device, {self.log.parent}"
         return f"node {self.name} {how}{said}"
@@ -48,8 +51,12 @@ class NodeProcess:
             os.killpg(self.process.pid, kind)
 
 
-def start_node(name: str, words: Sequence[str], ours: bool, run: Run, parameters: Path, domain: int) -> NodeProcess:
+def start_node(
+    name: str, words: Sequence[str], ours: bool, run: Run, parameters: Path, domain: int, told: Told
+) -> NodeProcess:
     """Start the node of a role by a command, with the parameters of a file and its log beside; RunFailed if it cannot.
+
+    It has a line to the runner, on which it tells what is `told`.
 
     Of `ours`, Ctrl-C and SIGTERM wait until the node can stop in order, which takes a second of loading; the nodes of
     others may never let them in.
@@ -59,7 +66,8 @@ def start_node(name: str, words: Sequence[str], ours: bool, run: Run, parameters
     log = logs / f"{name}.log"
     arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
     arguments += enclave(name, run.namespace)
-    environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain), SILENTLY: "1"}
+    line, inherited = told.line(name)
+    environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain), SILENTLY: "1", LINE: line}
     with log.open("wb") as output:
         try:
             with same_addresses():
@@ -69,11 +77,14 @@ def start_node(name: str, words: Sequence[str], ours: bool, run: Run, parameters
                     stdout=output,
                     stderr=subprocess.STDOUT,
                     env=environment,
+                    pass_fds=[inherited],
                     preexec_fn=_before_exec(ours),
                     start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
                 )
         except OSError as error:
             raise RunFailed(f"node {name} cannot be started: {words[0]}: {error.strerror}") from None
+        finally:
+            told.started(name)
     return NodeProcess(name, process, log)
 
 

@@ -8,25 +8,27 @@ from contextlib import contextmanager
 
 import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
 
 from ev_msgs_py.nodes.alarm import Alarm
 from ev_msgs_py.nodes.run_role import one_line
 from ev_msgs_py.nodes.security import refuse_weak_security, security_is_asked_for
 from ev_msgs_py.nodes.time_of_day import refuse_late_time_of_day
-from ev_sim.running.observer import OBSERVER, Observer
 from ev_sim.running.outcome import RunFailed
+
+OBSERVER = "run_scenario"  # the runner's name in the graph
 
 
 @contextmanager
-def observing(namespace: str, domain: int, name: str = OBSERVER) -> Iterator[Observer]:
-    """An observer of the graph in a domain; RunFailed where ROS 2 refuses it, as without keys, or fails."""
+def observing(namespace: str, domain: int, name: str = OBSERVER) -> Iterator[Node]:
+    """A node of the runner in the graph of a domain; RunFailed where ROS 2 refuses it, as without keys, or fails."""
     context = rclpy.Context()
     try:
         try:
             refuse_weak_security(os.environ)
             refuse_late_time_of_day()
             rclpy.init(args=enclave(name, namespace), context=context, domain_id=domain)
-            observer = Observer(context, namespace, name)
+            observer = Node(name, context=context, namespace=namespace, start_parameter_services=False)
         except RuntimeError as error:
             raise RunFailed(one_line(error)) from None
         with Alarm(observer):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.scenario import Run
+
+if TYPE_CHECKING:
+    from ev_sim.running.told import Told
 
 Progress = Callable[[float], None]  # is told the simulated time now and then
 
@@ -30,6 +33,6 @@ class Outcome:
     timing: Mapping[str, Any] = field(default_factory=dict)
 
 
-def not_reproducible(run: Run, warnings: Sequence[str]) -> tuple[str, ...]:
+def not_reproducible(run: Run, told: Told) -> tuple[str, ...]:
     """Why a run that was driven over DDS may not give the same numbers again."""
-    return (*(["driven by the wall clock"] if run.realtime else []), *warnings)
+    return (*(["driven by the wall clock"] if run.realtime else []), *told.warnings, *told.others_heard())

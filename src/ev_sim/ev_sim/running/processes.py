@@ -18,6 +18,7 @@ from ev_sim.running.progress_bar import announce
 from ev_sim.running.real_bus import real_bus
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.running.started_nodes import started_nodes
+from ev_sim.running.told import told
 from ev_sim.running.watched_run import WatchedRun
 
 
@@ -42,10 +43,11 @@ def run_in_processes(
         write_parameter_file(file, run, parameters)
         while True:
             beginning = Beginning()
-            with observing(run.namespace, domain) as observer:
+            with observing(run.namespace, domain) as observer, told(run.namespace) as words:
                 announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
-                with started_nodes(parameters, own_nodes or {}, run, file, domain) as nodes:
-                    watched = WatchedRun(run, nodes, observer)
-                    if watched.drive(beginning, progress, stop):
-                        return watched.outcome(directory)
+                with started_nodes(parameters, own_nodes or {}, run, file, domain, words) as nodes:
+                    watched = WatchedRun(run, nodes, observer, words)
+                    has_begun = watched.drive(beginning, progress, stop)
+                if has_begun:  # all have told their last words
+                    return watched.outcome(directory)
             forget_recording(directory)

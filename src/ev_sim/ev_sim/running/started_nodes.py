@@ -12,20 +12,21 @@ from pathlib import Path
 from ev_sim.running.node_command import command
 from ev_sim.running.node_process import NodeProcess, start_node
 from ev_sim.running.scenarios.scenario import Run
+from ev_sim.running.told import Told
 
 _PATIENCE = 2.0  # s for processes to stop when they are asked to
 
 
 @contextmanager
 def started_nodes(
-    names: Iterable[str], own: Mapping[str, Sequence[str]], run: Run, parameters: Path, domain: int
+    names: Iterable[str], own: Mapping[str, Sequence[str]], run: Run, parameters: Path, domain: int, told: Told
 ) -> Iterator[list[NodeProcess]]:
     """The processes of nodes by name, with commands of others for some of them; RunFailed if one cannot be started."""
     nodes: list[NodeProcess] = []
     try:
         for name in names:
             words = own.get(name)
-            nodes.append(start_node(name, words or command(name), not words, run, parameters, domain))
+            nodes.append(start_node(name, words or command(name), not words, run, parameters, domain, told))
         yield nodes
     finally:
         _stop(nodes)

@@ -8,7 +8,7 @@ from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES, 
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes.time_services import TIME_SERVICES
 from ev_sim.running.node_parameters import RECORDER
-from ev_sim.running.observer import OBSERVER
+from ev_sim.running.observing import OBSERVER
 from ev_sim.test_bench.sequence import SERVICES
 
 _CLOCK = frozenset({"/clock"})
@@ -67,7 +67,7 @@ def permissions(namespace: str) -> dict[str, Permissions]:
         Permissions(
             OBSERVER,
             publishes=_LOG | _PARAMETER_EVENTS,
-            subscribes=_topics((RECORDER_WRITES,), namespace) | _REPORTS,
+            subscribes=_topics(RECORDED, namespace),  # to say who does not answer
             serves=_services(OBSERVER, ("get_type_description",), namespace),
         )
     )

@@ -1,0 +1,110 @@
+"""What the nodes of a run tell the runner that has started them, each on a line of its own (`nodes/runner_line.py`)."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.lockstep.stepper import WRITERS
+from ev_msgs_py.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME, TIMING, WARNING, ListeningEnd, Word
+from ev_msgs_py.parameters.shown import shown
+
+_WRITER_OF = {TOPICS[signal].name: writer for signal, writer in WRITERS.items()}
+
+
+class Told:
+    """Simulated time, what is to be said to the user, and whether all nodes of the run have heard each other alone."""
+
+    def __init__(self, namespace: str) -> None:
+        self.time = 0.0
+        self.warnings: list[str] = []
+        self.timing: dict[str, Any] = {}  # how well real time was kept, as the master says at its end
+        self.rests = False  # whether a service has stopped time
+        self._namespace = namespace.rstrip("/")
+        self._key = secrets.token_bytes()
+        self._lines: dict[str, ListeningEnd] = {}
+        self._words: list[str] = []
+        self._noted: dict[str, str] = {}
+        self._tallies: dict[str, Mapping[str, Any]] = {}
+
+    def line(self, node: str) -> tuple[str, int]:
+        """For the environment of a node, by which it finds its end, and the descriptor that it has to inherit."""
+        end = self._lines[node] = ListeningEnd()
+        return end.address(self._key), end.theirs.fileno()
+
+    def started(self, node: str) -> None:
+        """The node has its end, or will never have it."""
+        self._lines[node].theirs.close()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What nodes note, and once for each node or topic that its messages were refused."""
+        return tuple(self._noted.values())
+
+    def new_words(self) -> tuple[str, ...]:
+        """What is to be said at once: that time was stopped, or goes on."""
+        words, self._words = tuple(self._words), []
+        return words
+
+    def look(self) -> None:
+        """Take what was said since the last look."""
+        for node, line in self._lines.items():
+            for message in line.heard():
+                try:
+                    self._take(node, Word.decoded(message))
+                except (ValueError, TypeError, LookupError):
+                    self._noted.setdefault(node, f"node {node} has told what cannot be read: {shown(message)}")
+
+    def _take(self, node: str, word: Word) -> None:
+        text = f"{self._namespace}/{node}: {shown(word.text)}"
+        if word.kind == PROGRESS:
+            self.time = stamps.to_seconds(int(word.values["stamp"]))
+        elif word.kind == TIMING:
+            self.timing = dict(word.values)
+        elif word.kind == TALLY:
+            self._tallies[node] = {"taken": dict(word.values["taken"]), "said": dict(word.values["said"])}
+        elif word.kind == TIME:
+            self.rests = bool(word.values["rests"])
+            self._words.append(text)
+        elif word.kind == WARNING:
+            self.warnings.append(text)
+        else:
+            self._noted.setdefault(shown(word.what) if word.kind == NOTE else text, text)
+
+    def others_heard(self) -> list[str]:
+        """A line for each node that has taken on a topic what the node of its role does not say that it has said.
+
+        Compared are the sums at the last step that both ends have; a node that has told none, such as one of the user's
+        own, is not compared.
+        """
+        return [
+            f"node {node}: what it took on {topic} is not what {writer} has said; somebody else has spoken in its name"
+            for node, tally in self._tallies.items()
+            for topic, taken in tally["taken"].items()
+            if (writer := _WRITER_OF[topic]) in self._tallies
+            and _differ(taken, self._tallies[writer]["said"].get(topic, {}))
+        ]
+
+    def close(self) -> None:
+        """Hang up."""
+        for line in self._lines.values():
+            line.close()
+
+
+def _differ(taken: Mapping[str, int], said: Mapping[str, int]) -> bool:
+    both = taken.keys() & said.keys()
+    return bool(taken and said) and not (both and taken[max(both, key=int)] == said[max(both, key=int)])
+
+
+@contextmanager
+def told(namespace: str) -> Iterator[Told]:
+    """For the time of a run."""
+    found = Told(namespace)
+    try:
+        yield found
+    finally:
+        found.close()

@@ -1,0 +1,141 @@
+"""The line between a node and the runner that has started it: what is told arrives, and nothing that is no word."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ev_msgs_py.nodes.runner_line import KINDS, LINE, NOTE, PROGRESS, TALLY, WARNING, RunnerLine, Word
+from ev_sim.running.told import Told
+
+
+@pytest.fixture
+def told(monkeypatch):
+    """What the runner is told by a node of this process, and the node's end."""
+    words = Told("/ev")
+    address, _ = words.line("asr")
+    monkeypatch.setenv(LINE, address)
+    yield words
+    words.close()
+
+
+def test_what_a_node_tells_arrives_with_its_name_and_its_key(told):
+    line = RunnerLine()
+    told.started("asr")
+    line.tell(Word(WARNING, "something is odd"))
+    line.tell(Word(NOTE, "refused", "stranger"))
+    line.tell(Word(NOTE, "refused again", "stranger"))
+    line.tell(Word(PROGRESS, values={"stamp": 1_500_000_000}))
+    line.close()
+    told.look()
+    assert told.warnings == ["/ev/asr: something is odd"]
+    assert told.notes == ("/ev/asr: refused",)
+    assert told.time == 1.5
+    assert len(line.key) == 32
+
+
+def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_progress(told):
+    """It may be stopped for a while; thousands of words do not fit into a socket."""
+    line = RunnerLine()
+    for n in range(5000):
+        line.tell(Word(WARNING, f"{n}"))
+        line.tell(Word(PROGRESS, values={"stamp": n}))
+    while len(told.warnings) < 5000:
+        told.look()
+        line.send_what_waits()
+    assert told.warnings == [f"/ev/asr: {n}" for n in range(5000)]
+    line.close()
+
+
+def test_a_child_finds_its_end_and_no_other_process_does(told):
+    """The end is inherited; who has only read the name of it in somebody's environment has nothing."""
+    words = [
+        "import sys",
+        "from ev_msgs_py.nodes.runner_line import NOTE, RunnerLine, Word",
+        "line = RunnerLine()",
+        "line.tell(Word(NOTE, sys.argv[1], sys.argv[1]))",
+        "line.close()",
+    ]
+    told.close()
+    address, inherited = told.line("asr")
+    for name, descriptors in (("child", [inherited]), ("stranger", [])):
+        environment = {**os.environ, LINE: address}
+        command = [sys.executable, "-c", "\n".join(words), name]
+        subprocess.run(command, env=environment, pass_fds=descriptors, check=True, timeout=60)
+    told.look()
+    assert told.notes == ("/ev/asr: child",)
+
+
+@pytest.mark.parametrize("address", ["", "7", "x y z", "99999 1 00", "0 1 zz"])
+def test_a_node_without_a_runner_tells_nobody(address, monkeypatch):
+    monkeypatch.setenv(LINE, address)
+    line = RunnerLine()
+    line.tell(Word(WARNING, "nobody hears that"))
+    line.close()
+    assert line.key == b""
+
+
+def test_another_socket_under_the_number_is_no_line(monkeypatch):
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+    monkeypatch.setenv(LINE, f"{theirs.fileno()} {os.getpid()} 00")
+    RunnerLine().tell(Word(WARNING, "x"))
+    ours.setblocking(False)
+    with pytest.raises(BlockingIOError):
+        ours.recv(10)
+    ours.close()
+    theirs.close()
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=6), inner, max_size=3),
+    max_leaves=8,
+)
+VALUES = st.dictionaries(st.sampled_from(["stamp", "rests", "taken", "said", "x"]), JSON, max_size=3) | JSON
+WORDS = st.dictionaries(st.sampled_from(["kind", "text", "what", "values", "more"]), JSON | st.sampled_from(KINDS))
+
+
+@given(
+    said=st.binary(max_size=30)
+    | (WORDS | JSON | st.builds(lambda k, v: {"kind": k, "values": v}, st.sampled_from(KINDS), VALUES)).map(
+        lambda j: json.dumps(j).encode()
+    )
+)
+def test_whatever_is_said_there_is_a_word_or_is_noted_in_one_line(said):
+    told = Told("/ev")
+    _, number = told.line("asr")
+    os.write(number, said or b" ")
+    told.look()
+    told.others_heard()
+    assert all(text.isprintable() and len(text) < 300 for text in (*told.notes, *told.warnings, *told.new_words()))
+    told.close()
+
+
+def test_ends_of_a_topic_are_compared_at_the_last_step_that_both_have():
+    """A plant takes no command for its last instant, and a column is one step ahead."""
+
+    def heard(taken: dict[str, int], said: dict[str, int]) -> list[str]:
+        told = Told("/ev")
+        for node, values in (
+            ("plant", {"taken": {"torque_command": taken}, "said": {}}),
+            ("asr", {"taken": {}, "said": {"torque_command": said}}),
+        ):
+            _, number = told.line(node)
+            os.write(number, Word(TALLY, values=values).encoded())
+        told.look()
+        found = told.others_heard()
+        told.close()
+        return found
+
+    assert heard({"8": 5, "9": 6}, {"9": 6, "10": 7}) == []
+    assert heard({}, {"10": 7}) == []
+    (line,) = heard({"8": 5, "9": 6}, {"9": 5, "10": 7})
+    assert line.startswith("node plant: what it took on torque_command is not what asr has said")
+    assert len(heard({"8": 5}, {"9": 6})) == 1
