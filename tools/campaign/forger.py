@@ -40,6 +40,7 @@ def main() -> None:
     said, begun, before, count = Frame(), time.monotonic(), 0, 0
     ports: Sequence[int] = ()
     said.numbers[PLACES[topic.signal]] = numbers_of([number] * (PLACES[topic.signal].stop - PLACES[topic.signal].start))
+    print("here", flush=True)
     with StopRequest() as stop:
         while not stop.received and count < _MOST and time.monotonic() < begun + _SECONDS:
             taken = ear.take_message(format_.message_class, True)

@@ -12,6 +12,7 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.stepper import WRITERS
 from ev_msgs_py.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME, TIMING, WARNING, ListeningEnd, Word
 from ev_msgs_py.parameters.shown import shown
+from ev_sim.running.progress_bar import announce
 
 _WRITER_OF = {TOPICS[signal].name: writer for signal, writer in WRITERS.items()}
 
@@ -102,9 +103,14 @@ def _differ(taken: Mapping[str, int], said: Mapping[str, int]) -> bool:
 
 @contextmanager
 def told(namespace: str) -> Iterator[Told]:
-    """For the time of a run."""
+    """For the time of a run; where that does not come to its end, what was noted is said all the same."""
     found = Told(namespace)
     try:
         yield found
+    except BaseException:
+        found.look()
+        for note in found.notes:
+            announce(f"note: {note}")
+        raise
     finally:
         found.close()
