@@ -30,9 +30,9 @@ from ev_msgs_py.nodes.run_role import make_node
 from ev_msgs_py.nodes.spinning import spin
 from ev_sim.running.domain import free_domain
 from ev_sim.running.in_process import parameter_overrides
+from ev_sim.running.node_command import command
 from ev_sim.running.node_parameters import RECORDER, node_parameters, write_parameter_file
 from ev_sim.running.offline import run_offline
-from ev_sim.running.processes import command
 from ev_sim.running.same_addresses import same_addresses
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
@@ -93,9 +93,9 @@ def graph_of_processes(steps: int) -> float:
         return measured_rate(list(commands.values()), domain, Path(directory))
 
 
-def graph_commands(run, directory: Path) -> dict[str, list[str]]:
-    """How the nodes of the graph are started, the plant first, without recorder."""
-    nodes = graph_parameters(run, directory)
+def graph_commands(run, directory: Path, recorder: bool = False) -> dict[str, list[str]]:
+    """How the nodes of the graph are started, the plant first."""
+    nodes = graph_parameters(run, directory, recorder)
     file = directory / "parameters.yaml"
     write_parameter_file(file, run, nodes)
     arguments = ["--ros-args", "--params-file", str(file), "-r", f"__ns:={run.namespace}"]
@@ -110,11 +110,12 @@ def graph_nodes(run, directory: Path, context) -> list:
     ]
 
 
-def graph_parameters(run, directory: Path) -> dict[str, dict]:
-    """Parameters of the nodes of the graph, the plant first, without recorder."""
-    nodes = node_parameters(run, directory, bag=False)
-    del nodes[RECORDER]
-    nodes["plant"]["await_recorder"] = False
+def graph_parameters(run, directory: Path, recorder: bool = False) -> dict[str, dict]:
+    """Parameters of the nodes of the graph, the plant first."""
+    nodes = node_parameters(run, directory, bag=recorder)
+    if not recorder:
+        del nodes[RECORDER]
+        nodes["plant"]["await_recorder"] = False
     return nodes
 
 

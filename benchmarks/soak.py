@@ -2,14 +2,15 @@
 
     source scripts/setup.sh && python benchmarks/soak.py [--steps N] [--one-process-steps N] [--json FILE]
 
-The graph is that of shchur2019 without recorder, which keeps a whole run by design. Every stamp that is seen must be a
-whole multiple of the period. The first tenth is warm-up.
+The graph is that of shchur2019, with its recorder where every node is a process. Every stamp that is seen must be a
+whole multiple of the period. The first tenth is warm-up. Exit status 1 if the memory of a process did not stay flat.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import multiprocessing
 import os
 import subprocess
@@ -34,6 +35,7 @@ from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 PERIOD = 0.1  # s; ten million steps pass a million seconds
 LOOKS = 20
 PATIENCE = 60.0  # s without a step
+FLAT = 4096  # kB that a process may grow by behind the warm-up: less than 5 bytes in each of a million steps
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ def of_processes(steps: int) -> list[Look]:
     """The graph with a process per node."""
     run = endless_run(steps)
     with free_domain() as domain, tempfile.TemporaryDirectory() as directory:
-        commands = graph_commands(run, Path(directory))
+        commands = graph_commands(run, Path(directory), recorder=True)
         environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
         with same_addresses():
             started = {name: subprocess.Popen(words, env=environment) for name, words in commands.items()}
@@ -134,7 +136,7 @@ def summary(looks: list[Look]) -> dict[str, float]:
 
     The rate is one of this machine and of what else it does; CPU time per step depends on that much less.
     """
-    steady = looks[LOOKS // 10 :]
+    steady = looks[len(looks) // 10 :]
     quarter = len(steady) // 4
     first, last = (steady[0], steady[quarter]), (steady[-1 - quarter], steady[-1])
     return {
@@ -143,21 +145,36 @@ def summary(looks: list[Look]) -> dict[str, float]:
         "last_rate": _rate(*last),
         "first_cpu_time_of_a_step_us": _cpu_time(*first),
         "last_cpu_time_of_a_step_us": _cpu_time(*last),
-        "largest_growth_of_memory_kB": max(
-            steady[-1].memory[name] - steady[0].memory[name] for name in steady[0].memory
-        ),
+        "largest_growth_of_memory_kB": max(growth(looks).values()),
         "largest_growth_of_descriptors": max(
             steady[-1].descriptors[name] - steady[0].descriptors[name] for name in steady[0].descriptors
         ),
     }
 
 
+def growth(looks: list[Look]) -> dict[str, int]:
+    """By how many kB the memory of each process has grown behind the warm-up."""
+    begin, end = looks[len(looks) // 10].memory, looks[-1].memory
+    return {name: end[name] - begin[name] for name in begin}
+
+
+def memory_table(looks: list[Look]) -> str:
+    """A row for each process: what it held at some steps, what it has grown by, and whether that is flat [kB]."""
+    shown = [looks[0], *looks[len(looks) // 10 : -1 : 3], looks[-1]]
+    grown = growth(looks)
+    rows = [["VmRSS [kB] at step", *(str(each.step) for each in shown), "grown by", ""]]
+    for name in grown:
+        flat = "flat" if grown[name] <= FLAT else "NOT FLAT"
+        rows.append([name, *(str(each.memory[name]) for each in shown), str(grown[name]), flat])
+    return "\n".join(f"{row[0]:24}" + "".join(f"{text:>10}" for text in row[1:]) for row in rows)
+
+
 def _rate(begin: Look, end: Look) -> float:
-    return (end.step - begin.step) / (end.wall_time - begin.wall_time)
+    return (end.step - begin.step) / (end.wall_time - begin.wall_time or math.nan)  # of a few steps: there is none
 
 
 def _cpu_time(begin: Look, end: Look) -> float:
-    return 1e6 * (end.cpu_time - begin.cpu_time) / (end.step - begin.step)
+    return 1e6 * (end.cpu_time - begin.cpu_time) / (end.step - begin.step or math.nan)
 
 
 def main() -> None:
@@ -174,9 +191,11 @@ def main() -> None:
     ):
         if steps:
             found[name] = way(steps)
-            print(name, *(f"  {key}: {value:.6g}" for key, value in summary(found[name]).items()), sep="\n", flush=True)
+            print(name, *(f"  {key}: {value:.6g}" for key, value in summary(found[name]).items()), sep="\n")
+            print(memory_table(found[name]), flush=True)
     if given.json:
         given.json.write_text(json.dumps({name: [asdict(each) for each in looks] for name, looks in found.items()}))
+    sys.exit(any(grown > FLAT for looks in found.values() for grown in growth(looks).values()))
 
 
 if __name__ == "__main__":

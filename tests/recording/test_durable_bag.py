@@ -297,6 +297,24 @@ def test_full_disk_leaves_the_last_checkpoint_and_is_made_good_later(tmp_path: P
     assert read() == messages
 
 
+@pytest.mark.parametrize("room", [0, 30, 200, 1000, 5000, 50_000])
+def test_a_bag_is_readable_or_not_there_however_little_room_there_is(room: int, tmp_path: Path):
+    """Less than what an empty bag takes had left a folder without metadata."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, hard))
+    try:
+        with DurableBag(tmp_path / "bag", NEVER) as bag:
+            topics = add_two_topics(bag)
+            write_counters(bag, topics, range(100))
+            bag.checkpoint()
+    except OSError:
+        assert room < 50_000
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    if (tmp_path / "bag").exists():
+        assert read_counters(tmp_path / "bag") in ([], list(range(100)))
+
+
 def test_failed_exchange_of_metadata_is_made_good_later(tmp_path: Path):
     """The new file has its name already when metadata.yaml cannot be written; the old one must stay the valid one."""
     with DurableBag(tmp_path / "bag", checkpoint_period=NEVER) as bag:

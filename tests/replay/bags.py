@@ -13,6 +13,7 @@ from ev_sim.replay.comparing import differences_of
 from ev_sim.replay.graph import replay_of
 from ev_sim.replay.outputs import replay_folder
 from ev_sim.replay.recorded import Recorded
+from ev_sim.running.files_of_run import SIGNALS
 from ev_sim.running.offline import drive_offline
 from ev_sim.running.recording.durable_bag import DurableBag
 from ev_sim.running.recording.message_table import MessageTable
@@ -36,7 +37,8 @@ def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:
     """
     after = {"driver/command": 2, "torque_request": 3, "torque_command": 4, "steering_column/state": -1}  # ms
     topics = [TOPICS[s] for s in RECORDED if set(TOPICS[s].channels) <= set(of.channels)]
-    recorder = RunRecorder(topics, [f"/ev/{t.name}" for t in topics], PERIOD, folder / "bag", may_skip=True)
+    folder.mkdir(exist_ok=True)
+    recorder = RunRecorder(topics, [f"/ev/{t.name}" for t in topics], PERIOD, folder, may_skip=True)
     frames = frame.stack(len(of.time), PERIOD)
     for topic in topics:
         frames[:, frame.PLACES[topic.signal]] = np.stack([of.channels[name] for name in topic.channels], axis=1)
@@ -47,7 +49,7 @@ def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:
             if lost.get(topic.name) != step:
                 late = 20 + after.get(topic.name, 0)
                 recorder.add(index, messages[index][step], 10**18 + int(at[step]) + late * 1_000_000)
-    recorder.close()
+    recorder.close(folder / SIGNALS)
     return folder
 
 

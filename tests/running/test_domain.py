@@ -53,6 +53,22 @@ def test_the_lock_of_another_user_is_respected(tmp_path):
         assert free == 2
 
 
+def test_when_locks_of_others_block_all_domains_one_is_named(tmp_path):
+    """A folder stands for what another user has put there."""
+    for taken in range(1, 4):
+        (tmp_path / f"ev_stack_domain_{taken}.lock").mkdir()
+    with (
+        pytest.raises(NoFreeDomain, match=rf"{tmp_path}/ev_stack_domain_1.lock belongs to user \d+ \(.+\)$"),
+        free_domain(),
+    ):
+        pass
+
+
+def test_nobody_else_can_lock_our_lock_file(tmp_path):
+    with free_domain() as free:
+        assert (tmp_path / f"ev_stack_domain_{free}.lock").stat().st_mode & 0o077 == 0
+
+
 def test_a_link_in_the_place_of_a_lock_is_not_followed(tmp_path):
     """The folder is everybody's: a link there could make us empty a file of the user's own."""
     precious = tmp_path / "precious"

@@ -42,7 +42,7 @@ def free_domain() -> Iterator[int]:
             if reserved and _is_silent(domain):
                 yield domain
                 return
-    raise NoFreeDomain(f"all ROS domains from {_DOMAINS[0]} to {_DOMAINS[-1]} are in use")
+    raise NoFreeDomain(f"all ROS domains from {_DOMAINS[0]} to {_DOMAINS[-1]} are in use{_blocked()}")
 
 
 def reserved_domains() -> list[int]:
@@ -75,8 +75,23 @@ def _reservation(domain: int) -> Iterator[bool]:
 
 
 def _opened_in_place(path: str, flags: int) -> int:
-    """Everybody may write into the folder of the locks: a link that somebody has put there is not followed."""
-    return os.open(path, (flags | os.O_NOFOLLOW) & ~os.O_TRUNC, 0o644)
+    """Everybody may write into the folder of the locks: a link that somebody has put there is not followed.
+
+    Nobody else may open the file, for whoever can may lock it.
+    """
+    return os.open(path, (flags | os.O_NOFOLLOW) & ~os.O_TRUNC, 0o600)
+
+
+def _blocked() -> str:
+    """Which lock file, or folder of them, is not ours to write, and whose it is; nothing if all of them are."""
+    for domain in _DOMAINS:
+        try:
+            os.close(_opened_in_place(str(_lock_file(domain)), os.O_WRONLY | os.O_CREAT))
+        except OSError as error:
+            file = _lock_file(domain)
+            found = file if os.path.lexists(file) else file.parent
+            return f", or blocked: {found} belongs to user {found.lstat().st_uid} ({error.strerror})"
+    return ""
 
 
 def _lock_file(domain: int) -> Path:

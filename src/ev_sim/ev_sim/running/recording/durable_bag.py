@@ -10,6 +10,7 @@ The data survives the end of the process, not a loss of power: nothing waits for
 
 from __future__ import annotations
 
+import shutil
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -36,8 +37,9 @@ UNLIMITED = QosTime(sec=9223372036, nsec=854775807)
 class DurableBag:
     """Record serialized messages into a new bag; at most `checkpoint_period` seconds of them are not yet on disk.
 
-    FileExistsError if the directory exists. Use it from one thread. An OSError out of `write` or `checkpoint` (a full
-    disk) leaves the last checkpoint as it was, and the next checkpoint tries again with everything since.
+    FileExistsError if the directory exists; OSError, and no directory, if there is no room to begin. Use it from one
+    thread. An OSError out of `write` or `checkpoint` (a full disk) leaves the last checkpoint as it was, and the next
+    checkpoint tries again with everything since.
     """
 
     def __init__(
@@ -53,8 +55,12 @@ class DurableBag:
         self._types = get_typestore(Stores.ROS2_KILTED)
         self._writer = TwinWriter(directory, version=Writer.VERSION_LATEST, storage_plugin=StoragePlugin.MCAP)
         self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
-        self._writer.open()
-        self._commit()
+        try:
+            self._writer.open()
+            self._commit()
+        except OSError:  # no room for an empty bag: what there is of it cannot be read
+            shutil.rmtree(directory, ignore_errors=True)
+            raise
 
     def add_topic(
         self,

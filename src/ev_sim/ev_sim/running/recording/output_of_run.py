@@ -10,7 +10,6 @@ from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.running.files_of_run import BAG, SIGNALS
 from ev_sim.running.recording.recorder_parameters import RecorderParameters
-from ev_sim.running.recording.recording import save
 from ev_sim.running.recording.run_recorder import RunRecorder
 
 
@@ -19,13 +18,14 @@ class OutputOfRun:
 
     def __init__(self, p: RecorderParameters, topics: Sequence[Topic], names: Sequence[str]) -> None:
         self._directory = Path(p.directory)
-        bag = self._directory / BAG if p.bag else None
-        if bag is not None and bag.exists():
+        if p.bag and (self._directory / BAG).exists():
             raise ParameterError(f"parameter directory: {p.directory!r} is refused, allowed is one without a bag")
         self._directory.mkdir(parents=True, exist_ok=True)
         period = stamps.from_seconds(p.control_period)
         self._last = stamps.from_seconds(p.duration) // period * period
-        self.recorder = RunRecorder(topics, names, period, bag, p.mode == "realtime", self._last or None)
+        self.recorder = RunRecorder(
+            topics, names, period, self._directory, p.bag, p.mode == "realtime", self._last or None
+        )
         self._wrote = False
 
     @property
@@ -37,7 +37,4 @@ class OutputOfRun:
         """Write signals.npz with all complete steps and close the bag, once."""
         if not self._wrote:
             self._wrote = True
-            try:
-                self.recorder.close()
-            finally:  # what the bag has no room for may still fit in there
-                save(self.recorder.recording(), self._directory / SIGNALS)
+            self.recorder.close(self._directory / SIGNALS)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -11,19 +12,23 @@ from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
 from ev_msgs_py.nodes.stop_request import StopRequest
+from ev_msgs_py.playback.signals_file import TIME
 from ev_msgs_py.wire.message_format import stamp_of
+from ev_sim.running.files_of_run import BAG
 from ev_sim.running.recording.durable_bag import DurableBag
 from ev_sim.running.recording.message_table import MessageTable
-from ev_sim.running.recording.recording import Recording, recording_of
+from ev_sim.running.recording.recording import Recording, write_signals
+from ev_sim.running.recording.spool import BLOCK, Spool, SpooledTopic
 
 
 class RunRecorder:
-    """Collects the serialized messages of the recorded topics, one per topic and step.
+    """Collects the serialized messages of the recorded topics, one per topic and step, in memory that does not grow.
 
-    `names` are the full topic names by which the bag knows the topics; `period` is the step in nanoseconds. Without a
-    `bag` directory only the arrays are kept. With `may_skip` (realtime) a step that never comes holds the one before,
-    and the run is as far as its master; without, it is as far as its slowest topic, and a missing step is a loss.
-    Nothing behind the stamp `last` is kept: an integrating node is one step ahead of the end.
+    `names` are the full topic names by which the bag knows the topics; `period` is the step in nanoseconds. The bag,
+    where there is to be one, comes into `folder`, and so does a file without a name that has the numbers meanwhile.
+    With `may_skip` (realtime) a step that never comes holds the one before, and the run is as far as its master;
+    without, it is as far as its slowest topic, and a missing step is a loss. Nothing behind the stamp `last` is kept:
+    an integrating node is one step ahead of the end.
 
     When the master goes back to step zero (reset), a new run begins: the arrays begin anew, and so does the bag, the
     one before is kept beside it.
@@ -34,7 +39,8 @@ class RunRecorder:
         topics: Sequence[Topic],
         names: Sequence[str],
         period: int,
-        bag: Path | None,
+        folder: Path,
+        bag: bool = True,
         may_skip: bool = False,
         last: int | None = None,
     ) -> None:
@@ -43,10 +49,11 @@ class RunRecorder:
         self._period = period
         self._may_skip = may_skip
         self._steps = float("inf") if last is None else last // period + 1
-        self._messages: list[list[bytes]] = [[] for _ in topics]
+        self._spool = Spool(folder)
+        self._messages = [SpooledTopic(topic, self._spool) for topic in topics]
         self._masters = {i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes}
         self._pacing = [self._messages[i] for i in self._masters] if may_skip else self._messages
-        self._directory = bag
+        self._directory = folder / BAG if bag else None
         self._resets = 0
         self._stale = False  # whether messages of the run before a reset may still come
         self._begin_bag()
@@ -68,19 +75,20 @@ class RunRecorder:
         """
         kept = self._messages[index]
         step = stamp_of(message) // self._period
-        if step == 0 and index in self._masters and (len(kept) > 1 or (kept and message != kept[0])):
+        if step == 0 and index in self._masters and (kept.count > 1 or (kept.count and message != kept.first)):
             self._begin_anew()
-        if step >= self._steps or step < len(kept) or (self._stale and index not in self._masters):
+        if step >= self._steps or step < kept.count or (self._stale and index not in self._masters):
             self.asked = self.asked or index in self._masters
             return
-        if self._may_skip and index not in self._masters and step > min(map(len, self._pacing)) + 1:
+        if self._may_skip and index not in self._masters and step > self._paced() + 1:
             return  # nobody can be ahead of the master by more than one step: a stranger's stamp
-        if step > len(kept):
+        if step > kept.count:
             if self._may_skip:
-                kept.extend([kept[-1] if kept else message] * (step - len(kept)))
+                for _ in range(kept.count, step):
+                    kept.append(kept.last or message)
             else:
-                if kept:  # before its first message a topic is not connected yet; the master repeats the first step
-                    self._note_loss(index, len(kept), step)
+                if kept.count:  # before its first a topic is not connected yet; the master repeats the first step
+                    self._note_loss(index, kept.count, step)
                 return
         kept.append(message)
         if self._bag is not None:
@@ -89,6 +97,7 @@ class RunRecorder:
     def _begin_anew(self) -> None:
         for kept in self._messages:
             kept.clear()
+        self._spool.clear()
         self.loss = ""
         self._stale = True
         self._resets += 1
@@ -116,32 +125,37 @@ class RunRecorder:
     @property
     def held(self) -> int:
         """Stamp up to which the run is held, in nanoseconds; negative before the first step is complete."""
-        return (min(map(len, self._pacing)) - 1) * self._period
+        return (self._paced() - 1) * self._period
+
+    def _paced(self) -> int:
+        """So many steps are complete."""
+        return min(kept.count for kept in self._pacing)
 
     @property
     def silent(self) -> list[str]:
         """The topics on which nothing has been heard yet; real time begins when there is none."""
-        return [topic.name for topic, messages in zip(self._topics, self._messages, strict=True) if not messages]
+        return [topic.name for topic, kept in zip(self._topics, self._messages, strict=True) if not kept.count]
 
     def checkpoint(self) -> None:
         """Bring what was written so far to the disk, for times when no message comes."""
         if self._bag is not None:
             self._bag.checkpoint_where_due()
 
-    def recording(self) -> Recording:
-        """All complete steps as arrays; a topic that said nothing at all is left out."""
-        steps = self.held // self._period + 1
-        frames = frame.stack(steps, self._period)
-        spoke = [topic for topic, messages in zip(self._topics, self._messages, strict=True) if messages]
-        for topic, messages in zip(self._topics, self._messages, strict=True):
-            if messages:
-                MessageTable(topic).read(messages[:steps] + messages[-1:] * (steps - len(messages)), frames)
-        return recording_of(frames, spoke)
+    def close(self, signals: Path) -> None:
+        """Finish the bag, and write signals.npz with all complete steps; a topic that said nothing is left out."""
+        with closing(self._spool):
+            try:
+                if self._bag is not None:
+                    self._bag.close()
+            finally:  # what the bag has no room for may still fit in there
+                write_signals(signals, self._series())
 
-    def close(self) -> None:
-        """Finish the bag."""
-        if self._bag is not None:
-            self._bag.close()
+    def _series(self) -> Iterator[tuple[str, np.ndarray]]:
+        steps = self._paced()
+        yield TIME, frame.times(steps, self._period)
+        for topic, kept in zip(self._topics, self._messages, strict=True):
+            if kept.count:
+                yield from zip(topic.channels, kept.series(steps), strict=True)
 
 
 def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path) -> None:
@@ -149,19 +163,27 @@ def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str
 
     KeyboardInterrupt, when the message that is being written is there as a whole, if Ctrl-C or SIGTERM came.
     """
-    frames = frame.stack(len(recording.time), period)
-    for topic in topics:
-        frames[:, frame.PLACES[topic.signal]] = np.stack([recording.channels[name] for name in topic.channels], axis=1)
-    stamp = np.arange(len(frames)) * period
     with StopRequest(patient=True) as stop, DurableBag(bag, checkpoint_period=float("inf")) as written:
-        handles, messages = [], []
-        for topic, name in zip(topics, names, strict=True):
-            handles.append(written.add_topic(name, topic.message_type, depth=QUEUE_DEPTH))
-            messages.append(MessageTable(topic).serialize(stamp, frames))
-        for step in range(len(frames)):
+        handles = [
+            written.add_topic(name, topic.message_type, depth=QUEUE_DEPTH)
+            for topic, name in zip(topics, names, strict=True)
+        ]
+        for step, messages in enumerate(_messages_of(recording, topics, period)):
             if stop.received:
                 break
-            for handle, column in zip(handles, messages, strict=True):
-                written.write(handle, step * period, column[step])
+            for handle, message in zip(handles, messages, strict=True):
+                written.write(handle, step * period, message)
     if stop.received:
         raise KeyboardInterrupt
+
+
+def _messages_of(recording: Recording, topics: Sequence[Topic], period: int) -> Iterator[tuple[bytes, ...]]:
+    """Those of each step, made in blocks."""
+    tables = [MessageTable(topic) for topic in topics]
+    for begin in range(0, len(recording.time), BLOCK):
+        stamp = np.arange(begin, min(begin + BLOCK, len(recording.time))) * period
+        frames = np.empty((len(stamp), frame.SIZE))
+        for topic in topics:
+            channels = [recording.channels[name][begin : begin + BLOCK] for name in topic.channels]
+            frames[:, frame.PLACES[topic.signal]] = np.stack(channels, axis=1)
+        yield from zip(*(table.serialize(stamp, frames) for table in tables), strict=True)

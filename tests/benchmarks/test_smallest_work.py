@@ -1,0 +1,49 @@
+"""What nobody starts, breaks: every benchmark, tool and script with its smallest work."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+BENCHMARKS = {
+    "batch": ("--runs", "2", "--rounds", "1"),
+    "bench": ("--repeats", "1"),
+    "can_faults": ("--seeds", "1"),
+    "can_latency": ("--seconds", "0.1"),
+    "command_timeout": ("--trials", "1"),
+    "dashboard": ("--seconds", "0.1"),
+    "elementary": ("--repeats", "1"),
+    "lockstep": ("--steps", "20", "--repeats", "1"),
+    "plant": ("--repeats", "1"),
+    "relays": ("--help",),  # started by lockstep
+    "soak": ("--steps", "40", "--one-process-steps", "40"),
+    "strangers": ("--rates", "0", "--seconds", "0.1"),
+    "urban_cycle": ("--repeats", "1", "--duration", "1"),
+}
+# Those that no other test starts; lock, site and wheels take packages from elsewhere, test and fuzz are this suite.
+SCRIPTS = {
+    "campaign": ("--only", "122"),
+    "determinism": ("--trials", "1", "--seconds", "0.1", "--only", "double_lane_change"),
+}
+
+pytestmark = pytest.mark.slow
+
+
+def assert_ends_well(words: list[str | Path], folder: Path) -> None:
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout and "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in ROOT.glob("benchmarks/*.py")))
+def test_a_benchmark_starts(name: str, tmp_path: Path):
+    assert_ends_well([sys.executable, ROOT / "benchmarks" / f"{name}.py", *BENCHMARKS[name]], tmp_path)
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_a_script_starts(name: str, tmp_path: Path):
+    assert_ends_well([ROOT / "scripts" / f"{name}.sh", *SCRIPTS[name]], tmp_path)

@@ -1,0 +1,123 @@
+"""What a recorder holds of a run: the same as if it kept every message, in memory that does not grow."""
+
+from __future__ import annotations
+
+import io
+import tracemalloc
+from pathlib import Path
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.topics import TOPICS, Topic
+from ev_msgs_py.wire.message_format import format_of, stamp_of
+from ev_sim.running.recording import spool
+from ev_sim.running.recording.message_table import MessageTable
+from ev_sim.running.recording.recording import Recording, load, save
+from ev_sim.running.recording.run_recorder import RunRecorder
+
+PERIOD = 10_000_000  # ns
+NAMES = ("imu", "driver/command", "torque_request")  # the first one is the master's
+USED = [topic for name in NAMES for topic in TOPICS.values() if topic.name == name]
+
+
+def message(topic: Topic, step: int, value: float) -> bytes:
+    return MessageTable(topic).serialize(np.array([step * PERIOD]), np.full((1, frame.SIZE), value))[0]
+
+
+class KeepsAll:
+    """What a recorder is held against: a list of messages for each topic."""
+
+    def __init__(self, may_skip: bool, last: int) -> None:
+        self.may_skip, self.last, self.kept, self.stale, self.loss = may_skip, last, [[] for _ in USED], False, False
+
+    def add(self, index: int, new: bytes) -> None:
+        kept, step = self.kept[index], stamp_of(new) // PERIOD
+        if index == 0 and step == 0 and kept and kept != [new]:
+            self.kept, self.stale, self.loss = [[] for _ in USED], True, False
+            kept = self.kept[0]
+        if step > self.last or step < len(kept) or (self.stale and index):
+            return
+        if self.may_skip and index and step > len(self.kept[0]) + 1:
+            return
+        if step > len(kept) and not self.may_skip:
+            self.loss = self.loss or bool(kept)
+            return
+        kept += [kept[-1] if kept else new] * (step - len(kept)) + [new]
+
+    def steps(self) -> int:
+        return len(self.kept[0]) if self.may_skip else min(map(len, self.kept))
+
+    def recording(self) -> Recording:
+        steps, channels = self.steps(), {}
+        for topic, kept in zip(USED, self.kept, strict=True):
+            if kept:
+                held = (kept + [kept[-1]] * steps)[:steps]
+                numbers = np.array([format_of(topic.signal).read(each)[1] for each in held]).reshape(
+                    steps, len(topic.channels)
+                )
+                channels |= {name: numbers[:, i] for i, name in enumerate(topic.channels)}
+        return Recording(np.arange(steps) * PERIOD / 1e9, channels)
+
+
+# Of which topic, so many steps behind or ahead of the next one (none: back to step zero), and a value.
+heard = st.tuples(
+    st.sampled_from(range(len(USED))), st.sampled_from((0, 0, 0, 0, 0, -1, 1, 2, 7, None)), st.floats(-9, 9)
+)
+
+
+@given(st.booleans(), st.integers(1, 30), st.lists(heard | st.none(), max_size=120))
+def test_what_is_held_is_what_has_come(
+    tmp_path_factory: pytest.TempPathFactory, may_skip: bool, last: int, words: list
+):
+    """Repeated, missing and skipped steps, the end of the run, resets; blocks of four steps have many borders."""
+    folder = tmp_path_factory.mktemp("recorder")
+    with patch.object(spool, "BLOCK", 4):
+        recorder = RunRecorder(USED, NAMES, PERIOD, folder, False, may_skip, last * PERIOD)
+        expected = KeepsAll(may_skip, last)
+        for word in words:
+            if word is None:
+                recorder.took_all()
+                expected.stale = False
+                continue
+            index, ahead, value = word
+            step = 0 if ahead is None else max(0, len(expected.kept[index]) + ahead)
+            recorder.add(index, message(USED[index], step, value), 0)
+            expected.add(index, message(USED[index], step, value))
+            assert recorder.held == (expected.steps() - 1) * PERIOD
+            assert bool(recorder.loss) == expected.loss
+            assert recorder.silent == [name for name, kept in zip(NAMES, expected.kept, strict=True) if not kept]
+        recorder.close(folder / "signals.npz")
+    assert [path.name for path in folder.iterdir()] == ["signals.npz"]
+    save(expected.recording(), folder / "expected.npz")
+    assert (folder / "signals.npz").read_bytes() == (folder / "expected.npz").read_bytes()
+
+
+def test_memory_does_not_grow_with_the_steps(tmp_path: Path):
+    """60 000 steps are 50 MB of messages; what stays are a block of each topic, and one channel at the end."""
+    steps = 60_000
+    recorder = RunRecorder(USED, NAMES, PERIOD, tmp_path, bag=False)
+    tracemalloc.start()
+    for begin in range(0, steps, 1000):
+        stamps = np.arange(begin, begin + 1000) * PERIOD
+        several = [MessageTable(topic).serialize(stamps, np.ones((1000, frame.SIZE))) for topic in USED]
+        for each in zip(*several, strict=True):
+            for index, new in enumerate(each):
+                recorder.add(index, new, 0)
+    recorder.close(tmp_path / "signals.npz")
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 7e6  # bytes
+    assert len(load(tmp_path / "signals.npz").time) == steps
+
+
+def test_the_file_has_the_bytes_of_numpy(tmp_path: Path):
+    recording = Recording(np.arange(3.0), {"b": np.array([1.0, -0.0, 2.0]), "a": np.zeros(3)})
+    save(recording, tmp_path / "ours.npz")
+    numpys = io.BytesIO()
+    np.savez(numpys, time=recording.time, **recording.channels)
+    assert (tmp_path / "ours.npz").read_bytes() == numpys.getvalue()
