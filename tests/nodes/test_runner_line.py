@@ -8,12 +8,16 @@ import socket
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.nodes.runner_line import KINDS, LINE, NOTE, PROGRESS, TALLY, WARNING, RunnerLine, Word
+from ev_sim.running.recording.recording import Recording
 from ev_sim.running.told import Told
+
+NOTHING = Recording(np.zeros(0), {})
 
 
 @pytest.fixture
@@ -113,7 +117,7 @@ def test_whatever_is_said_there_is_a_word_or_is_noted_in_one_line(said):
     _, number = told.line("asr")
     os.write(number, said or b" ")
     told.look()
-    told.others_heard()
+    told.others_heard(NOTHING)
     assert all(text.isprintable() and len(text) < 300 for text in (*told.notes, *told.warnings, *told.new_words()))
     told.close()
 
@@ -130,7 +134,7 @@ def test_ends_of_a_topic_are_compared_at_the_last_step_that_both_have():
             _, number = told.line(node)
             os.write(number, Word(TALLY, values=values).encoded())
         told.look()
-        found = told.others_heard()
+        found = told.others_heard(NOTHING)
         told.close()
         return found
 

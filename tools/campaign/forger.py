@@ -15,6 +15,7 @@ import rclpy
 from rclpy.node import Node
 
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
+from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.stepper import WRITERS
 from ev_msgs_py.nodes.signal_io import QUALITY
@@ -65,7 +66,7 @@ def _ports(node: Node, roles: Sequence[str]) -> Sequence[int]:
     first = 7411 + 250 * int(os.environ.get("ROS_DOMAIN_ID", "0"))
     if not roles:
         return range(first, first + 2 * _PARTICIPANTS, 2)
-    topics = [TOPICS[signal].name for signal, writer in WRITERS.items() if writer in roles]
+    topics = [topic.name for signal, topic in TOPICS.items() if WRITERS.get(signal, RECORDER) in roles]
     gids = [bytes(end.endpoint_gid) for name in topics for end in node.get_publishers_info_by_topic(f"/ev/{name}")]
     processes = {int.from_bytes(gid[4:6], "little") for gid in gids}  # as Fast DDS puts them into identities
     sockets: set[str] = set()

@@ -78,7 +78,8 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
                 node.close()
                 node.destroy_node()
             words.look()
-    return Outcome(load(directory / SIGNALS), wall_time, not_reproducible(run, words), words.notes, words.timing)
+    recording = load(directory / SIGNALS)
+    return Outcome(recording, wall_time, not_reproducible(run, words, recording), words.notes, words.timing)
 
 
 @contextmanager

@@ -33,6 +33,6 @@ class Outcome:
     timing: Mapping[str, Any] = field(default_factory=dict)
 
 
-def not_reproducible(run: Run, told: Told) -> tuple[str, ...]:
+def not_reproducible(run: Run, told: Told, recording: Recording) -> tuple[str, ...]:
     """Why a run that was driven over DDS may not give the same numbers again."""
-    return (*(["driven by the wall clock"] if run.realtime else []), *told.warnings, *told.others_heard())
+    return (*(["driven by the wall clock"] if run.realtime else []), *told.warnings, *told.others_heard(recording))

@@ -7,13 +7,20 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
+
+from ev_msgs_py.compiling.tally import Tally
 from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.frame import PLACES, SIZE, places
+from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.stepper import WRITERS
 from ev_msgs_py.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME, TIMING, WARNING, ListeningEnd, Word
 from ev_msgs_py.parameters.shown import shown
 from ev_sim.running.progress_bar import announce
+from ev_sim.running.recording.recording import Recording
 
+_BLOCK = 256  # steps
 _WRITER_OF = {TOPICS[signal].name: writer for signal, writer in WRITERS.items()}
 
 
@@ -76,12 +83,14 @@ class Told:
         else:
             self._noted.setdefault(shown(word.what) if word.kind == NOTE else text, text)
 
-    def others_heard(self) -> list[str]:
+    def others_heard(self, recording: Recording) -> list[str]:
         """A line for each node that has taken on a topic what the node of its role does not say that it has said.
 
-        Compared are the sums at the last step that both ends have; a node that has told none, such as one of the user's
-        own, is not compared.
+        Compared are the sums at the last step that both ends have, of the recorder those of the recording; a node that
+        has told none, such as one of the user's own, is not compared.
         """
+        if self._tallies:
+            self._tallies[RECORDER] = self._tally_of(recording)
         return [
             f"node {node}: what it took on {topic} is not what {writer} has said; somebody else has spoken in its name"
             for node, tally in self._tallies.items()
@@ -89,6 +98,19 @@ class Told:
             if (writer := _WRITER_OF[topic]) in self._tallies
             and _differ(taken, self._tallies[writer]["said"].get(topic, {}))
         ]
+
+    def _tally_of(self, recording: Recording) -> Mapping[str, Any]:
+        """What the recorder took, by what it has left behind."""
+        signals = [signal for signal in PLACES if TOPICS[signal].channels[0] in recording.channels]
+        tally, frames = Tally(self._key, signals), np.zeros((_BLOCK, SIZE))
+        for step in range(len(recording.time)):
+            if step % _BLOCK == 0:
+                for signal in signals:
+                    for place, name in zip(places(signal), TOPICS[signal].channels, strict=True):
+                        series = recording.channels[name][step : step + _BLOCK]
+                        frames[: len(series), place] = series
+            tally.add_taken(step, frames[step % _BLOCK].ctypes.data)
+        return tally.newest(len(recording.time) - 1, -1)
 
     def close(self) -> None:
         """Hang up."""

@@ -70,7 +70,7 @@ class WatchedRun:
         if recording.time[-1] < self._last - 0.5 * stamps.to_seconds(self._run.period):  # real time does not wait
             raise RunFailed(f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time")
         wall_time = self._arrived - self._began if self._arrived and self._began else 0.0
-        warnings = not_reproducible(self._run, self._told)
+        warnings = not_reproducible(self._run, self._told, recording)
         return Outcome(recording, wall_time, warnings, self._told.notes, self._told.timing)
 
     def _follow_time(self, looked: float) -> None:
