@@ -9,6 +9,7 @@ if ! cmp --silent docs/requirements-site.txt "$environment/requirements.txt"; th
     "$environment/bin/python" -m pip install --quiet --requirement docs/requirements-site.txt
     cp docs/requirements-site.txt "$environment/requirements.txt"
 fi
+rm -rf build/site_pages
 "$environment/bin/python" tools/documentation/site.py . build/site_pages
 NO_MKDOCS_2_WARNING=1 "$environment/bin/python" -m mkdocs build --quiet --strict
 echo "build/site/index.html"

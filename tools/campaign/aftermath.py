@@ -14,8 +14,10 @@ from rosbags.highlevel import AnyReader
 
 from campaign.under_way import UnderWay
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.files_of_run import OF_ALL_RUNS
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.recording.recording import load
+from ev_sim.running.scenarios.scenario import load_scenario
 
 _GONE_WITHIN = 2.0  # s after its end until nothing of a run is there any more
 
@@ -83,7 +85,9 @@ def _unreadable(out: Path) -> Iterator[str]:
 
 def _no_room_for_another(out: Path, run: UnderWay) -> Iterator[str]:
     """The next run must be able to replace this one."""
+    scenario = load_scenario(run.trial.scenario)
     try:
-        OutputFolder(out, [run.trial])  # type: ignore[list-item]  # of a single run nothing is asked
+        with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs):
+            pass
     except ParameterError as error:
         yield f"no other run can use the folder: {error}"

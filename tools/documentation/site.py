@@ -8,8 +8,7 @@ from pathlib import Path
 
 
 def gather(root: Path, to: Path) -> None:
-    """Copy the pages into a folder that a site generator reads; what was there before is gone."""
-    shutil.rmtree(to, ignore_errors=True)
+    """Copy the pages into a new folder that a site generator reads; FileExistsError if there is something."""
     shutil.copytree(root / "docs", to, ignore=shutil.ignore_patterns("measured", "__pycache__"))
     _copy(
         root / "README.md",

@@ -18,7 +18,7 @@ from ev_msgs_py.vehicle.files import with_files
 from ev_sim.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
 from ev_sim.analysis.single_track import single_track, tangent_speed, yaw_damping, yaw_gain
-from ev_sim.report.figures.saving import save_figures
+from ev_sim.report.figures.saving import figure_files, save_figures
 from ev_sim.report.quantities.understeer import (
     axle_cornering_stiffnesses,
     axle_masses,
@@ -26,6 +26,8 @@ from ev_sim.report.quantities.understeer import (
     critical_speed,
     understeer_gradient,
 )
+from ev_sim.running.output_folder import OutputFolder
+from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.running.scenarios.configured_file import vehicle_file
 from ev_sim.surfaces.table import REFERENCE, SURFACES
 
@@ -50,11 +52,14 @@ def main(argv: Sequence[str] | None = None) -> None:
     print_over_speed(vehicle, given.surface)
     from ev_sim.analysis.bode_figure import bode_figure
 
-    given.out.mkdir(parents=True, exist_ok=True)
-    matrices = given.out / f"linearised_{vehicle.name}.npz"
-    save_matrices(matrices, plant)
+    matrices, figure = given.out / f"linearised_{vehicle.name}.npz", f"bode_{vehicle.name}"
+    try:
+        with OutputFolder(given.out, f"analysis {vehicle.name}", [matrices.name, *figure_files([figure])]):
+            save_matrices(matrices, plant)
+            (path,) = save_figures({figure: bode_figure(model, plant)}, given.out)
+    except (ParameterError, OSError) as error:
+        sys.exit(f"error: {error}")
     print(f"A, B, C, D: {matrices}")
-    (path,) = save_figures({f"bode_{vehicle.name}": bode_figure(model, plant)}, given.out)
     print(f"figure: {path}")
 
 
@@ -70,7 +75,8 @@ def print_over_speed(vehicle: Vehicle, surface: str) -> None:
 def save_matrices(path: Path, plant: LinearisedPlant) -> None:
     """Save A, B, C, D of the linearised plant, and the names of its states and outputs, as a numpy archive."""
     system = plant.system
-    np.savez(path, A=system.A, B=system.B, C=system.C, D=system.D, states=plant.states, outputs=OUTPUTS)
+    with atomic_file(path) as file:
+        np.savez(file, A=system.A, B=system.B, C=system.C, D=system.D, states=plant.states, outputs=OUTPUTS)
 
 
 def load_vehicle(name: str) -> Vehicle:

@@ -10,10 +10,11 @@ from pathlib import Path
 
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.commands.command_line import overrides, own_nodes
+from ev_sim.report.figures.saving import figure_files
 from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.real_time import in_words
 from ev_sim.report.result import Result
-from ev_sim.running.files_of_run import BAG, PARAMETERS, SIGNALS
+from ev_sim.running.files_of_run import BAG, OF_ALL_RUNS, PARAMETERS, SIGNALS
 from ev_sim.running.node_parameters import node_parameters, recorded_topics, write_parameter_file
 from ev_sim.running.outcome import Outcome, Progress, RunFailed
 from ev_sim.running.output_folder import OutputFolder
@@ -32,14 +33,16 @@ def drive_scenario(given: argparse.Namespace) -> None:
         raise unknown_name("scenario or study", given.scenario, [*scenario_names(), *STUDIES])
     scenario = load_scenario(given.scenario, overrides(given))
     _refuse_without_ros(given)
-    folder = OutputFolder(given.out or Path("results") / scenario.name, scenario.runs)
-    outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
+    out = given.out or Path("results") / scenario.name
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"
     commands = {role: " ".join(words) for role, words in own_nodes(given).items()}
     mode = f"{way}, realtime" if given.realtime else way
-    result = Result(scenario, outcomes, mode, commands, given.command)
-    summary = result.summary()
-    content = result.write_report(folder.directory, not given.no_report, given.figures)
+    with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs) as folder:
+        outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
+        result = Result(scenario, outcomes, mode, commands, given.command)
+        summary, figures = result.summary(), result.figures()
+        folder.claim(figure_files(figures, given.figures))
+        content = result.write_report(folder.directory, figures, not given.no_report, given.figures)
     print_metrics(summary.metrics)
     for note in summary.notes:
         print(f"note: {note}")

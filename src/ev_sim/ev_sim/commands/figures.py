@@ -9,10 +9,11 @@ from pathlib import Path
 
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.verdicts import CACHE, drive_with_progress
+from ev_sim.running.output_folder import OutputFolder
 from ev_sim.verdicts.all_verdicts import SOURCES
 from ev_sim.verdicts.driving import drive
 from ev_sim.verdicts.kept import Kept
-from ev_sim.verdicts.panels_page import draw_panels, panels, write_page
+from ev_sim.verdicts.panels_page import INDEX, draw_panels, file_name, panels, write_page
 
 
 def run_figures(argv: Sequence[str]) -> None:
@@ -25,12 +26,12 @@ def run_figures(argv: Sequence[str]) -> None:
     shown = {source: panels(source) for source in SOURCES if not given.only or source in given.only}
     needs = [need for of_source in shown.values() for panel in of_source for need in panel.needs]
     driven = drive(needs, Kept(CACHE), drive_with_progress)
-    folder = (given.out or Path("results") / "figures").absolute()
-    folder.mkdir(parents=True, exist_ok=True)
-    for source, of_source in shown.items():
-        drawn = draw_panels(source, of_source, driven, folder)
-        print(f"{source}: {len(of_source)} panels, {len(drawn)} drawn, {len(of_source) - len(drawn)} not drawable")
-    page = write_page(shown, folder)
+    files = [file_name(source, panel) for source, of_source in shown.items() for panel in of_source]
+    with OutputFolder(given.out or Path("results") / "figures", "figures", [INDEX, *files]) as folder:
+        for source, of_source in shown.items():
+            drawn = draw_panels(source, of_source, driven, folder.directory)
+            print(f"{source}: {len(of_source)} panels, {len(drawn)} drawn, {len(of_source) - len(drawn)} not drawable")
+        page = write_page(shown, folder.directory)
     every = [panel for of_source in shown.values() for panel in of_source]
     drawn_in_all = sum(panel.draw is not None for panel in every)
     print(f"all: {len(every)} panels, {drawn_in_all} drawn, {len(every) - drawn_in_all} not drawable")

@@ -24,7 +24,7 @@ def main(argv: list[str] | None = None) -> None:
         run = only_run(given.scenario, given.run, overrides(given))
         without = [] if given.law else given.without.split(",") if given.without else _played(run.configurations)
         write_fmu(Content(run, given.law, without), given.out)
-    except (ParameterError, ImportError) as error:
+    except (ParameterError, ImportError, OSError) as error:
         sys.exit(f"error: {error}")
     print(f"{given.law or 'car'} of {run.name}: {given.out}")
 

@@ -33,10 +33,11 @@ def main(argv: list[str] | None = None) -> None:
     given = parser.parse_args(sys.argv[1:] if argv is None else argv)
     try:
         run = only_run(given.scenario, given.run, overrides(given))
-        folder = OutputFolder(given.out, (run,)).directory
-        nodes = node_parameters(run, folder, bag=not given.no_record)
-        file = folder / PARAMETERS
-        write_parameter_file(file, run, nodes)
+        with OutputFolder(given.out, f"scenario {Path(given.scenario).stem}", runs=(run,)) as folder:
+            nodes = node_parameters(run, folder.directory, bag=not given.no_record)
+            file = folder.directory / PARAMETERS
+            write_parameter_file(file, run, nodes)
+            folder.hand_over()
         started = [{"package": package_of(name), "executable": name} for name in nodes]
     except (ParameterError, RunFailed, LookupError, OSError) as error:
         sys.exit(f"error: {error}")

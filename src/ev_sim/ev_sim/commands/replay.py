@@ -13,8 +13,10 @@ from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import add_changes, add_outputs, command_of, overrides
 from ev_sim.replay.comparing import differences_of
 from ev_sim.replay.graph import Replay, replay_of
-from ev_sim.replay.outputs import Replayed, replay_folder
+from ev_sim.replay.outputs import Replayed, prepared, replay_folder
 from ev_sim.replay.recorded import find_recorded
+from ev_sim.running.files_of_run import PARAMETERS
+from ev_sim.running.node_parameters import node_parameters, write_parameter_file
 from ev_sim.running.offline import drive_offline
 from ev_sim.running.outcome import Outcome
 from ev_sim.running.progress_bar import progress_bar
@@ -28,13 +30,13 @@ def run_replay(argv: Sequence[str]) -> None:
     recorded = find_recorded(given.bag, given.namespace)
     method, command = _meant(role, text)
     replay = replay_of(recorded, role, method, overrides(given))
-    out = given.out or Path("results") / "replay"
-    run, folders = replay_folder(replay, out)
-    outcome = _drive(replay, run, folders.of(run), command)
-    found = differences_of(replay, outcome.recording)
-    replayed = Replayed(replay, run, outcome, found, command, command_of(["replay", *argv]))
-    print("\n".join(replayed.lines()))
-    page = replayed.write(folders, not given.no_report, given.figures)
+    with replay_folder(replay, given.out or Path("results") / "replay") as folders:
+        run = prepared(replay, folders)
+        outcome = _drive(replay, run, folders.of(run), command)
+        found = differences_of(replay, outcome.recording)
+        replayed = Replayed(replay, run, outcome, found, command, command_of(["replay", *argv]))
+        print("\n".join(replayed.lines()))
+        page = replayed.write(folders, not given.no_report, given.figures)
     print(f"{page}table, signals and summary: {folders.directory}")
 
 
@@ -72,6 +74,7 @@ def _meant(role: str, text: str) -> tuple[str, list[str]]:
 def _drive(replay: Replay, run: Run, folder: Path, command: list[str]) -> Outcome:
     with progress_bar(f"replay of {replay.role}", run.duration) as progress:
         if not command:
+            write_parameter_file(folder / PARAMETERS, run, node_parameters(run, folder, bag=False))
             return drive_offline(run, progress)
         from ev_sim.running.processes import run_in_processes
 

@@ -12,8 +12,9 @@ from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.page.content import Signals
-from ev_sim.report.page.writing import NAME, Page, write_page
-from ev_sim.running.files_of_run import SIGNALS
+from ev_sim.report.page.writing import Page, write_page
+from ev_sim.running.files_of_run import PAGE, SIGNALS, SUMMARY
+from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.recording.recording import load
 
 
@@ -24,16 +25,16 @@ def run_report(argv: Sequence[str]) -> None:
     read = {label: read_folder(label, folder) for label, folder in zip(labels, given.folders, strict=True)}
     summaries = {label: summary for label, (summary, _) in read.items()}
     signals = [signals for _, signals in read.values()]
-    page = given.out or Path("results") / NAME
-    page.parent.mkdir(parents=True, exist_ok=True)
-    write_page(Page(" and ".join(labels), summaries, signals), page)
+    page = given.out or Path("results") / PAGE
+    with OutputFolder(page.parent, f"report {page.name}", [page.name]):
+        write_page(Page(" and ".join(labels), summaries, signals), page)
     print(f"page: {page.absolute()}")
 
 
 def _arguments(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="run.sh report", description=__doc__)
     parser.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="what --out of a scenario was")
-    parser.add_argument("--out", type=Path, metavar="FILE", help=f"the page; default results/{NAME}")
+    parser.add_argument("--out", type=Path, metavar="FILE", help=f"the page; default results/{PAGE}")
     return parser.parse_args(argv)
 
 
@@ -56,7 +57,7 @@ def read_folder(label: str, folder: Path) -> tuple[Mapping[str, Any], Signals]:
 
 def _summary(folder: Path) -> Mapping[str, Any]:
     try:
-        summary: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        summary: dict[str, Any] = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
         raise ParameterError(f"{folder}: summary.json cannot be read: {error}") from None
     if not isinstance(summary, dict) or "scenario" not in summary:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.report.metric_table import WIDTH_OF_A_PIPE
+from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.progress_bar import bar_of_runs
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.workers import drive_cases
@@ -18,7 +19,7 @@ from ev_sim.verdicts.driving import drive
 from ev_sim.verdicts.kept import Kept
 from ev_sim.verdicts.need import Driven, Need
 from ev_sim.verdicts.panels_page import images_by_id
-from ev_sim.verdicts.table import counts, plain_table, write
+from ev_sim.verdicts.table import FILES, counts, plain_table, write
 from ev_sim.verdicts.verdict import Verdict
 
 CACHE = Path("results") / "cache"
@@ -32,16 +33,16 @@ def run_verdicts(argv: Sequence[str]) -> None:
         raise ParameterError(f"--only {' '.join(given.only)}: no such id or source; sources: {', '.join(SOURCES)}")
     start = time.monotonic()
     found, _ = judge_driven(given.only, given.quick)
-    folder = (given.out or Path("results") / "verdicts").absolute()
-    folder.mkdir(parents=True, exist_ok=True)
-    write(found, folder, {id: names for source in SOURCES for id, names in images_by_id(source).items()})
+    with OutputFolder(given.out or Path("results") / "verdicts", "verdicts", FILES) as folder:
+        images = {id: names for source in SOURCES for id, names in images_by_id(source).items()}
+        write(found, folder.directory, images)
     print(plain_table(found, shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns))
     for source in SOURCES:
         of_source = [each for (name, _), each in zip(chosen, found, strict=True) if name == source]
         if of_source:
             print(f"{source}: {counts(of_source)}")
     print(f"all: {counts(found)}")
-    print(f"{time.monotonic() - start:.1f} s; table: {folder}")
+    print(f"{time.monotonic() - start:.1f} s; table: {folder.directory}")
 
 
 def judge_driven(only: Sequence[str] = (), quick: bool = False) -> tuple[list[Verdict], Mapping[Need, Driven]]:

@@ -11,6 +11,8 @@ from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.fmu.content import FILE, Content
 from ev_sim.interface.extras import extra
+from ev_sim.running.output_folder import OutputFolder
+from ev_sim.running.recording.atomic import atomic_file
 
 _MODULE = '''"""An FMU of ev_sim; all about it is in {file}."""
 
@@ -23,9 +25,9 @@ class {name}(Slave):
 
 
 def write_fmu(content: Content, file: Path) -> None:
-    """Write an FMU (FMI 2.0, co-simulation) whose model is named after the file.
+    """Write an FMU (FMI 2.0, co-simulation) whose model is named after the file, in the place of one of ours at most.
 
-    ParameterError, in one line, for another name, unknown roles, and a law or a car that cannot be stepped on its own;
+    ParameterError, in one line, for another name, unknown roles, a file of others there, and a law or a car that cannot be stepped on its own;
     ImportError, in one line, without PythonFMU.
     """
     builder = extra("pythonfmu", "fmu").FmuBuilder
@@ -34,16 +36,17 @@ def write_fmu(content: Content, file: Path) -> None:
     for role in (*content.without, *([content.law] if content.law else ())):
         if role not in content.run.configurations:
             raise unknown_name("role", role, content.run.configurations)
-    file.parent.mkdir(parents=True, exist_ok=True)
     known, path = set(sys.modules), list(sys.path)
-    with tempfile.TemporaryDirectory() as made:
+    with OutputFolder(file.parent, f"fmu {file.name}", [file.name]), tempfile.TemporaryDirectory() as made:
         folder = Path(made)
         module = folder / f"{file.stem}.py"
         module.write_text(_MODULE.format(file=FILE, name=file.stem), encoding="utf-8")
         (folder / FILE).write_text(content.as_json(), encoding="utf-8")
         try:
-            builder.build_FMU(module, file, project_files=[folder / FILE])
+            built = builder.build_FMU(module, folder / file.name, project_files=[folder / FILE])
         finally:
             sys.path[:] = path  # where the builder puts our folder
             if file.stem not in known:
                 sys.modules.pop(file.stem, None)
+        with atomic_file(file) as written:
+            written.write(built.read_bytes())

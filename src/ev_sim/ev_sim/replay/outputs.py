@@ -2,54 +2,57 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.parameters.declaration import ParameterError, flatten
 from ev_sim.replay.comparing import Difference, in_words, table_files, table_of
 from ev_sim.replay.graph import Replay
 from ev_sim.replay.latency import in_words as latency_in_words
 from ev_sim.replay.latency import latency_of, latency_sheet
-from ev_sim.report.figures.saving import save_figures
+from ev_sim.report.figures.saving import FORMATS, figure_files, save_figures
 from ev_sim.report.summary import Summary, write_summary
-from ev_sim.running.files_of_run import PARAMETERS, SIGNALS
-from ev_sim.running.node_parameters import node_parameters, write_parameter_file
+from ev_sim.report.table_files import TABLES
+from ev_sim.running.files_of_run import LOG, OF_ALL_RUNS, PAGE, PARAMETERS, SIGNALS, SUMMARY
+from ev_sim.running.node_parameters import write_parameter_file
 from ev_sim.running.outcome import Outcome
 from ev_sim.running.output_folder import OutputFolder
+from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.running.recording.recording import Recording, save
 from ev_sim.running.scenarios.scenario import Run
 
-_RECORDED, _REPLAYED = "recorded", "replayed"
+_RECORDED, _REPLAYED, _LATENCY = "recorded", "replayed", "latency"
 
 
-def replay_folder(replay: Replay, out: Path) -> tuple[Run, OutputFolder]:
-    """The graph that replays, and the folder with the recorded signals that it plays back.
-
-    ParameterError if the folder cannot be had, or would replace what is replayed.
-    """
+def replay_folder(replay: Replay, out: Path) -> OutputFolder:
+    """Where a replay writes; ParameterError if the folder cannot be had, or would replace what is replayed."""
     source = replay.recorded.source.absolute()
-    folders = {name: Run(name, replay.recorded.namespace, {}, replay.duration) for name in (_RECORDED, _REPLAYED)}
-    if any(source.is_relative_to(out.absolute() / name) for name in folders):
+    runs = [Run(name, replay.recorded.namespace, {}, replay.duration) for name in (_RECORDED, _REPLAYED)]
+    if any(source.is_relative_to(out.absolute() / run.name) for run in runs):
         raise ParameterError(f"--out {out}: the run that is replayed is there, allowed is another folder")
-    folder = OutputFolder(out, tuple(folders.values()))
-    before, after = (folder.of(each) for each in folders.values())
-    _write_told(before / PARAMETERS, replay)
-    save(replay.recorded.recording, before / SIGNALS)
-    run = replay.run(before / SIGNALS)
-    write_parameter_file(after / PARAMETERS, run, node_parameters(run, after, bag=False))
-    return run, folder
+    logs = [f"{_REPLAYED}/{LOG}/{role}.log" for role in ROLES]
+    return OutputFolder(out, "replay", [*OF_ALL_RUNS, *TABLES, *figure_files([_LATENCY], FORMATS), *logs], runs)
+
+
+def prepared(replay: Replay, folder: OutputFolder) -> Run:
+    """The graph that replays; the recorded signals that it plays back are in the folder then."""
+    recorded = folder.directory / _RECORDED
+    _write_told(recorded / PARAMETERS, replay)
+    save(replay.recorded.recording, recorded / SIGNALS)
+    return replay.run(recorded / SIGNALS)
 
 
 def _write_told(path: Path, replay: Replay) -> None:
     """What is known of the nodes of the recorded run, so that it can be replayed once more from there."""
     told = replay.recorded.parameters
     if told is not None:
-        shutil.copyfile(told.path, path)
+        with atomic_file(path) as file:
+            file.write(told.path.read_bytes())
         return
     common = flatten(replay.configuration.common)
     nodes = {"**": {name: value for name, value in common.items() if value != ()}}
@@ -101,20 +104,20 @@ class Replayed:
         save(self.outcome.recording, folder.directory / _REPLAYED / SIGNALS)
         table_files(self.differences, folder.directory)
         content = self._content(runs)
-        figures = {"latency": latency_sheet(self._latency)} if self._latency else {}
+        figures = {_LATENCY: latency_sheet(self._latency)} if self._latency else {}
         save_figures(figures, folder.directory, formats)
-        write_summary(folder.directory / "summary.json", content)
+        write_summary(folder.directory / SUMMARY, content)
         if not page:
             return ""
         from ev_sim.report.page.images import images_of
-        from ev_sim.report.page.writing import NAME, Page, Signals, write_page
+        from ev_sim.report.page.writing import Page, Signals, write_page
 
         signals = Signals("", runs, self.replay.configuration.common.vehicle)
         said = "\n".join(line for line in (in_words(self.differences), table_of(self.differences)) if line)
         title = f"{self.replay.role} {self._who}, replayed"
         images = images_of(figures, folder.directory)
-        write_page(Page(title, {"": content}, (signals,), images, said), folder.directory / NAME)
-        return f"{NAME}, "
+        write_page(Page(title, {"": content}, (signals,), images, said), folder.directory / PAGE)
+        return f"{PAGE}, "
 
     def _recorded(self) -> Recording:
         """As much of the recorded run as was replayed."""

@@ -13,15 +13,16 @@ import numpy as np
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.report.figures.figure import Figure
-from ev_sim.report.figures.saving import save_figures
+from ev_sim.report.figures.saving import figure_files, save_figures
 from ev_sim.report.figures.timing import timing_sheet
 from ev_sim.report.metric import Metric
 from ev_sim.report.own_metrics import own_metrics
 from ev_sim.report.reports import report_for
 from ev_sim.report.samples import Parameters, Runs
 from ev_sim.report.summary import Summary, write_summary
-from ev_sim.running.files_of_run import SIGNALS
+from ev_sim.running.files_of_run import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY
 from ev_sim.running.outcome import Outcome
+from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.recording.recording import Recording, combined_hash, save, signal_hash
 from ev_sim.running.scenarios.differences import COMMAND_LINE, Difference, differences
 from ev_sim.running.scenarios.scenario import Scenario, load_scenario
@@ -142,28 +143,32 @@ class Result:
     def save(self, directory: Path | str, formats: Sequence[str] = ()) -> None:
         """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz.
 
+        What this or `scripts/run.sh` has written there of the same scenario is replaced. ParameterError, before
+        anything is written, if something else is in the way.
         `formats`: pdf or svg, for figures that are also wanted for print.
         """
-        folder = Path(directory)
-        for name, run in self.runs.items():
-            of_run = folder if len(self.outcomes) == 1 else folder / name
-            of_run.mkdir(parents=True, exist_ok=True)
-            save(run, of_run / SIGNALS)
-        self.write_report(folder, formats=formats)
+        figures, runs = self.figures(), self.scenario.runs
+        files = (*OF_ALL_RUNS, *figure_files(figures, formats))
+        with OutputFolder(Path(directory), f"scenario {self.scenario.name}", files, runs) as folder:
+            for run in runs:
+                save(self.runs[run.name], folder.of(run) / SIGNALS)
+            self.write_report(folder.directory, figures, formats=formats)
 
-    def write_report(self, folder: Path, page: bool = True, formats: Sequence[str] = ()) -> dict[str, Any]:
+    def write_report(
+        self, folder: Path, figures: Mapping[str, Figure], page: bool = True, formats: Sequence[str] = ()
+    ) -> dict[str, Any]:
         """Write figures, report.html if it is wanted, and summary.json, whose content comes back."""
-        figures, summary = self.figures(), self.summary()
+        summary = self.summary()
         save_figures(figures, folder, formats)
         content = summary.as_json()
-        write_summary(folder / "summary.json", content)
+        write_summary(folder / SUMMARY, content)
         if page:
             from ev_sim.report.page.images import images_of
-            from ev_sim.report.page.writing import NAME, Page, Signals, write_page
+            from ev_sim.report.page.writing import Page, Signals, write_page
 
             signals = Signals("", self.runs, summary.vehicle)
             shown = Page(self.scenario.name, {"": content}, (signals,), images_of(figures, folder))
-            write_page(shown, folder / NAME)
+            write_page(shown, folder / PAGE)
         return content
 
     def _repr_html_(self) -> str:

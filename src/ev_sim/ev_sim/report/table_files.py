@@ -12,6 +12,7 @@ from typing import Any
 from ev_sim.running.recording.atomic import atomic_file
 
 NAME = "table"
+TABLES = tuple(f"{NAME}.{kind}" for kind in ("csv", "md", "tex", "parquet"))
 _SPECIAL = {"\\": r"\textbackslash{}", "_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "$": r"\$", "^": r"\^{}"}
 
 
@@ -25,7 +26,8 @@ def write_tables(folder: Path, columns: Sequence[str], rows: Sequence[Sequence[A
         import pyarrow.parquet
 
         series = {column: _of_one_kind([row[i] for row in rows]) for i, column in enumerate(columns)}
-        pyarrow.parquet.write_table(pyarrow.table(series), folder / f"{NAME}.parquet")
+        with atomic_file(folder / f"{NAME}.parquet") as file:
+            pyarrow.parquet.write_table(pyarrow.table(series), file)
 
 
 def _of_one_kind(values: Sequence[Any]) -> Sequence[Any]:

@@ -1,77 +1,195 @@
-"""The folder that a scenario leaves behind."""
+"""The folder that a command leaves behind, and which files there it may replace: those that it has written itself."""
 
 from __future__ import annotations
 
 import fcntl
+import glob
+import itertools
 import os
-import shutil
-import weakref
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack, nullcontext, suppress
 from pathlib import Path
+from types import TracebackType
 
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.running.files_of_run import BAG, PARAMETERS, SIGNALS
+from ev_sim.running import manifest
+from ev_sim.running.files_of_run import BAG, RECORDED, files_of_run
+from ev_sim.running.manifest import Files, content, digest_of, is_file, is_folder, there
+from ev_sim.running.progress_bar import announce
 from ev_sim.running.scenarios.scenario import Run
-
-_OF_A_SCENARIO = ("summary.json", "report.html", "table.csv", "table.md", "table.tex", "table.parquet")
-_OF_A_RUN = (BAG, f"{BAG}_before_reset_*", "log", SIGNALS, PARAMETERS)
-_FIGURES = ("*.png", "*.pdf", "*.svg")
-_MARKS = ("summary.json", PARAMETERS)  # what a run leaves behind, first and last
 
 
 class OutputFolder:
-    """`--out DIR`: summary.json and figures in DIR; bag, signals and parameters of each run beside or below.
+    """All that a command writes: `files` into a folder, and those of one run beside them, of several in DIR/RUN.
 
-    A single run writes into DIR itself, several runs into DIR/RUN, a study keeps no runs. What an earlier run of a
-    scenario left there is replaced, anything else is not touched. ParameterError if DIR cannot be made, or holds
-    something of the same name that no run has left there, or if another run is writing there: the folder is locked for
-    as long as this object lives.
+    `writer` says who writes, such as "scenario shchur2019". The manifest of the folder names all files of each writer.
+    At the beginning those of this one are removed, apart from `keeps`; what it was writing when it was killed is moved
+    to earlier_1, earlier_2, ...; nothing else is touched. ParameterError before that if a name is taken by something
+    else, or a file has changed since, or another command is writing there: the folder is locked up to the end of the
+    block, where the manifest is completed.
     """
 
-    def __init__(self, directory: Path, runs: Sequence[Run]) -> None:
+    def __init__(
+        self,
+        directory: Path,
+        writer: str,
+        files: Iterable[str] = (),
+        runs: Sequence[Run] = (),
+        keeps: Iterable[str] = (),
+    ) -> None:
         self.directory = directory.absolute()
-        self._alone = len(runs) == 1
-        folders = {self.directory, *(self.of(run) for run in runs)}
-        try:
-            for folder in sorted(folders):
-                folder.mkdir(parents=True, exist_ok=True)
-                self._lock(folder)
-            for folder in sorted(folders):
-                self._clear(folder)
-        except OSError as error:
-            raise ParameterError(f"--out {directory}: {error.strerror}") from None
-
-    def _lock(self, folder: Path) -> None:
-        held = os.open(folder, os.O_RDONLY)
-        weakref.finalize(self, os.close, held)
-        try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise ParameterError(f"--out {folder}: another run is writing there, allowed is another folder") from None
-
-    def _clear(self, folder: Path) -> None:
-        found = [path for pattern in _OF_A_RUN + _OF_A_SCENARIO for path in sorted(folder.glob(pattern))]
-        if any((folder / mark).exists() for mark in _MARKS):
-            for path in (*found, *(each for kind in _FIGURES for each in folder.glob(kind))):
-                _remove(path)
-        elif found:
-            names = ", ".join(path.name for path in found)
-            raise ParameterError(f"--out {folder}: {names} there is not of an earlier run, allowed is another folder")
+        self._given, self._writer, self._alone = directory, writer, len(runs) == 1
+        self._handed_over = False
+        folders = {run.name: "" if self._alone else glob.escape(run.name) for run in runs}
+        self._shared = {"", *folders.values()}  # with what the user has there
+        claims = [
+            *map(glob.escape, files),
+            *(str(Path(folders[run.name], name)) for run in runs for name in files_of_run(run)),
+        ]
+        with ExitStack() as locks:
+            try:
+                self._hold(self.directory, locks)
+                self._others = self._manifest()
+                before = self._others.pop(writer, {})
+                finished, unfinished = self._finished(before), self._unfinished(before)
+                mine = {*finished, *unfinished}
+                self._refuse_what_is_in_the_way(claims, mine)
+                for folder in {self.of(run) for run in runs} - {self.directory}:
+                    self._hold(folder, locks)
+                kept = mine.intersection(keeps)
+                self._remove(finished.keys() - kept)
+                self._move(sorted(set(unfinished) - kept))
+                self._prune([*mine, *claims], [self.of(run) for run in runs])
+                self._files: Files = {glob.escape(name): finished.get(name) for name in sorted(kept)}
+                self._files |= dict.fromkeys(claims)
+                self._write(self._files)
+            except OSError as error:
+                raise ParameterError(f"{directory}: {error.strerror or error}") from None
+            self._locks = locks.pop_all()
 
     def of(self, run: Run) -> Path:
         """The folder of one run."""
         return self.directory if self._alone else self.directory / run.name
 
+    def claim(self, names: Iterable[str]) -> None:
+        """Let the command also write files of these names; ParameterError if there are such."""
+        more = dict.fromkeys(glob.escape(name) for name in names)
+        self._refuse_what_is_in_the_way(more, set())
+        self._files |= more
+        self._write(self._files)
+
+    def hand_over(self) -> None:
+        """Leave the manifest open at the end of the block: others, such as nodes by a launch file, write there then."""
+        self._handed_over = True
+
+    def __enter__(self) -> OutputFolder:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        # What somebody has put there while we drove is not ours, even if it has one of our names.
+        theirs = {error.filename} if isinstance(error, FileExistsError) else set()
+        with self._locks, suppress(OSError) if error else nullcontext():
+            files: Files = {}
+            for pattern, digest in self._files.items():
+                found = [self.directory / name for name in there(self.directory, pattern)]
+                ours = [path for path in found if is_file(path) and str(path) not in theirs]
+                files |= {path.relative_to(self.directory).as_posix(): digest or digest_of(path) for path in ours}
+                if self._handed_over and not ours:
+                    files[pattern] = None
+            self._write(files)
+
+    def _hold(self, folder: Path, locks: ExitStack) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        held = os.open(folder, os.O_RDONLY)
+        locks.callback(os.close, held)
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise ParameterError(f"{folder}: another run is writing there, allowed is another folder") from None
+
+    def _manifest(self) -> dict[str, Files]:
+        try:
+            return manifest.read_manifest(self.directory)
+        except (ValueError, RecursionError):
+            raise self._refused(manifest.NAME, "is not a manifest of ours") from None
+
+    def _write(self, files: Files) -> None:
+        manifest.write_manifest(self.directory, {**self._others, **({self._writer: files} if files else {})})
+
+    def _finished(self, before: Files) -> Files:
+        """What is as the writer has left it; a file that the user has removed is simply gone."""
+        finished = {name: digest for name, digest in before.items() if digest}
+        for name, digest in list(finished.items()):
+            if [name] != list(there(self.directory, glob.escape(name))):
+                del finished[name]
+            elif not is_file(self.directory / name) or digest_of(self.directory / name) != digest:
+                raise self._refused(name, "was changed since")
+        return finished
+
+    def _unfinished(self, before: Files) -> list[str]:
+        """What the writer was writing when it was killed, also under the name of a file that is not whole yet."""
+        found = []
+        for pattern in (pattern for pattern, digest in before.items() if digest is None):
+            folder, slash, name = pattern.rpartition("/")
+            for each in (pattern, f"{folder}{slash}.{name}.{'[0-9a-f]' * 8}"):
+                found += [name for name in there(self.directory, each) if is_file(self.directory / name)]
+        return found
+
+    def _refuse_what_is_in_the_way(self, claims: Iterable[str], mine: set[str]) -> None:
+        """ParameterError if a name is taken by what is not `mine`, or its folder, which is ours alone, holds such."""
+        places = set()
+        for pattern in claims:
+            if not manifest.stays_within(pattern):
+                raise ParameterError(f"{self._given}: {pattern!r} is refused, allowed is the name of a file there")
+            folder = pattern.rpartition("/")[0]
+            places.add(pattern if folder in self._shared else folder)
+        for place in sorted(places):
+            for name in there(self.directory, place):
+                for each in content(self.directory, name):
+                    if each not in mine:
+                        raise self._refused(name, self._whose(each))
+
+    def _whose(self, name: str) -> str:
+        if (self.directory / name).is_symlink():
+            return "is a link"
+        writers = (f"is of {writer}" for writer, files in self._others.items() if name in files)
+        return next(writers, "is not of an earlier run")
+
+    def _refused(self, name: str, why: str) -> ParameterError:
+        return ParameterError(f"{self._given}: {name} there {why}, allowed is another folder")
+
+    def _remove(self, names: Iterable[str]) -> None:
+        for name in names:
+            (self.directory / name).unlink()
+
+    def _move(self, names: Sequence[str]) -> None:
+        if not names:
+            return
+        for number in itertools.count(1):
+            earlier = self.directory / f"earlier_{number}"
+            if not os.path.lexists(earlier):
+                break
+        for name in names:
+            (earlier / name).parent.mkdir(parents=True, exist_ok=True)
+            (self.directory / name).rename(earlier / name)
+        announce(f"note: what an earlier run had not finished is in {earlier} now")
+
+    def _prune(self, names: Iterable[str], but: Sequence[Path]) -> None:
+        """Remove what is empty of the folders that these files were or will be in."""
+        for top in {name.partition("/")[0] for name in names}:
+            for found in there(self.directory, top):
+                for folder, _, _ in os.walk(self.directory / found, topdown=False):
+                    if Path(folder) not in but:
+                        with suppress(OSError):
+                            os.rmdir(folder)
+
 
 def forget_recording(directory: Path) -> None:
     """Remove what the recorder of a run has written into its folder, so that another one may begin there."""
-    for name in (BAG, SIGNALS):
-        if (directory / name).exists():
-            _remove(directory / name)
-
-
-def _remove(path: Path) -> None:
-    if path.is_dir():
-        shutil.rmtree(path)
-    else:
-        path.unlink()
+    for pattern in RECORDED:
+        for name in there(directory, pattern):
+            (directory / name).unlink()
+    if is_folder(directory / BAG):
+        (directory / BAG).rmdir()

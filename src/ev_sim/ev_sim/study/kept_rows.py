@@ -5,19 +5,19 @@ from __future__ import annotations
 import dataclasses
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.running.recording.recording import Recording, save
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.depends import case_key, digest_of_files, digest_of_sources
 
-_NAME = "driven.jsonl"
+NAME = "driven.jsonl"
 _ARRAY, _TUPLE = "array", "tuple"  # what JSON does not know, as objects with one of these keys
 
 
@@ -29,12 +29,14 @@ class KeptRows:
     """
 
     def __init__(self, folder: Path, study: str, cases: Sequence[Case], run: Run) -> None:
-        self._path = folder / _NAME
+        self._path = folder / NAME
         self._sources = f"{study} {digest_of_sources()} {digest_of_files(_words(cases, run))}"
-        lines = list(self._lines())
-        self._results = {line["case"]: line["result"] for line in lines}
-        with atomic_file(self._path) as file:
-            file.writelines(json.dumps(line).encode() + b"\n" for line in lines)
+        self._results = {line["case"]: line["result"] for line in self._lines()}
+
+    @property
+    def files(self) -> list[str]:
+        """The names of what is worth to be kept, with signals; none if nothing of it holds any more."""
+        return [NAME, *map(_signals_of_key, self._results)] if self._results else []
 
     def of(self, case: Case) -> CaseResult | None:
         """The result of a case if it was driven before."""
@@ -50,17 +52,17 @@ class KeptRows:
         fields = {field.name: _encoded(getattr(result, field.name)) for field in dataclasses.fields(result)}
         line = {"sources": self._sources, "case": case_key(case), "result": fields}
         with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(line) + "\n")
+            file.write("\n" + json.dumps(line))  # before it there may be half a line
 
     def _lines(self) -> Iterable[dict[str, Any]]:
-        if not self._path.exists():
+        if not self._path.is_file():
             return
         for text in self._path.read_text(encoding="utf-8").splitlines():
             try:
                 line = json.loads(text)
-            except ValueError:  # the last one, of a study that was killed while it wrote
+            except ValueError:  # half a line, of a study that was killed while it wrote
                 continue
-            if line["sources"] == self._sources:
+            if isinstance(line, dict) and line.get("sources") == self._sources:
                 yield line
 
 
@@ -73,13 +75,18 @@ class MeasureAndSave:
 
     def __call__(self, recording: Recording, run: Run) -> Mapping[str, Any]:
         self.path.parent.mkdir(exist_ok=True)
-        save(recording, self.path)
+        with suppress(FileExistsError):  # of a case that is the same under another name
+            save(recording, self.path)
         return self.measure(recording, run)
 
 
-def signals_of(folder: Path, case: Case) -> Path:
-    """Where the signals of a case are kept."""
-    return folder / "signals" / f"{case_key(case)}.npz"
+def signals_of(case: Case) -> str:
+    """Where the signals of a case are kept, below the folder of its study."""
+    return _signals_of_key(case_key(case))
+
+
+def _signals_of_key(key: str) -> str:
+    return f"signals/{key}.npz"
 
 
 def _words(cases: Sequence[Case], run: Run) -> Iterable[object]:

@@ -11,18 +11,18 @@ from typing import Any
 
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import add_outputs, add_overrides, command_of, overrides
-from ev_sim.report.figures.saving import save_figures
+from ev_sim.report.figures.saving import figure_files, save_figures
 from ev_sim.report.metric import Metric
 from ev_sim.report.metric_table import print_metrics
 from ev_sim.report.summary import versions, write_summary
-from ev_sim.report.table_files import write_tables
+from ev_sim.report.table_files import TABLES, write_tables
+from ev_sim.running.files_of_run import OF_ALL_RUNS, PAGE, SUMMARY
 from ev_sim.running.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.progress_bar import bar_of_runs
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult, run_of
-from ev_sim.study.depends import case_key
-from ev_sim.study.kept_rows import KeptRows, MeasureAndSave, signals_of
+from ev_sim.study.kept_rows import NAME, KeptRows, MeasureAndSave, signals_of
 from ev_sim.study.study import Results, Study, study_named
 from ev_sim.study.workers import drive_cases
 
@@ -64,30 +64,34 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     study, given = study_named(name), arguments(name, argv)
     cases = study_cases(study, given)
     run = _first_that_can_be_driven(cases)
-    folder = OutputFolder(given.out or Path("results") / name, ())
-    start = time.monotonic()
-    driven, before = _drive(name, given, cases, folder.directory, run)
-    wall_time = time.monotonic() - start
-    results = {result.name: result for result in driven}
-    if all(result.refused for result in driven):
-        raise RunFailed(f"none of {len(driven)} runs was driven; {driven[0].name}: {driven[0].refused}")
-    metrics = study.metrics(given, results)
+    out = given.out or Path("results") / name
+    rows = KeptRows(out, name, cases, run)
+    names = [*OF_ALL_RUNS, *TABLES, NAME, *(map(signals_of, cases) if given.signals else ())]
+    with OutputFolder(out, f"study {name}", names, keeps=() if given.anew else rows.files) as folder:
+        start = time.monotonic()
+        driven, before = _drive(name, given, cases, folder.directory, rows)
+        wall_time = time.monotonic() - start
+        results = {result.name: result for result in driven}
+        if all(result.refused for result in driven):
+            raise RunFailed(f"none of {len(driven)} runs was driven; {driven[0].name}: {driven[0].refused}")
+        metrics = study.metrics(given, results)
 
-    figures = study.figures(given, results)
-    save_figures(figures, folder.directory, given.figures)
-    content = {**_summary(name, given, cases, results, metrics, wall_time), "command": command_of([name, *argv])}
-    write_summary(folder.directory / "summary.json", content)
-    if hasattr(study, "table"):
-        write_tables(folder.directory, *study.table(given, results))
-    tables = study.tables(given, results)
-    if not given.no_report:
-        from ev_sim.report.page.images import images_of
-        from ev_sim.report.page.measured import measured_signals
-        from ev_sim.report.page.writing import NAME, Page, write_page
+        figures = study.figures(given, results)
+        folder.claim(figure_files(figures, given.figures))
+        save_figures(figures, folder.directory, given.figures)
+        content = {**_summary(name, given, cases, results, metrics, wall_time), "command": command_of([name, *argv])}
+        write_summary(folder.directory / SUMMARY, content)
+        if hasattr(study, "table"):
+            write_tables(folder.directory, *study.table(given, results))
+        tables = study.tables(given, results)
+        if not given.no_report:
+            from ev_sim.report.page.images import images_of
+            from ev_sim.report.page.measured import measured_signals
+            from ev_sim.report.page.writing import Page, write_page
 
-        signals = measured_signals({case: result.measured for case, result in results.items()})
-        shown = Page(name, {"": content}, signals, images_of(figures, folder.directory), tables)
-        write_page(shown, folder.directory / NAME)
+            signals = measured_signals({case: result.measured for case, result in results.items()})
+            shown = Page(name, {"": content}, signals, images_of(figures, folder.directory), tables)
+            write_page(shown, folder.directory / PAGE)
     if tables:
         print(tables, end="\n\n")
     print_metrics(metrics)
@@ -102,14 +106,14 @@ def run_study(name: str, argv: Sequence[str]) -> None:
 
 
 def _drive(
-    name: str, given: argparse.Namespace, cases: Sequence[Case], folder: Path, run: Run
+    name: str, given: argparse.Namespace, cases: Sequence[Case], folder: Path, rows: KeptRows
 ) -> tuple[list[CaseResult], int]:
     """The results of all cases, in their order, and how many of them were there already.
 
     RunFailed if signals of a case are asked for and not there in the end.
     """
-    measure, rows = study_named(name).measure, KeptRows(folder, name, cases, run)
-    paths = {case.name: signals_of(folder, case) for case in cases}
+    measure = study_named(name).measure
+    paths = {case.name: folder / signals_of(case) for case in cases}
     found = {} if given.anew else {case.name: result for case in cases if (result := rows.of(case)) is not None}
     found = {key: result for key, result in found.items() if not given.signals or paths[key].exists()}
     missing = {case.name: case for case in cases if case.name not in found}
@@ -180,7 +184,7 @@ def _summary(
                 "signal_hash": results[case.name].signal_hash,
                 "refused": results[case.name].refused,
                 "notes": list(results[case.name].notes),
-                "signals": f"signals/{case_key(case)}.npz" if given.signals else None,
+                "signals": signals_of(case) if given.signals else None,
                 "measured": {
                     key: value
                     for key, value in results[case.name].measured.items()

@@ -45,7 +45,7 @@ class KeepMeasured:
 
 def keep(result: CaseResult, path: Path) -> None:
     """Write what a study has measured on a case, or why it was refused."""
-    with atomic_file(path) as file:
+    with atomic_file(path, replaces=True) as file:
         pickle.dump(result, file)
 
 

@@ -13,6 +13,7 @@ from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.verdicts.need import Driven, Need
 from ev_sim.verdicts.panel import PublishedPanel
 
+INDEX = "index.html"
 _STYLE = """
 body { font: 14px sans-serif; margin: 1.5em; }
 .row { display: grid; grid-auto-flow: column; grid-auto-columns: minmax(20em, 1fr); gap: 1em; overflow-x: auto; }
@@ -61,7 +62,7 @@ def write_page(shown: Mapping[str, Sequence[PublishedPanel]], folder: Path) -> P
             parts += [f"<h2>{html.escape(row)}</h2>", '<div class="row">']
             parts += [_entry(source, panel) for panel in members]
             parts.append("</div>")
-    page = folder / "index.html"
+    page = folder / INDEX
     with atomic_file(page) as file:
         file.write("\n".join(parts).encode())
     return page

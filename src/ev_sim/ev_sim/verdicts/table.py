@@ -11,6 +11,7 @@ from ev_sim.report.text_table import text_table
 from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.verdicts.verdict import SORTS, Verdict, sort_of
 
+FILES = ("verdicts.json", "verdicts.md")
 COLUMNS = ("id", "kind", "what", "printed", "ours", "tolerance", "verdict", "driven")
 _SHORT = ("id", "verdict", "ours")
 
@@ -45,7 +46,7 @@ def write(verdicts: Sequence[Verdict], folder: Path, images: Mapping[str, Sequen
     """Write verdicts.json and verdicts.md; `images` are those of scripts/run.sh figures that show an id."""
     entries = [{**each.as_json(), "figures": list(images.get(each.published.id, ()))} for each in verdicts]
     content = json.dumps(entries, indent=2, allow_nan=False, ensure_ascii=False)
-    for name, text in (("verdicts.json", content + "\n"), ("verdicts.md", markdown_table(verdicts))):
+    for name, text in zip(FILES, (content + "\n", markdown_table(verdicts)), strict=True):
         with atomic_file(folder / name) as file:
             file.write(text.encode())
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ev_sim.report.figures.column import as_column
@@ -13,6 +13,11 @@ FORMATS = ("pdf", "svg")  # for print, beside PNG for the screen
 # Letters stay letters, and two equal figures are equal files.
 _SETTINGS = {"pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "ev_sim"}
 _NO_DATE = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
+
+
+def figure_files(figures: Iterable[str], formats: Sequence[str] = ()) -> list[str]:
+    """The names of the files of some figures."""
+    return [f"{name}.{kind}" for name in figures for kind in ("png", *formats)]
 
 
 def save_figures(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = ()) -> list[Path]:

@@ -16,8 +16,6 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.page.content import Signals, by_result, signal_data
 from ev_sim.running.recording.atomic import atomic_file
 
-NAME = "report.html"
-
 
 @dataclass(frozen=True, slots=True)
 class Image:

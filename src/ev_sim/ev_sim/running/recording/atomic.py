@@ -1,8 +1,8 @@
-"""Files that are there as a whole or not at all."""
+"""Files that are there as a whole or not at all, in the place of nothing."""
 
 from __future__ import annotations
 
-import os
+import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,13 +10,19 @@ from typing import IO
 
 
 @contextmanager
-def atomic_file(path: Path | str) -> Iterator[IO[bytes]]:
-    """A binary file that takes its name only when everything is written; a failure leaves what was there before."""
+def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]:
+    """A binary file that takes its name only when everything is written; a failure leaves what was there before.
+
+    FileExistsError if something has this name by then, unless it `replaces` that.
+    """
     path = Path(path)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with unfinished.open("wb") as file:
+    unfinished = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    with unfinished.open("xb") as file:
+        try:
             yield file
-        unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
+            file.close()
+            if not replaces:
+                path.touch(exist_ok=False)  # unlike a test for existence nobody can come in between
+            unfinished.replace(path)
+        finally:
+            unfinished.unlink(missing_ok=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,12 +15,12 @@ from ev_sim.running.recording.run_recorder import RunRecorder
 
 
 class OutputOfRun:
-    """Makes the folder; ParameterError if it has a bag already. `names` are the full names of the topics."""
+    """Makes the folder; ParameterError if it has a recording already. `names` are the full names of the topics."""
 
     def __init__(self, p: RecorderParameters, topics: Sequence[Topic], names: Sequence[str]) -> None:
         self._directory = Path(p.directory)
-        if p.bag and (self._directory / BAG).exists():
-            raise ParameterError(f"parameter directory: {p.directory!r} is refused, allowed is one without a bag")
+        if any(os.path.lexists(self._directory / name) for name in ((BAG, SIGNALS) if p.bag else (SIGNALS,))):
+            raise ParameterError(f"parameter directory: {p.directory!r} is refused, allowed is one without a recording")
         self._directory.mkdir(parents=True, exist_ok=True)
         period = stamps.from_seconds(p.control_period)
         self._last = stamps.from_seconds(p.duration) // period * period
