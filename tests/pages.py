@@ -10,8 +10,9 @@ import numpy as np
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import Metric, Reference, within
-from ev_sim.report.page.writing import NAME, Image, Page, Signals, write_page
+from ev_sim.report.page.writing import Image, Page, Signals, write_page
 from ev_sim.report.summary import Summary
+from ev_sim.running.files_of_run import PAGE
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.differences import Difference
 
@@ -75,5 +76,5 @@ def page_of(folder: Path, runs: dict[str, Recording]) -> Path:
     """The page, written into a folder."""
     signals = (Signals("", runs, CAR),)
     images = {"a_figure": Image(_PNG, "Speed: speed [m/s] over time [s]")}
-    write_page(Page("circles", {"": summary_of(runs).as_json()}, signals, images), folder / NAME)
-    return folder / NAME
+    write_page(Page("circles", {"": summary_of(runs).as_json()}, signals, images), folder / PAGE)
+    return folder / PAGE

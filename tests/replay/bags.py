@@ -11,7 +11,7 @@ from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.replay.comparing import differences_of
 from ev_sim.replay.graph import replay_of
-from ev_sim.replay.outputs import replay_folder
+from ev_sim.replay.outputs import prepared, replay_folder
 from ev_sim.replay.recorded import Recorded
 from ev_sim.running.files_of_run import SIGNALS
 from ev_sim.running.offline import drive_offline
@@ -26,8 +26,8 @@ PERIOD = 10_000_000  # ns, of shchur2019
 
 def differences(recorded: Recorded, out: Path, role: str, vehicle: str | None = None):
     replay = replay_of(recorded, role, "", Overrides(vehicle=vehicle))
-    run, _ = replay_folder(replay, out)
-    return differences_of(replay, drive_offline(run).recording)
+    with replay_folder(replay, out) as folder:
+        return differences_of(replay, drive_offline(prepared(replay, folder)).recording)
 
 
 def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:

@@ -18,6 +18,7 @@ from ev_sim.running.recording.recording import load, signal_hash
 from ev_sim.running.scenarios.scenario import load_scenario
 from ev_sim.study import sweep
 from ev_sim.study.case import Case, CaseResult
+from ev_sim.running.manifest import read_manifest, write_manifest
 from ev_sim.study.kept_rows import KeptRows
 from ev_sim.study.run_study import arguments
 
@@ -68,11 +69,14 @@ def test_a_sweep_that_was_killed_goes_on_where_it_was(folder, capsys):
     table, driven = (folder / "table.csv").read_bytes(), folder / "driven.jsonl"
     lines = driven.read_text().splitlines(keepends=True)
     driven.write_text("".join(lines[:5]) + lines[5][:100])  # killed while it wrote the sixth line
+    written = read_manifest(folder)
+    written["study sweep"] |= {"driven.jsonl": None}
+    write_manifest(folder, written)
     sweep_into(folder)
     assert "12 runs, 1.2 s in" in (said := capsys.readouterr().out)
     assert "5 of them driven before" in said
     assert (folder / "table.csv").read_bytes() == table
-    assert len(driven.read_text().splitlines()) == 12
+    assert len(driven.read_text().splitlines()) == 13  # with half a line
 
 
 @pytest.mark.slow

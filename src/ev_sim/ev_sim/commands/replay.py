@@ -15,11 +15,12 @@ from ev_sim.replay.comparing import differences_of
 from ev_sim.replay.graph import Replay, replay_of
 from ev_sim.replay.outputs import Replayed, prepared, replay_folder
 from ev_sim.replay.recorded import find_recorded
-from ev_sim.running.files_of_run import PARAMETERS
+from ev_sim.running.files_of_run import PARAMETERS, SIGNALS
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
 from ev_sim.running.offline import drive_offline
 from ev_sim.running.outcome import Outcome
 from ev_sim.running.progress_bar import progress_bar
+from ev_sim.running.recording.recording import save
 from ev_sim.running.scenarios.scenario import Run
 
 
@@ -75,7 +76,9 @@ def _drive(replay: Replay, run: Run, folder: Path, command: list[str]) -> Outcom
     with progress_bar(f"replay of {replay.role}", run.duration) as progress:
         if not command:
             write_parameter_file(folder / PARAMETERS, run, node_parameters(run, folder, bag=False))
-            return drive_offline(run, progress)
+            outcome = drive_offline(run, progress)
+            save(outcome.recording, folder / SIGNALS)  # which else the recorder does
+            return outcome
         from ev_sim.running.processes import run_in_processes
 
         return run_in_processes(run, folder, False, progress, {replay.role: command})

@@ -27,8 +27,8 @@ class {name}(Slave):
 def write_fmu(content: Content, file: Path) -> None:
     """Write an FMU (FMI 2.0, co-simulation) whose model is named after the file, in the place of one of ours at most.
 
-    ParameterError, in one line, for another name, unknown roles, a file of others there, and a law or a car that cannot be stepped on its own;
-    ImportError, in one line, without PythonFMU.
+    ParameterError, in one line, for another name, unknown roles, a file of others there, and a law or a car that cannot
+    be stepped on its own; ImportError, in one line, without PythonFMU.
     """
     builder = extra("pythonfmu", "fmu").FmuBuilder
     if file.suffix != ".fmu" or not re.fullmatch(r"[A-Za-z]\w*", file.stem):

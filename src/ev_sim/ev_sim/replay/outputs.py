@@ -101,7 +101,6 @@ class Replayed:
     def write(self, folder: OutputFolder, page: bool, formats: Sequence[str]) -> str:
         """Write all of it; the answer names the page if there is one."""
         runs = {_RECORDED: self._recorded(), _REPLAYED: self.outcome.recording}
-        save(self.outcome.recording, folder.directory / _REPLAYED / SIGNALS)
         table_files(self.differences, folder.directory)
         content = self._content(runs)
         figures = {_LATENCY: latency_sheet(self._latency)} if self._latency else {}

@@ -42,10 +42,8 @@ class OutputFolder:
         self._handed_over = False
         folders = {run.name: "" if self._alone else glob.escape(run.name) for run in runs}
         self._shared = {"", *folders.values()}  # with what the user has there
-        claims = [
-            *map(glob.escape, files),
-            *(str(Path(folders[run.name], name)) for run in runs for name in files_of_run(run)),
-        ]
+        claims = [*map(glob.escape, files)]
+        claims += [str(Path(folders[run.name], name)) for run in runs for name in files_of_run(run)]
         with ExitStack() as locks:
             try:
                 self._hold(self.directory, locks)

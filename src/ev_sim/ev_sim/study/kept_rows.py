@@ -31,7 +31,9 @@ class KeptRows:
     def __init__(self, folder: Path, study: str, cases: Sequence[Case], run: Run) -> None:
         self._path = folder / NAME
         self._sources = f"{study} {digest_of_sources()} {digest_of_files(_words(cases, run))}"
-        self._results = {line["case"]: line["result"] for line in self._lines()}
+        text = self._path.read_text("utf-8", "replace") if self._path.is_file() else ""
+        self._gap = "\n" if text and not text.endswith("\n") else ""
+        self._results = {line["case"]: line["result"] for line in self._lines(text)}
 
     @property
     def files(self) -> list[str]:
@@ -52,15 +54,14 @@ class KeptRows:
         fields = {field.name: _encoded(getattr(result, field.name)) for field in dataclasses.fields(result)}
         line = {"sources": self._sources, "case": case_key(case), "result": fields}
         with self._path.open("a", encoding="utf-8") as file:
-            file.write("\n" + json.dumps(line))  # before it there may be half a line
+            file.write(f"{self._gap}{json.dumps(line)}\n")
+        self._gap = ""
 
-    def _lines(self) -> Iterable[dict[str, Any]]:
-        if not self._path.is_file():
-            return
-        for text in self._path.read_text(encoding="utf-8").splitlines():
+    def _lines(self, text: str) -> Iterable[dict[str, Any]]:
+        for each in text.splitlines():
             try:
-                line = json.loads(text)
-            except ValueError:  # half a line, of a study that was killed while it wrote
+                line = json.loads(each)
+            except (ValueError, RecursionError):  # half a line, of a study that was killed while it wrote
                 continue
             if isinstance(line, dict) and line.get("sources") == self._sources:
                 yield line
