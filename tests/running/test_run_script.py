@@ -240,12 +240,15 @@ def test_a_node_that_is_told_to_stop_ends_the_run(name: str, tmp_path: Path):
 
 
 def test_a_folder_that_holds_something_else_is_not_touched(tmp_path: Path):
+    """A file of the name of ours is no proof of an earlier run: once it let all the others be deleted."""
     (tmp_path / "log").mkdir()
-    (tmp_path / "map.png").touch()
+    for name in ("log/diary.txt", "map.png", "parameters.yaml"):
+        (tmp_path / name).write_text("a: 1\n")
     result = run("shchur2019", "--offline", "--duration", 1, "--out", tmp_path, check=False)
     assert result.returncode == 1
     assert "log there is not of an earlier run" in result.stderr
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["log", "map.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["log", "map.png", "parameters.yaml"]
+    assert (tmp_path / "log" / "diary.txt").read_text() == "a: 1\n"
 
 
 def test_a_second_run_replaces_the_first(tmp_path: Path):

@@ -14,11 +14,11 @@ import ev_sim
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.report.table_files import write_tables
+from ev_sim.running.manifest import read_manifest, write_manifest
 from ev_sim.running.recording.recording import load, signal_hash
 from ev_sim.running.scenarios.scenario import load_scenario
 from ev_sim.study import sweep
 from ev_sim.study.case import Case, CaseResult
-from ev_sim.running.manifest import read_manifest, write_manifest
 from ev_sim.study.kept_rows import KeptRows
 from ev_sim.study.run_study import arguments
 
