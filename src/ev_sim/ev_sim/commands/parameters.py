@@ -33,7 +33,7 @@ def main(argv: list[str] | None = None) -> None:
     given = parser.parse_args(sys.argv[1:] if argv is None else argv)
     try:
         run = only_run(given.scenario, given.run, overrides(given))
-        with OutputFolder(given.out, f"scenario {Path(given.scenario).stem}", runs=(run,)) as folder:
+        with OutputFolder(given.out, "parameters", runs=(run,)) as folder:
             nodes = node_parameters(run, folder.directory, bag=not given.no_record)
             file = folder.directory / PARAMETERS
             write_parameter_file(file, run, nodes)
