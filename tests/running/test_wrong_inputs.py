@@ -197,8 +197,8 @@ def test_files_of_vehicles_refuse_what_no_car_is(tmp_path):
 def test_one_folder_is_for_one_run_at_a_time(tmp_path):
     """The second one is refused before it clears anything."""
     runs = load_scenario("coast_down").runs
-    first = OutputFolder(tmp_path / "out", runs)
+    first = OutputFolder(tmp_path / "out", "scenario coast_down", runs=runs)
     (first.directory / "signals.npz").touch()
     with pytest.raises(ParameterError, match=r"another run is writing there, allowed is another folder$"):
-        OutputFolder(tmp_path / "out", runs)
+        OutputFolder(tmp_path / "out", "scenario coast_down", runs=runs)
     assert (first.directory / "signals.npz").exists()
