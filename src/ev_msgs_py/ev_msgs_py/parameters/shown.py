@@ -23,4 +23,4 @@ def _repr(value: Any) -> str:
     try:
         return repr(value)
     except (ValueError, RecursionError):  # a whole number of thousands of digits, or what holds itself
-        return f"a {type(value).__name__}"
+        return f"some {type(value).__name__}"
