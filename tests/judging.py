@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
-from ev_sim.commands.verdicts import CACHE
 from ev_sim.study.case import Case, CaseResult, Measure, drive_case
 from ev_sim.verdicts.all_verdicts import SOURCES, declarations
 from ev_sim.verdicts.declaration import Declaration
 from ev_sim.verdicts.driving import drive
-from ev_sim.verdicts.kept import Kept
+from ev_sim.verdicts.kept import Kept, kept_by_user
 from ev_sim.verdicts.need import Driven, Need, ScenarioNeed, Value
 from ev_sim.verdicts.published import published
 from ev_sim.verdicts.verdict import Verdict, verdict
@@ -53,4 +51,4 @@ def _with(need: Need, changed: Sequence[Value]) -> Need:
 @cache
 def _kept() -> Kept:
     """Where scripts/run.sh verdicts keeps what it has driven; it stands under a digest of everything it depends on."""
-    return Kept(Path(__file__).parents[1] / CACHE)
+    return kept_by_user()

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import ev_sim
-from ev_msgs_py.compiling.machine_code import cache_folder
+from ev_msgs_py.compiling.user_cache import cache_folder
 
 ROOT = Path(__file__).parents[2]
 NOTEBOOK = ROOT / "docs" / "examples" / "shchur2019.ipynb"

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ev_msgs_py.compiling.machine_code import forget_older
+from ev_msgs_py.compiling import machine_code
 from ev_msgs_py.compiling.part import CompiledPart
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.lockstep.configuration import configure
@@ -57,20 +57,19 @@ def test_code_is_loaded_without_the_compiler_and_gives_the_bits_of_plain_python(
     assert said[len(LAWS) :] == ["True", "True", "False"]
 
 
-def test_only_the_newest_texts_of_a_name_are_kept(tmp_path):
+def test_only_the_newest_texts_of_a_name_are_kept(tmp_path, monkeypatch):
     """With all that was compiled of a text; other names, one of which begins alike, are left alone."""
-    (tmp_path / "folder").mkdir()
-    for n in range(6):
+    monkeypatch.setattr(machine_code, "cache_folder", lambda: tmp_path)
+    for n in range(10):
         for name in ("off", "off_asr"):
-            digest = f"{n:012x}"
-            for file in (f"{name}_{digest}.py", f"{name}_{digest}.1234.code", f"folder/{name}_{digest}.step-8.nbi"):
+            for file in (f"{name}_{n:012x}.1234.code", f"{name}_{n:012x}.1234.5678.numba"):
                 (tmp_path / file).touch()
                 os.utime(tmp_path / file, (n, n))
-    forget_older(tmp_path / f"off_{5:012x}.py")
-    kept = sorted(file.name for file in tmp_path.rglob("off_*") if not file.name.startswith("off_asr"))
-    assert {name.split(".")[0] for name in kept} == {f"off_{n:012x}" for n in (2, 3, 4, 5)}
-    assert len(kept) == 4 * 3
-    assert len(list(tmp_path.rglob("off_asr_*"))) == 6 * 3
+    machine_code.forget_older(f"off_{9:012x}")
+    kept = sorted(file.name for file in tmp_path.glob("off_*") if not file.name.startswith("off_asr"))
+    assert {name.split(".")[0] for name in kept} == {f"off_{n:012x}" for n in range(2, 10)}
+    assert len(kept) == 8 * 2
+    assert len(list(tmp_path.glob("off_asr_*"))) == 10 * 2
 
 
 def test_the_set_up_goes_on_when_a_law_cannot_be_compiled(monkeypatch):

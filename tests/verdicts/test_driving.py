@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -85,10 +86,18 @@ def test_a_refused_case_of_a_study_stays_refused(tmp_path: Path):
 
 
 def test_what_other_sources_have_left_is_removed(tmp_path: Path):
-    (tmp_path / "recordings_of_old").mkdir()
+    """The oldest, and of it what a run has written; what is not ours stays."""
+    for n in range(4):
+        old = tmp_path / f"recordings_{n}"
+        old.mkdir()
+        (old / "run.npz").touch()
+        if n == 1:
+            (old / "thesis.pdf").touch()
+        os.utime(old, (n, n))
     (tmp_path / "mine").mkdir()
     Kept(tmp_path)
-    assert not (tmp_path / "recordings_of_old").exists()
+    assert [(tmp_path / f"recordings_{n}").exists() for n in range(4)] == [False, True, True, True]
+    assert [path.name for path in (tmp_path / "recordings_1").iterdir()] == ["thesis.pdf"]
     assert (tmp_path / "mine").exists()
 
 
@@ -96,13 +105,13 @@ def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pyt
     from ev_sim.study import depends
 
     Kept(tmp_path)
-    before = {path.name for path in tmp_path.iterdir()}
+    before = set(tmp_path.iterdir())
     files = [*depends._files(())]
     other = tmp_path / "other.yaml"
     other.write_text("x: 1\n")
     monkeypatch.setattr(depends, "_files", lambda without: [*files, ("config/other.yaml", other)])
     Kept(tmp_path)
-    assert before.isdisjoint(path.name for path in tmp_path.iterdir())
+    assert [path.is_dir() for path in set(tmp_path.iterdir()) - before - {other}] == [True, True]
 
 
 def test_a_run_that_cannot_be_driven_is_one_line(tmp_path: Path):

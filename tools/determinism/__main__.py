@@ -6,7 +6,6 @@ import argparse
 import os
 import subprocess
 import sys
-import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -46,8 +45,7 @@ def main(argv: list[str] | None = None) -> None:
     parser.add_argument("--page", type=Path, help=f"write the table into this page, such as {PAGE}")
     given = parser.parse_args(argv)
     progress = tqdm(total=given.trials * len(given.only), unit="trial", disable=not sys.stderr.isatty())
-    with tempfile.TemporaryDirectory(prefix="ev_stack_determinism_") as caches:
-        found = [tried(name, given.trials, given.seconds, given.seed, Path(caches), progress) for name in given.only]
+    found = [tried(name, given.trials, given.seconds, given.seed, progress) for name in given.only]
     progress.close()
     text = result_table(found, given.trials, given.seconds, given.seed)
     print(text)
@@ -58,7 +56,7 @@ def main(argv: list[str] | None = None) -> None:
     sys.exit(bool(others))
 
 
-def tried(scenario: str, trials: int, seconds: float, seed: int, caches: Path, progress: tqdm) -> Found:
+def tried(scenario: str, trials: int, seconds: float, seed: int, progress: tqdm) -> Found:
     """The trials of a scenario, whose runs take turns, each beside the hash of the same run in this process."""
     runs = load_scenario(scenario, Overrides(duration=seconds)).runs
     expected = {run.name: signal_hash(run_offline(run.configurations, run.duration)) for run in runs}
@@ -67,7 +65,7 @@ def tried(scenario: str, trials: int, seconds: float, seed: int, caches: Path, p
         # Runs and ways take turns at different rates, so that each run meets each way.
         name = runs[(trial + trial // len(runs)) % len(runs)].name
         surroundings = drawn(trial, seed)
-        given = _hash_of((scenario, name, str(seconds)), surroundings, caches)
+        given = _hash_of((scenario, name, str(seconds)), surroundings)
         found.trials += 1
         if given == expected[name]:
             found.equal[surroundings.way] += 1
@@ -77,14 +75,10 @@ def tried(scenario: str, trials: int, seconds: float, seed: int, caches: Path, p
     return found
 
 
-def _hash_of(words: tuple[str, ...], surroundings: Surroundings, caches: Path) -> str:
+def _hash_of(words: tuple[str, ...], surroundings: Surroundings) -> str:
     """The hash that a trial prints, or how it failed."""
-    # The names of compiled files do not tell optimisation levels apart.
-    cache = (
-        {} if surroundings.compiler == "this processor" else {"NUMBA_CACHE_DIR": str(caches / surroundings.compiler)}
-    )
     command = [sys.executable, "-m", "determinism.trial", *words, surroundings.way]
-    environment = {**os.environ, **surroundings.environment, **cache}
+    environment = {**os.environ, **surroundings.environment}
     with _other_work(os.cpu_count() or 1 if surroundings.busy else 0):
         try:
             done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=_PATIENCE)

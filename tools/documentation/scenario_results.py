@@ -14,7 +14,7 @@ from ev_sim.report.metric import Metric
 from ev_sim.study.run_study import arguments
 from ev_sim.study.study import Results, study_named
 from ev_sim.verdicts.driving import drive
-from ev_sim.verdicts.kept import Kept
+from ev_sim.verdicts.kept import kept_by_user
 from ev_sim.verdicts.need import StudyNeed
 from ev_sim.verdicts.sources.ge_ni2005.runs import CASES
 from ev_sim.verdicts.sources.tatar_chudzik.runs import SPEEDS
@@ -40,10 +40,10 @@ class Page:
 
 def drive_study(name: str, root: Path | None, *options: str) -> Results:
     """All cases of a study; of a long one the numbers are kept beside the page, below the root of the repository."""
-    from ev_sim.commands.verdicts import CACHE, drive_with_progress
+    from ev_sim.commands.verdicts import drive_with_progress
 
     need = StudyNeed(name, options)
-    cases = drive([need], Kept(CACHE), drive_with_progress)[need]
+    cases = drive([need], kept_by_user(), drive_with_progress)[need]
     if root and is_long(need):
         write_measured(root, need, cases)
     return cases.results

@@ -33,10 +33,15 @@ def fingerprint(*roots: Any) -> str:
 
 
 def _used_by(function: FunctionType) -> Iterator[Any]:
-    """What a function takes from outside of it, by the names in its code."""
-    for name in _names(function.__code__):
+    """What a function takes from outside of it, by the names in its code, and its defaults."""
+    names = list(_names(function.__code__))
+    for name in names:
+        found = function.__globals__.get(name)
         if name in function.__globals__:
-            yield function.__globals__[name]
+            yield found
+        if isinstance(found, ModuleType) and hasattr(found, "__file__") and not found.__name__.startswith("numpy"):
+            yield from (vars(found)[each] for each in names if each in vars(found))
+    yield from (function.__defaults__, function.__kwdefaults__)
     for cell in function.__closure__ or ():
         yield cell.cell_contents
 
@@ -60,4 +65,6 @@ def _constant(value: Any) -> str:
         return value.__name__
     if isinstance(value, type):
         return f"{value.__qualname__}{getattr(value, '_fields', '')}"
+    if hasattr(value, "tobytes"):  # what numpy shows of a long array is not all of it
+        return f"{value.dtype} {value.shape} {value.tobytes().hex()}"
     return repr(value)

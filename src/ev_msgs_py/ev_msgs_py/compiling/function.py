@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.compiling.constants import Unpacking, constants_row, constants_type
-from ev_msgs_py.compiling.library import compiled_function, register_functions
+from ev_msgs_py.compiling.library import compiled_function
 from ev_msgs_py.contract.record import numbers, record_type
 from ev_msgs_py.lockstep.law import Given, given_names
 
@@ -19,7 +19,7 @@ _TEXT = '''"""{function}: generated, do not edit."""
 from numba import njit
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def step({arguments}):
     return function({arguments})
 '''
@@ -29,7 +29,7 @@ _BOUND = '''"""{function}: generated, do not edit."""
 from numba import njit
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def step(constants, row, states, {rest}):
     k, s = constants[0], states[0]
     p, car, period = k.p, k.car, k.period
@@ -43,7 +43,6 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function, compiled and kept on disk; it takes numbers, arrays, named tuples and `in_memory` records."""
     arguments = ", ".join(inspect.signature(function).parameters)
     text = _TEXT.format(function=function.__qualname__, arguments=arguments)
-    register_functions()  # it is compiled, or loaded, with the first call
     step: Callable[..., Any] = compiled_function(function.__name__, text, {"function": function})
     return step
 
@@ -66,6 +65,5 @@ def bound(function: Callable[..., Any], given: Given) -> Callable[..., Any]:
     layout, row = constants_type(given.trees, c), constants_row(given.trees, c, given.values["period"])
     unpacking = Unpacking(c, layout.itemsize // row.itemsize)
     text = _BOUND.format(function=function.__qualname__, given=", ".join(names), rest=", ".join(rest), c=unpacking.text)
-    register_functions()
     step = compiled_function(function.__name__, text, {"function": function, **unpacking.names})
     return partial(step, row[: layout.itemsize // row.itemsize].view(layout), row, states)

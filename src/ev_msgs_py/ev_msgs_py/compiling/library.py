@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
-import importlib.util
+import hashlib
+import linecache
+import pickle
 import sys
+from collections.abc import Sequence
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
-import numba
-from llvmlite.binding import ObjectFileRef
-from numba.core.errors import TypingError
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
 from numba.extending import register_jitable
 
 from ev_msgs_py.compiling import foreign_calls, stack_memory  # noqa: F401, what `call` and `working_memory` are
 from ev_msgs_py.compiling.callees import only_machine_code_of
 from ev_msgs_py.compiling.compilable import FUNCTIONS, INLINED
-from ev_msgs_py.compiling.machine_code import cache_folder, calls, code_file, forget_older, keep, text_file, write_whole
+from ev_msgs_py.compiling.machine_code import forget_older, keep, kept_file, key_of
+from ev_msgs_py.compiling.user_cache import read_checked, write_checked
 
 # Division by zero gives infinity as in numpy, without a test at each division; sums keep the order in which they are
 # written (no fastmath), so results are the same to the bit in every run.
 OPTIONS: dict[str, Any] = {"error_model": "numpy"}
 
+_rebuilt: Any = CompileResult._rebuild
+_written: Any = dumps
 _registered = 0
 
 
@@ -32,42 +40,68 @@ def register_functions() -> None:
         _registered += 1
 
 
-def use_cache() -> None:
-    """Let numba keep what it compiles in our folder, unless the user says where."""
-    settings: Any = numba.config
-    if not settings.CACHE_DIR:
-        settings.CACHE_DIR = str(cache_folder())
+class _Overloads(NullCache):
+    """What numba makes of a function of Python, in files with checksums: one for each choice of types."""
+
+    def __init__(self, key: str) -> None:
+        self._key = key
+
+    def load_overload(self, signature: Sequence[Any], target: Any) -> Any:
+        """What was kept for these types; None, and a line that it is compiled now, if nothing was."""
+        target.refresh()
+        kept = read_checked(self._file(signature))
+        if kept is not None:
+            return _rebuilt(target, *pickle.loads(kept))
+        _say_compiling(self._key)
+        return None
+
+    def save_overload(self, signature: Sequence[Any], made: Any) -> None:
+        """Keep it, unless it holds addresses of this process."""
+        if not made.library.has_dynamic_globals:
+            write_checked(self._file(signature), _written(made._reduce()))
+            forget_older(self._key)
+
+    def _file(self, signature: Sequence[Any]) -> Path:
+        types = repr([(kind, getattr(kind, "fields", ())) for kind in signature])
+        return kept_file(self._key, f"{hashlib.sha256(types.encode()).hexdigest()[:12]}.numba")
 
 
-def compiled_address(name: str, text: str, names: dict[str, Any]) -> int:
+def keep_overloads(function: Any) -> Any:
+    """Let what numba makes of a function with `njit` be kept on disk; the function itself comes back."""
+    function._cache = _Overloads(key_of(function.__name__, "", {"function": function}))
+    return function
+
+
+def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:
     """The address of the C function `step` of a text, compiled now and kept for who loads it without the compiler."""
-    step = compiled_function(name, text, names)
-    found = step._cache  # where numba keeps the object file, too
-    data = found._cache_file.load(found._index_key(step._sig, step._library.codegen))
-    code: bytes = data[0][2][0]
-    # Code that takes memory from numba's heap needs numba itself.
-    if not any(name.startswith("NRT_") and "alloc" in name for name in calls(ObjectFileRef.from_data(code))):
-        keep(code_file(text_file(name, text, names)), step.native_name, code)
+    _say_compiling(key)
+    with only_machine_code_of("step"):
+        register_functions()
+        step = _executed(key, text, names)
+    keep(key, step.native_name, step._library._get_compiled_object())
     address: int = step.address
     return address
 
 
 def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
-    """The C function `step` of a text that uses these names; as a file, because numba keeps compiled code by file."""
-    use_cache()
-    file = text_file(name, text, names)
-    if not file.exists():
-        print(f"compiling {name.replace('_', ' ')} ... (once)", file=sys.stderr, flush=True)
-        write_whole(file, text.encode())
-        forget_older(file)
-    spec: Any = importlib.util.spec_from_file_location(f"ev_stack_{file.stem}", file)
-    module = importlib.util.module_from_spec(spec)
+    """The function `step` of a text that uses these names, compiled or loaded with its first call."""
+    register_functions()
+    key = key_of(name, text, names)
+    step = _executed(key, text, names)
+    step._cache = _Overloads(key)
+    return step
+
+
+def _executed(key: str, text: str, names: dict[str, Any]) -> Any:
+    module = ModuleType(f"ev_stack_{key}")
     vars(module).update(names)
-    sys.modules[spec.name] = module  # what numba loads from disk asks for its module by name
-    with only_machine_code_of("step"):
-        try:
-            spec.loader.exec_module(module)  # what is on disk needs no functions to be known, which takes a while
-        except TypingError:
-            register_functions()
-            spec.loader.exec_module(module)
-    return module.step
+    sys.modules[module.__name__] = module  # what numba loads from disk asks for its module by name
+    file = f"<{key}>"
+    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)  # for what the compiler refuses
+    exec(compile(text, file, "exec"), vars(module))
+    return vars(module)["step"]
+
+
+def _say_compiling(key: str) -> None:
+    name = key.rpartition("_")[0].replace("_", " ")
+    print(f"compiling {name} ... (once)", file=sys.stderr, flush=True)

@@ -6,23 +6,22 @@ import numpy as np
 from numba import njit, types
 
 from ev_msgs_py.compiling.foreign import call
-from ev_msgs_py.compiling.library import OPTIONS, use_cache
+from ev_msgs_py.compiling.library import OPTIONS, keep_overloads
 from ev_msgs_py.contract.frame import SIZE, TIME
 
 FINISHED, NOT_FINITE, FAILED = range(3)
 
 _EXPONENT = 0x7FF0000000000000  # of a float64: all ones in what is infinite or no number
 
-use_cache()
 
-
-@njit(cache=True, nogil=True, **OPTIONS)
+@keep_overloads
+@njit(nogil=True, **OPTIONS)
 def call_part(address: int, now: int, next: int, state: int, constants: int) -> int:
     """Call a part by the addresses of its function, frames, state and constants."""
     return call(address, now, next, state, constants)
 
 
-@njit(cache=True, **OPTIONS)
+@njit(**OPTIONS)
 def _is_finite(bits: np.ndarray, at: int, begin: int, end: int) -> bool:
     """Without a way out of the loop, and on integers, so that many numbers are looked at in one instruction."""
     found = 0
@@ -31,7 +30,7 @@ def _is_finite(bits: np.ndarray, at: int, begin: int, end: int) -> bool:
     return found == 0
 
 
-@njit(cache=True, nogil=True, **OPTIONS)
+@njit(nogil=True, **OPTIONS)
 def _drive_instant(
     frames: np.ndarray, here: int, there: int, is_last: bool, parts: np.ndarray, answering: int, stopped: np.ndarray
 ) -> int:
@@ -49,7 +48,8 @@ def _drive_instant(
     return FINISHED
 
 
-@njit(cache=True, nogil=True, **OPTIONS)
+@keep_overloads
+@njit(nogil=True, **OPTIONS)
 def run_instants(
     frames: np.ndarray, first: int, last: int, final: bool, parts: np.ndarray, answering: int, stopped: np.ndarray
 ) -> int:
@@ -67,7 +67,8 @@ def run_instants(
     return FINISHED
 
 
-@njit(cache=True, nogil=True, **OPTIONS)
+@keep_overloads
+@njit(nogil=True, **OPTIONS)
 def run_through(frames: np.ndarray, times: np.ndarray, parts: np.ndarray, answering: int, stopped: np.ndarray) -> int:
     """Drive a whole run from its start on two frames, in turn that of the instant and the next one; as `run_instants`.
 

@@ -12,7 +12,6 @@ import importlib.util
 import os
 import struct
 import sys
-import tempfile
 from functools import cache
 from importlib.machinery import PathFinder
 from importlib.metadata import version
@@ -20,39 +19,30 @@ from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.compiling.fingerprint import fingerprint
+from ev_msgs_py.compiling.user_cache import cache_folder, read_checked, write_checked
 
 _SETTINGS = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_OPT")  # of the compiler, which change what it makes
 # Modules of numba with what compiled code may call, and how their functions are named there.
 _HELPERS = {"numba._helperlib": "numba_", "numba.core.runtime._nrt_python": "NRT_"}
 _SYMBOL = struct.Struct("<IBBHQQ")  # of an ELF file: name, kind, visibility, section, value, size
-_KEPT_TEXTS = 4  # of one name: those of other branches and of tests come back
+_KEPT_TEXTS = 8  # of one name: those of other checkouts, of branches and of tests come back
+_MAKERS = ("numba", "llvmlite", "numpy")
+# Modules that tell the compiler what no text shows: its options, and what it makes of functions of ours.
+_TELLING = ("callees", "foreign_calls", "library", "stack_memory")
+_DIGITS = 12
+_CODE = "code"
 
 _engines: list[Any] = []  # what they have loaded lasts as long as they do
 
 
-@cache
-def cache_folder() -> Path:
-    """Where compiled code is kept: where EV_STACK_CACHE says, beside the package, or where the user may write."""
-    beside = Path(__file__).parents[1] / "__pycache__" / "compiled"
-    own = Path(tempfile.gettempdir()) / f"ev_stack-{os.getuid()}" / "compiled"
-    for folder in (Path(os.environ.get("EV_STACK_CACHE") or beside), beside, own):
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(folder, os.W_OK):
-            return folder
-    return Path(tempfile.mkdtemp(prefix="ev_stack-"))
+def key_of(name: str, text: str, names: dict[str, Any]) -> str:
+    """The name, and digits that change with everything that the compiled form of a text depends on."""
+    return f"{name}_{fingerprint(text, *names, *names.values())[:_DIGITS]}"
 
 
-def text_file(name: str, text: str, names: dict[str, Any]) -> Path:
-    """The file of a text to be compiled, named after everything that its compiled form depends on."""
-    return cache_folder() / f"{name}_{fingerprint(text, *names.values())[:12]}.py"
-
-
-def code_file(text_file: Path) -> Path:
-    """The file of the machine code of a text, for this processor and this compiler."""
-    return text_file.with_suffix(f".{_machine()}.code")
+def kept_file(key: str, what: str) -> Path:
+    """The file in which something made of a text is kept, for this processor and this compiler."""
+    return cache_folder() / f"{key}.{_machine()}.{what}"
 
 
 @cache
@@ -61,46 +51,54 @@ def _machine() -> str:
 
     features = binding.get_host_cpu_features().flatten()
     settings = [os.environ.get(name, "") for name in _SETTINGS]
-    known = (binding.get_host_cpu_name(), features, *settings, version("numba"), version("llvmlite"))
-    return hashlib.sha256("\0".join(known).encode()).hexdigest()[:12]
+    known = (binding.get_host_cpu_name(), features, *settings, sys.version, *map(version, _MAKERS))
+    digest = hashlib.sha256("\0".join(known).encode())
+    for name in _TELLING:
+        digest.update(Path(__file__).with_name(f"{name}.py").read_bytes())
+    return digest.hexdigest()[:_DIGITS]
 
 
-def write_whole(file: Path, content: bytes) -> None:
-    """Write a file that other processes see whole or not at all."""
-    unfinished = file.with_name(f".{file.name}.{os.getpid()}")
-    unfinished.write_bytes(content)
-    unfinished.replace(file)
-
-
-def keep(file: Path, symbol: str, code: bytes) -> None:
+def keep(key: str, symbol: str, code: bytes) -> None:
     """Keep an object file and the name of its function."""
-    write_whole(file, symbol.encode() + b"\n" + code)
+    write_checked(kept_file(key, _CODE), symbol.encode() + b"\n" + code)
+    forget_older(key)
+
+
+def is_kept(name: str, text: str, names: dict[str, Any]) -> bool:
+    """Whether the machine code of a text is on disk, so that nobody has to wait for the compiler."""
+    return read_checked(kept_file(key_of(name, text, names), _CODE)) is not None
 
 
 def function_address(name: str, text: str, names: dict[str, Any]) -> int:
     """The address of the C function `step` of a text that uses these names: loaded from disk, or compiled first."""
-    file = code_file(text_file(name, text, names))
-    address = load(file) if file.exists() else 0
+    key = key_of(name, text, names)
+    address = load(key)
     if address:
         return address
     from ev_msgs_py.compiling.library import compiled_address
 
-    return compiled_address(name, text, names)
+    return compiled_address(key, text, names)
 
 
 @cache
-def load(file: Path) -> int:
-    """The address of the function of a file that was kept; 0 if its code calls what is not there."""
+def load(key: str) -> int:
+    """The address of the function of a text; 0 if it was not kept, or if its code calls what is not there."""
+    kept = read_checked(kept_file(key, _CODE))
+    if kept is None:
+        return 0
     from llvmlite import binding
 
-    symbol, _, code = file.read_bytes().partition(b"\n")
+    symbol, _, code = kept.partition(b"\n")
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
     machine = binding.Target.from_default_triple().create_target_machine()
     _name_helpers(binding)  # before an engine makes other things known by the names of exceptions
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
     found = binding.ObjectFileRef.from_data(code)
-    if not all(map(binding.address_of_symbol, calls(found))):
+    called = calls(found)
+    if any(name.startswith("NRT_") and "alloc" in name for name in called):
+        _start_heap()
+    if not all(map(binding.address_of_symbol, called)):
         return 0
     engine.add_object_file(found)
     engine.finalize_object()
@@ -136,14 +134,23 @@ def _name_helpers(binding: Any) -> None:
             binding.add_symbol(name, address)
 
 
-def forget_older(file: Path) -> None:
-    """Delete what older texts of the same name were compiled to, but for the newest ones."""
-    name = file.stem.rpartition("_")[0]
-    digest = "[0-9a-f]" * 12
-    texts = sorted(file.parent.glob(f"{name}_{digest}.py"), key=_age)
-    for old in texts[_KEPT_TEXTS:]:
-        for each in (*file.parent.glob(f"{old.stem}.*"), *file.parent.glob(f"*/{old.stem}.*")):
-            each.unlink(missing_ok=True)
+def _start_heap() -> None:
+    """Make that of numba ready, from which some code takes memory: such code has to wait for numba to load."""
+    from numba.core.registry import cpu_target
+    from numba.core.runtime.nrt import rtsys
+
+    heap: Any = rtsys
+    heap.initialize(cpu_target.target_context)
+
+
+def forget_older(key: str) -> None:
+    """Delete what older texts of the same name were compiled to, but for those that were compiled last."""
+    folder, name = cache_folder(), key.rpartition("_")[0]
+    newest = sorted(folder.glob(f"{name}_{'[0-9a-f]' * _DIGITS}.*"), key=_age)
+    texts = list(dict.fromkeys(file.name.partition(".")[0] for file in newest))
+    for file in newest:
+        if file.name.partition(".")[0] in texts[_KEPT_TEXTS:]:
+            file.unlink(missing_ok=True)
 
 
 def _age(file: Path) -> float:

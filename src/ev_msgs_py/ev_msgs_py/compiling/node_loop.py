@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from ev_msgs_py.compiling.machine_code import code_file, function_address, text_file
+from ev_msgs_py.compiling import machine_code
 from ev_msgs_py.compiling.message_memory import RUN, TOPIC, Memory, integers
 from ev_msgs_py.compiling.node_steps import take_steps
 from ev_msgs_py.compiling.tally import KEPT, KEYS, TALLIED, Sums
@@ -36,7 +36,7 @@ from numba import carray, cfunc, types
 P = types.voidptr
 
 
-@cfunc(types.int32(P, P, P, P, P, P, P, P, P, P), cache=True, error_model="numpy")
+@cfunc(types.int32(P, P, P, P, P, P, P, P, P, P), error_model="numpy")
 def step(head, inputs, outputs, runs, senders, frames, block, topics, sums, keys):
     h = carray(head, 1, HEAD)[0]
     memory = Memory(
@@ -69,7 +69,7 @@ _NAMES = {
 
 def is_kept() -> bool:
     """Whether the machine code is on disk, so that nobody has to wait for the compiler."""
-    return code_file(text_file("node_steps", _TEXT, _NAMES)).exists()
+    return machine_code.is_kept("node_steps", _TEXT, _NAMES)
 
 
 def keep() -> None:
@@ -82,4 +82,4 @@ def keep() -> None:
 @cache
 def address() -> int:
     """Of the loop as a C function."""
-    return function_address("node_steps", _TEXT, _NAMES)
+    return machine_code.function_address("node_steps", _TEXT, _NAMES)

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ev_msgs_py.compiling import machine_code
 from ev_msgs_py.compiling.constants import constants_row
 from ev_msgs_py.compiling.foreign import FUNCTION
-from ev_msgs_py.compiling.machine_code import code_file, function_address, text_file
 from ev_msgs_py.compiling.part_source import part_source
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
@@ -24,7 +24,7 @@ _ADDRESSES: dict[Any, int] = {}
 def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
     """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
     given = Given(_law(method), parameters, vehicle, period)
-    return code_file(text_file(_name(method), *part_source(method, given))).exists()
+    return machine_code.is_kept(_name(method), *part_source(method, given))
 
 
 def _law(method: Method) -> Law:
@@ -41,7 +41,7 @@ def _address(method: Method, given: Given) -> int:
     law = _law(method)
     key = (law.function, law.outputs)
     if key not in _ADDRESSES:
-        _ADDRESSES[key] = function_address(_name(method), *part_source(method, given))
+        _ADDRESSES[key] = machine_code.function_address(_name(method), *part_source(method, given))
     return _ADDRESSES[key]
 
 

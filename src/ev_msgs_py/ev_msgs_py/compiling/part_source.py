@@ -29,7 +29,7 @@ from numba import carray, cfunc, types
 P = types.voidptr
 
 
-@cfunc(types.int32(P, P, P, P), cache=True, error_model="numpy")
+@cfunc(types.int32(P, P, P, P), error_model="numpy")
 def step(now, next, state, constants):
     k = carray(constants, 1, CONSTANTS)[0]
     row = carray(constants, int(k.total), FLOAT)

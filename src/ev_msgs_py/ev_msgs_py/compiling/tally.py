@@ -57,7 +57,7 @@ from numba import carray, cfunc, types
 P, N = types.voidptr, types.int64
 
 
-@cfunc(types.int32(P, N, N, N, P, P, N, P), cache=True, error_model="numpy")
+@cfunc(types.int32(P, N, N, N, P, P, N, P), error_model="numpy")
 def step(topics, count, first, last, newest, keys, at, numbers):
     sums = Sums(
         carray(topics, count, TALLIED), carray(newest, (count, {KEPT}), np.int64), carray(keys, {KEYS}, np.int64)

@@ -20,7 +20,7 @@ from numba import carray, cfunc, types
 P = types.voidptr
 
 
-@cfunc(types.int32(P, P, P, P), cache=True, error_model="numpy")
+@cfunc(types.int32(P, P, P, P), error_model="numpy")
 def step(now, next, state, constants):
     here, there = carray(now, {size}, FLOAT), carray(next, {size}, FLOAT)
     row, words, memory = carray(constants, {row}, FLOAT), carray(constants, 1, INT), carray(state, 1, FLOAT)

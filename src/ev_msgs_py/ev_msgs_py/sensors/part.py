@@ -22,7 +22,7 @@ from numba import carray, cfunc, types
 P = types.voidptr
 
 
-@cfunc(types.int32(P, P, P, P), cache=True, error_model="numpy")
+@cfunc(types.int32(P, P, P, P), error_model="numpy")
 def step(now, next, state, constants):
     head = carray(constants, {head}, FLOAT)
     row = carray(constants, int(head[0]), FLOAT)

@@ -57,7 +57,7 @@ from numba import carray, cfunc, types
 P = types.voidptr
 
 
-@cfunc(types.int32(P, P, P, P), cache=True, error_model="numpy")
+@cfunc(types.int32(P, P, P, P), error_model="numpy")
 def step(now, next, state, constants):
     head = carray(constants, {HEAD}, FLOAT)
     told = carray(constants, {HEAD} + int(head[1] + 2.0 * head[2]), FLOAT)

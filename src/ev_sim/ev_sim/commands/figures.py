@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.commands.verdicts import CACHE, drive_with_progress
+from ev_sim.commands.verdicts import drive_with_progress
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.verdicts.all_verdicts import SOURCES
 from ev_sim.verdicts.driving import drive
-from ev_sim.verdicts.kept import Kept
+from ev_sim.verdicts.kept import kept_by_user
 from ev_sim.verdicts.panels_page import INDEX, draw_panels, file_name, panels, write_page
 
 
@@ -25,7 +25,7 @@ def run_figures(argv: Sequence[str]) -> None:
     start = time.monotonic()
     shown = {source: panels(source) for source in SOURCES if not given.only or source in given.only}
     needs = [need for of_source in shown.values() for panel in of_source for need in panel.needs]
-    driven = drive(needs, Kept(CACHE), drive_with_progress)
+    driven = drive(needs, kept_by_user(), drive_with_progress)
     files = [file_name(source, panel) for source, of_source in shown.items() for panel in of_source]
     with OutputFolder(given.out or Path("results") / "figures", "figures", [INDEX, *files]) as folder:
         for source, of_source in shown.items():

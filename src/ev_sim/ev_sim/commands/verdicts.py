@@ -16,13 +16,11 @@ from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.workers import drive_cases
 from ev_sim.verdicts.all_verdicts import SOURCES, needs_of, verdicts, wanted
 from ev_sim.verdicts.driving import drive
-from ev_sim.verdicts.kept import Kept
+from ev_sim.verdicts.kept import kept_by_user
 from ev_sim.verdicts.need import Driven, Need
 from ev_sim.verdicts.panels_page import images_by_id
 from ev_sim.verdicts.table import FILES, counts, plain_table, write
 from ev_sim.verdicts.verdict import Verdict
-
-CACHE = Path("results") / "cache"
 
 
 def run_verdicts(argv: Sequence[str]) -> None:
@@ -51,7 +49,7 @@ def judge_driven(only: Sequence[str] = (), quick: bool = False) -> tuple[list[Ve
     What is not kept yet is driven on all cores.
     """
     chosen = wanted(only, quick)
-    driven = drive(needs_of(chosen), Kept(CACHE), drive_with_progress)
+    driven = drive(needs_of(chosen), kept_by_user(), drive_with_progress)
     return verdicts(chosen, driven), driven
 
 

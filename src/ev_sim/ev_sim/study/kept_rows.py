@@ -45,14 +45,13 @@ class KeptRows:
         found = self._results.get(case_key(case))
         if found is None:
             return None
-        return CaseResult(**{**{key: _decoded(value) for key, value in found.items()}, "name": case.name})
+        return result_of(found, case.name)
 
     def keep(self, case: Case, result: CaseResult) -> None:
         """Write a result, at once; one that was refused is not worth it."""
         if result.refused:
             return
-        fields = {field.name: _encoded(getattr(result, field.name)) for field in dataclasses.fields(result)}
-        line = {"sources": self._sources, "case": case_key(case), "result": fields}
+        line = {"sources": self._sources, "case": case_key(case), "result": as_json(result)}
         with self._path.open("a", encoding="utf-8") as file:
             file.write(f"{self._gap}{json.dumps(line)}\n")
         self._gap = ""
@@ -96,6 +95,16 @@ def _words(cases: Sequence[Case], run: Run) -> Iterable[object]:
         yield from configuration.values().values()
     for case in cases:
         yield from (case.scenario, case.vehicle, *case.files, *(value for *_, value in case.values))
+
+
+def as_json(result: CaseResult) -> dict[str, Any]:
+    """A result as JSON takes it, to the bit."""
+    return {field.name: _encoded(getattr(result, field.name)) for field in dataclasses.fields(result)}
+
+
+def result_of(fields: Mapping[str, Any], name: str) -> CaseResult:
+    """The result that `as_json` was given, of a case that is called so now."""
+    return CaseResult(**{**{key: _decoded(value) for key, value in fields.items()}, "name": name})
 
 
 def _encoded(value: Any) -> Any:

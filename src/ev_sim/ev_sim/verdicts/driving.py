@@ -68,7 +68,8 @@ class _Resolved:
 def _missing(of: _Resolved, kept: Kept) -> Iterator[tuple[str, Case, Measure]]:
     for case in of.cases:
         if isinstance(of.need, StudyNeed):
-            if not (path := kept.measured(of.need.study, case)).exists():
+            path = kept.measured(of.need.study, case)
+            if measured_at(path, case.name) is None:
                 yield of.need.study, case, KeepMeasured(path, study_named(of.need.study).measure)
         elif not kept.recording(case).exists():
             yield "", case, Keep(kept.recording(case))

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import pickle
-import shutil
+import json
+import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from ev_sim.running.recording.atomic import atomic_file
+from ev_msgs_py.compiling.user_cache import cache_folder, read_checked, write_checked
 from ev_sim.running.recording.recording import Recording, load, save
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.depends import NEVER_DRIVES, case_key, digest_of_sources
+from ev_sim.study.kept_rows import as_json, result_of
 
 _ONLY_MEASURES = ("ev_sim/report", "ev_sim/study")
+_FOLDERS = 3  # of each kind: those of other checkouts and branches come back
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,25 +48,28 @@ class KeepMeasured:
 
 def keep(result: CaseResult, path: Path) -> None:
     """Write what a study has measured on a case, or why it was refused."""
-    with atomic_file(path, replaces=True) as file:
-        pickle.dump(result, file)
+    write_checked(path, json.dumps(as_json(result)).encode())
 
 
 class Kept:
     """A folder with recordings of scenarios and with what studies have measured.
 
-    Files stand under a digest of all sources, configuration files and versions of packages they depend on; what
-    other sources left there is removed.
+    Files stand under a digest of all sources, configuration files and versions of packages they depend on; what was
+    kept of other sources is removed, but for that which was asked for last.
     """
 
     def __init__(self, folder: Path) -> None:
         self._recordings = folder / f"recordings_{digest_of_sources(NEVER_DRIVES + _ONLY_MEASURES)}"
         self._measured = folder / f"measured_{digest_of_sources(NEVER_DRIVES)}"
         for each in (self._recordings, self._measured):
-            for other in folder.glob(each.name.partition("_")[0] + "_*"):
-                if other != each:
-                    shutil.rmtree(other)
             each.mkdir(parents=True, exist_ok=True)
+            os.utime(each)
+            others = sorted(folder.glob(f"{each.name.partition('_')[0]}_*"), key=lambda found: -found.stat().st_mtime)
+            for other in others[_FOLDERS:]:
+                for file in (*other.glob("*.npz"), *other.glob("*.json")):
+                    file.unlink()
+                with suppress(OSError):  # what we have not written stays
+                    other.rmdir()
 
     def recording(self, case: Case) -> Path:
         """Where the signals of a case are, or have to be written."""
@@ -71,12 +77,18 @@ class Kept:
 
     def measured(self, study: str, case: Case) -> Path:
         """Where what a study has measured on a case is, or has to be written."""
-        return self._measured / f"{study}_{case_key(case)}.pickle"
+        return self._measured / f"{study}_{case_key(case)}.json"
 
 
-def measured_at(path: Path, name: str) -> CaseResult:
-    """What a study has measured on a case of this name."""
-    return replace(pickle.loads(path.read_bytes()), name=name)
+def kept_by_user() -> Kept:
+    """What stands in the cache folder of the user, for all checkouts."""
+    return Kept(cache_folder() / "verdicts")
+
+
+def measured_at(path: Path, name: str) -> CaseResult | None:
+    """What a study has measured on a case, which is called by this name; None if it has not yet."""
+    kept = read_checked(path)
+    return None if kept is None else result_of(json.loads(kept), name)
 
 
 @lru_cache(maxsize=6)  # one of a whole cycle has 80 MB

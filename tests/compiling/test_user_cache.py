@@ -1,0 +1,161 @@
+"""What is compiled lies where only this user can put something, and is never loaded when it is damaged."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ev_msgs_py.compiling import user_cache
+from ev_msgs_py.compiling.fingerprint import fingerprint
+from ev_msgs_py.compiling.user_cache import cache_folder, read_checked, write_checked
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.recording import signal_hash
+from ev_sim.running.scenarios.scenario import load_scenario
+
+DRIVE = """
+from ev_sim.running.recording.recording import signal_hash
+from ev_sim.running.offline import run_offline
+from ev_sim.running.scenarios.scenario import load_scenario
+print(signal_hash(run_offline(load_scenario("shchur2019").runs[0].configurations, 0.2)))
+"""
+
+
+def folder(monkeypatch, **named: Path) -> Path:
+    """The cache folder where the environment says this, found anew."""
+    for name in (user_cache.VARIABLE, "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    for name, path in named.items():
+        monkeypatch.setenv(name, str(path))
+    return cache_folder.__wrapped__()
+
+
+def test_it_is_the_users_own(tmp_path, monkeypatch):
+    """Made with mode 0700; a name of its own goes before that of the desktop, and this before the home."""
+    assert folder(monkeypatch, HOME=tmp_path) == tmp_path / ".cache" / "ev_stack"
+    assert folder(monkeypatch, HOME=tmp_path, XDG_CACHE_HOME="relative") == tmp_path / ".cache" / "ev_stack"
+    assert folder(monkeypatch, HOME=tmp_path, XDG_CACHE_HOME=tmp_path / "xdg") == tmp_path / "xdg" / "ev_stack"
+    made = folder(monkeypatch, XDG_CACHE_HOME=tmp_path / "xdg", EV_STACK_CACHE=tmp_path / "own")
+    assert made == tmp_path / "own"
+    assert made.stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.parametrize("mode", [0o770, 0o702, 0o777, 0o1777])
+def test_what_others_may_write_into_is_refused(tmp_path, monkeypatch, mode):
+    """In one line that names folder, mode and what is allowed."""
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own").chmod(mode)
+    with pytest.raises(
+        ParameterError, match=rf"^what is compiled .*{tmp_path}/own: others may write into .* {mode:04o}"
+    ):
+        folder(monkeypatch, EV_STACK_CACHE=tmp_path / "own")
+
+
+def test_what_lies_in_a_folder_of_everybody_is_refused(tmp_path, monkeypatch):
+    """Anybody could put another folder into its place, unless the sticky bit keeps them from it, as in /tmp."""
+    (tmp_path / "open").mkdir()
+    (tmp_path / "open").chmod(0o777)
+    (tmp_path / "link").symlink_to(tmp_path / "open")
+    for way in ("open", "link"):
+        with pytest.raises(ParameterError, match=rf"others may write into {tmp_path}/open \(mode 0777\)"):
+            folder(monkeypatch, EV_STACK_CACHE=tmp_path / way / "own")
+    (tmp_path / "open").chmod(0o1777)
+    assert folder(monkeypatch, EV_STACK_CACHE=tmp_path / "link" / "own")
+
+
+@pytest.mark.parametrize("whose", ["folder", "link"])
+def test_what_belongs_to_another_user_is_refused(tmp_path, monkeypatch, whose):
+    """A folder, or a link to one of our own."""
+    (tmp_path / "own").mkdir(mode=0o700)
+    (tmp_path / "link").symlink_to(tmp_path / "own")
+    theirs, other = tmp_path / ("own" if whose == "folder" else "link"), os.getuid() + 1
+    found = Path.lstat
+
+    def lstat(path: Path) -> os.stat_result:
+        real = found(path)
+        return os.stat_result((*real[:4], other, *real[5:])) if path == theirs else real
+
+    monkeypatch.setattr(Path, "lstat", lstat)
+    with pytest.raises(ParameterError, match=rf"{theirs} belongs to user {other}; allowed is a folder of your own"):
+        folder(monkeypatch, EV_STACK_CACHE=tmp_path / "link")
+
+
+def test_without_a_home_it_goes_with_the_process(tmp_path, monkeypatch, capsys):
+    """Processes that it starts share it; the line says which folder it is."""
+    (tmp_path / "file").touch()
+    made = folder(monkeypatch, HOME=tmp_path / "file")
+    try:
+        assert made.stat().st_mode & 0o777 == 0o700
+        assert os.environ[user_cache.VARIABLE] == str(made)
+        said = (
+            f"{tmp_path}/file/.cache/ev_stack cannot be written: what is compiled is kept in {made} until this ends\n"
+        )
+        assert capsys.readouterr().err == said
+    finally:
+        made.rmdir()
+        monkeypatch.delenv(user_cache.VARIABLE)
+    with pytest.raises(ParameterError, match=rf"^EV_STACK_CACHE: {tmp_path}/file: File exists$"):
+        folder(monkeypatch, EV_STACK_CACHE=tmp_path / "file")
+
+
+@given(content=st.binary(max_size=200), at=st.floats(0.0, 1.0, exclude_max=True), change=st.integers(0, 255))
+def test_a_file_is_read_whole_or_not_at_all(tmp_path_factory, content, at, change):
+    """Change 0 cuts it off there, any other changes a byte."""
+    file = tmp_path_factory.mktemp("files") / "some.code"
+    write_checked(file, content)
+    assert read_checked(file) == content
+    written = file.read_bytes()
+    place = int(at * len(written))
+    rest = bytes([written[place] ^ change]) + written[place + 1 :] if change else b""
+    file.write_bytes(written[:place] + rest)
+    assert read_checked(file) is None
+    assert not file.exists()
+
+
+@pytest.mark.slow
+def test_damaged_files_are_named_and_made_anew(tmp_path):
+    """Cut off machine code killed the process by SIGSEGV, a changed byte in numba's file ended in its traceback."""
+    configurations = load_scenario("shchur2019").runs[0].configurations
+    expected = signal_hash(run_offline(configurations, 0.2))
+    copy = Path(shutil.copytree(cache_folder(), tmp_path / "cache", ignore=shutil.ignore_patterns("verdicts")))
+    damaged = [*copy.glob("powered_steering_column_*.code"), *copy.glob("run_instants_*.numba")]
+    for file in damaged:
+        content = file.read_bytes()
+        half = len(content) // 2
+        file.write_bytes(
+            content[:half] + (b"" if file.suffix == ".code" else bytes([content[half] ^ 1]) + content[half + 1 :])
+        )
+    environment = {**os.environ, user_cache.VARIABLE: str(copy)}
+    for again in (False, True):
+        done = subprocess.run([sys.executable, "-c", DRIVE], capture_output=True, text=True, env=environment)
+        assert (done.returncode, done.stdout.strip()) == (0, expected), done.stderr
+        named = re.findall(r"^(\S+) does not fit its checksum: it is removed and made anew$", done.stderr, re.MULTILINE)
+        assert bool(named) is not again
+        assert {Path(name).suffix for name in named} == (set() if again else {".code", ".numba"})
+
+
+def test_the_fingerprint_changes_with_all_that_is_reached():
+    """Defaults and what a module is asked for as well: in a folder of all checkouts the old numbers would come back."""
+
+    def text(default: float, constant: float, array: object) -> str:
+        module = type(sys)("some_tyre")
+        module.__file__ = "some_tyre.py"
+        exec(f"K = {constant}\ndef curve(x):\n    return K * x", vars(module))
+        names = {"some_tyre": module, "TABLE": array}
+        exec(f"def law(x, y={default}):\n    return some_tyre.curve(x) + y + TABLE[0]", names)
+        return fingerprint(names["law"])
+
+    long = np.arange(2000.0)
+    other = long.copy()
+    other[1000] = -1.0
+    assert text(1.0, 2.0, long) == text(1.0, 2.0, long.copy())
+    assert len({text(1.0, 2.0, long), text(1.5, 2.0, long), text(1.0, 2.5, long), text(1.0, 2.0, other)}) == 4
