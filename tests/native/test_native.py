@@ -15,6 +15,7 @@ from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.interface.law import SteppedLaw
 from ev_sim.running.in_process import run_in_process
+from ev_sim.running.processes import run_in_processes
 from ev_sim.running.recording.recording import signal_hash
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
@@ -57,6 +58,16 @@ def test_a_law_in_c_has_the_bits_of_the_law_in_python_offline_and_over_dds(folde
     (run,) = load_scenario("shchur2019", Overrides(values=chosen, duration=0.5)).runs
     over_dds = run_in_process(run, tmp_path, False, lambda time: None).recording
     assert {"shchur2019": signal_hash(over_dds)} == {name: signal_hash(each) for name, each in expected.runs.items()}
+
+
+def test_a_law_in_c_drives_as_a_process(folder, tmp_path):
+    """The runner names it to its node on the command line, for from a file the node would refuse it."""
+    library = str(folder / "libpower_steering.so")
+    chosen = [("electronic_differential", "method", library), ("electronic_differential", "gamma", 7.0)]
+    (run,) = load_scenario("shchur2019", Overrides(values=chosen, duration=0.2)).runs
+    driven = run_in_processes(run, tmp_path, False, lambda time: None).recording
+    expected = ev_sim.run("shchur2019", set=GAMMA, duration=0.2)
+    assert [signal_hash(driven)] == [signal_hash(each) for each in expected.runs.values()]
 
 
 def test_laws_in_c_and_cpp_keep_the_contract(folder):

@@ -69,12 +69,15 @@ def test_without_a_config_folder_the_way_out_is_named(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("speed,torque_nm,efficiency\n", "needed are one of speed_radps and speed_rpm, torque_nm and efficiency"),
+        (
+            "speed,torque_nm,efficiency\n",
+            "no header with the columns one of speed_radps and speed_rpm, torque_nm",
+        ),
         (HEADER + "10,1,0.9\n20,1,0.9\n10,2,0.9\n", "2.0944 rad/s and 2 N m is there 0 times, allowed is once"),
         (HEADER + "10,1,0.9\n10,1,0.8\n", "1.0472 rad/s and 1 N m is there 2 times, allowed is once"),
         (HEADER + "10,1,0.9\n20,1,1.1\n10,2,1\n20,2,1\n", r"map_efficiency: .*1.1.* is refused, allowed is 0.01 to 1"),
         (HEADER + "10,1,0.9\n20,1,0.9\n", "map_torque needs at least two elements and must rise"),
-        (HEADER + "10,1,0.9\n20,one,0.9\n", "line 3: torque_nm is 'one', allowed is a finite number"),
+        (HEADER + "10,1,0.9\n20,one,0.9\n", "line 3: torque_nm is no finite number"),
     ],
 )
 def test_bad_maps_are_refused_in_one_line(tmp_path, text, message):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +12,14 @@ SUFFIXES = (".log", ".blf", ".mf4")
 
 
 class BusLog:
-    """Writes frames to a file, as they come; ValueError or OSError, in one line, if that cannot be."""
+    """Writes frames to a new file, as they come; ValueError, in one line, if that cannot be or a file is there."""
 
     def __init__(self, file: str) -> None:
         path = Path(file)
         if path.suffix not in SUFFIXES:
             raise ValueError(f"parameter log: {file!r} is refused, allowed are files ending with {', '.join(SUFFIXES)}")
+        if os.path.lexists(path):
+            raise ValueError(f"parameter log: {file!r} is refused, allowed is a file that is not there yet")
         try:
             self._writer: Any = can.Logger(path)
         except (NotImplementedError, ImportError):

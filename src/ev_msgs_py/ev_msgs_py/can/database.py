@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ev_msgs_py.can.codec import BitField
 from ev_msgs_py.can.frame_layout import GUARDS, FrameLayout
 from ev_msgs_py.parameters.csv_file import find_file
+from ev_msgs_py.parameters.data_file import TEXT, read_data
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
 
@@ -51,7 +52,7 @@ def load_database(name: str = EV_BENCH) -> Database:
     path: Path | str = name
     try:
         path = find_file(name)
-        return _database(path.read_bytes())
+        return _database(read_data(path, TEXT))
     except OSError as error:
         raise ParameterError(f"CAN database {path}: {error.strerror or error}") from None
     except ParameterError as error:
@@ -68,7 +69,8 @@ def _database(content: bytes) -> Database:
         found: Any = load_string(content.decode(_ENCODING), database_format="dbc")
         layouts = [_layout(message) for message in found.messages]
     except (Error, UnicodeDecodeError) as error:
-        raise ParameterError(" ".join(str(error).split())) from None
+        what = str(error).partition(': "')[0]  # behind which the parser shows what stands there
+        raise ParameterError(" ".join(what.split())) from None
     return Database({layout.name: layout for layout in layouts})
 
 

@@ -15,6 +15,7 @@ from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.lockstep.hooks import refuse_lacking
 from ev_msgs_py.lockstep.installed_methods import load_installed_methods
 from ev_msgs_py.lockstep.law import Law, given_names
+from ev_msgs_py.parameters.data_file import TextOfFile
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
 from ev_msgs_py.vehicle.layout import refusal
@@ -160,6 +161,12 @@ def methods_of(role: str) -> dict[str, Method]:
 def find_method(role: str, name: str) -> Method:
     """The method of a role with this name, or in the library or recording of this path; ParameterError if none."""
     if isinstance(name, str) and name.endswith(LIBRARIES):
+        if isinstance(name, TextOfFile):
+            raise ParameterError(
+                f"{name.file}: parameter method: {str(name)!r} is refused, allowed from a file is a name: "
+                f"{', '.join(methods_of(role))}; a library is named on the command line: --method {role}=PATH, for a "
+                "node -p method:=PATH"
+            )
         from ev_msgs_py.native.method import library_method
 
         return library_method(role, name)

@@ -34,7 +34,7 @@ class BusNode(WithBus, Node):
 
     def __init__(self, name: str, parameters: type, **node_arguments: Any) -> None:
         super().__init__(name, automatically_declare_parameters_from_overrides=True, **node_arguments)
-        self.parameters: Any = build(parameters, ros_parameters.overrides(self))
+        self.parameters: Any = build(parameters, ros_parameters.given(self, node_arguments))
         ros_parameters.declare(self, entries(self.parameters))
         self.database: Database = load_database(self.parameters.bus.database)
         self.reports = Reports(self, name)

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from ev_msgs_py.parameters.declaration import Entry
+from ev_msgs_py.lockstep.methods import LIBRARIES
+from ev_msgs_py.parameters.data_file import TextOfFile
+from ev_msgs_py.parameters.declaration import Entry, ParameterError
 
 _TYPES = {
     (float, False): ParameterType.PARAMETER_DOUBLE,
@@ -22,6 +28,7 @@ _TYPES = {
     (str, True): ParameterType.PARAMETER_STRING_ARRAY,
 }
 _NO_LIMIT = {float: 1e300, int: 2**62}
+_METHOD, _LOG = "method", "bus.log"
 _ROS_OWN = ("use_sim_time", "start_type_description_service")
 
 
@@ -29,6 +36,32 @@ def overrides(node: Node) -> dict[str, Any]:
     """What the command line and the parameter files say about a node that declares its overrides by itself."""
     given = node.get_parameters_by_prefix("")
     return {name: value.value for name, value in given.items() if not is_ros_own(name)}
+
+
+def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """The same; ParameterError if a file chooses what only the command line or Python may.
+
+    That is a library, which is code, and a log of the bus in a folder that is not below the working directory.
+    """
+    values = overrides(node)
+    path: Any = values.get(_LOG)
+    leads_out = isinstance(path, str) and (os.path.isabs(path) or ".." in Path(path).parts)
+    if leads_out and not _is_said(_LOG, path, node_arguments):
+        where = "a name below the working directory, on the command line any path"
+        raise ParameterError(f"parameter {_LOG}: {path!r} is refused, allowed from a file is {where}", _LOG)
+    path = values.get(_METHOD)
+    if isinstance(path, str) and path.endswith(LIBRARIES) and not _is_said(_METHOD, path, node_arguments):
+        values[_METHOD] = TextOfFile.of(path, Path("its parameter file"))
+    return values
+
+
+def _is_said(name: str, value: str, node_arguments: Mapping[str, Any]) -> bool:
+    """Whether the command line (-p NAME:=VALUE) or who makes the node in Python says this."""
+    if any(each.name == name and each.value == value for each in node_arguments.get("parameter_overrides") or ()):
+        return True
+    words = [*sys.argv, *(node_arguments.get("cli_args") or ())]
+    said = [word.partition(":=") for flag, word in pairwise(words) if flag in ("-p", "--param")]
+    return any(key.rpartition(":")[2] == name and text.strip("'\"") == value for key, _, text in said)
 
 
 def is_ros_own(name: str) -> bool:

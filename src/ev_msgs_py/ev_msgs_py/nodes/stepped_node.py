@@ -38,7 +38,7 @@ class SteppedNode(Node, Polled):
 
     def __init__(self, role: str, **node_arguments: Any) -> None:
         super().__init__(role, automatically_declare_parameters_from_overrides=True, **node_arguments)
-        configuration = configure(role, ros_parameters.overrides(self), self.extra_parameters)
+        configuration = configure(role, ros_parameters.given(self, node_arguments), self.extra_parameters)
         self.polling_place = _POLLING_ORDER.index(role)
         self.reports = Reports(self, role)
         self.live = LiveParameters(self, configuration, self.new_part, self._take_over)

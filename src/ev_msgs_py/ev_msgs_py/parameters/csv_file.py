@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
-import reprlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TypeVar
 
 from ev_msgs_py.parameters.config_folders import find_in_config
+from ev_msgs_py.parameters.data_file import TABLE, open_data, refuse_outside
 from ev_msgs_py.parameters.declaration import ParameterError
 
 T = TypeVar("T")
@@ -18,10 +19,13 @@ T = TypeVar("T")
 def find_file(name: str) -> Path:
     """The file that a parameter names: a relative name counts from the config folders, else from the working directory.
 
-    FileNotFoundError if the name is relative and a config folder that is named is not there.
+    FileNotFoundError if the name is relative and a config folder that is named is not there; ParameterError if another
+    file has named it and it leads further than that file may (`data_file`).
     """
     path = Path(name)
-    return path if path.is_absolute() else find_in_config(name) or path
+    path = path if path.is_absolute() else find_in_config(name) or path
+    refuse_outside(name, path)
+    return path
 
 
 def read_csv(parameter: str, name: str, columns: tuple[Mapping[str, float], ...], make: Callable[..., T]) -> T:
@@ -44,16 +48,15 @@ def read_csv(parameter: str, name: str, columns: tuple[Mapping[str, float], ...]
 
 
 def _read(path: Path, columns: tuple[Mapping[str, float], ...]) -> list[tuple[float, ...]]:
-    with path.open(newline="", encoding="utf-8-sig") as file:
+    with io.TextIOWrapper(open_data(path, TABLE), newline="", encoding="utf-8-sig") as file:
         lines = csv.reader(("" if line.startswith("#") else line for line in file), skipinitialspace=True)
         rows = [(lines.line_num, row) for row in lines if row]
     header = [cell.strip() for cell in rows[0][1]] if rows else []
     found = [[name for name in names if name in header] for names in columns]
     if any(len(names) != 1 for names in found):
         wanted = [names[0] if len(names) == 1 else f"one of {' and '.join(names)}" for names in map(list, columns)]
-        raise ParameterError(
-            f"has the columns {_brief(header) or '(none)'}, needed are {', '.join(wanted[:-1])} and {wanted[-1]}"
-        )
+        line = rows[0][0] if rows else 1
+        raise ParameterError(f"line {line}: no header with the columns {', '.join(wanted[:-1])} and {wanted[-1]}")
     chosen = [(name, header.index(name), names[name]) for (name,), names in zip(found, columns, strict=True)]
     return [
         tuple(factor * _number(row[place] if place < len(row) else None, name, line) for line, row in rows[1:])
@@ -67,11 +70,5 @@ def _number(text: str | None, column: str, line: int) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ParameterError(f"line {line}: {column} is {reprlib.repr(text)}, allowed is a finite number")
+        raise ParameterError(f"line {line}: {column} is no finite number")
     return value
-
-
-def _brief(words: list[str], most: int = 80) -> str:
-    """Words in a row, cut off where they are too many or too long for one line."""
-    whole = ", ".join(words)
-    return whole if len(whole) <= most else f"{whole[:most]}..."

@@ -16,6 +16,7 @@ from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.part import CalledBack
+from ev_msgs_py.parameters.data_file import refuse_outside
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.playback.signals_file import TIME, RecordingError, read_arrays
 
@@ -46,8 +47,10 @@ def playback_method(role: str, name: str) -> Method:
 
 
 def _recorded(role: str, name: str) -> Recorded:
+    path = Path(name)
     try:
-        return _read(role, name, Path(name).stat().st_mtime_ns)
+        refuse_outside(name, path)
+        return _read(role, name, path.stat().st_mtime_ns)
     except OSError as error:
         raise ParameterError(f"{role} method {name}: {error.strerror}", "method") from None
     except RecordingError as error:

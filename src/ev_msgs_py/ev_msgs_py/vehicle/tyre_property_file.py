@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 
 from ev_msgs_py.parameters.csv_file import find_file
+from ev_msgs_py.parameters.data_file import TEXT, read_data
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.mf_tyre import MF_NAMES, OPTIONAL
@@ -56,13 +57,12 @@ def with_tyres_from_files(vehicle: Vehicle) -> Vehicle:
 
 def read_tyre(parameter: str, name: str) -> tuple[float, ...]:
     """The numbers of MfTyres in a tyre property file; ParameterError, see `with_tyres_from_files`."""
-    path = find_file(name)
     try:
-        return mf_numbers(_entries(path.read_text(encoding="latin-1")))
+        return mf_numbers(_entries(read_data(find_file(name), TEXT).decode("latin-1")))
     except OSError as error:
-        raise ParameterError(f"{parameter}: {path}: {error.strerror or error}") from None
+        raise ParameterError(f"{parameter}: {name}: {error.strerror or error}") from None
     except ParameterError as error:
-        raise ParameterError(f"{parameter}: {path}: {error}") from None
+        raise ParameterError(f"{parameter}: {name}: {error}") from None
 
 
 def mf_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ev_msgs_py.parameters.data_file import TABLE, read_data
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
@@ -57,7 +58,7 @@ def read_folder(label: str, folder: Path) -> tuple[Mapping[str, Any], Signals]:
 
 def _summary(folder: Path) -> Mapping[str, Any]:
     try:
-        summary: dict[str, Any] = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+        summary: dict[str, Any] = json.loads(read_data(folder / SUMMARY, TABLE))
     except (OSError, ValueError, RecursionError) as error:
         raise ParameterError(f"{folder}: summary.json cannot be read: {error}") from None
     if not isinstance(summary, dict) or "scenario" not in summary:

@@ -13,6 +13,7 @@ import numpy as np
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS, Topic
+from ev_msgs_py.parameters.data_file import MEGABYTE, SIGNALS, TEXT, open_data
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import stamp_of
@@ -59,7 +60,9 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
 
     data: dict[tuple[str, Topic], list[bytes]] = defaultdict(list)
     came: dict[tuple[str, Topic], list[int]] = defaultdict(list)
+    size = 0
     try:
+        _refuse_what_blocks(bag)
         with Reader(bag) as reader:
             known = {(c.topic, c.msgtype): _meant(c.topic, c.msgtype) for c in reader.connections}
             ours = [c for c in reader.connections if known[c.topic, c.msgtype]]
@@ -68,6 +71,9 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
                 if place is not None:
                     data[place].append(bytes(message))
                     came[place].append(time)
+                    size += len(message)
+                    if size > SIGNALS:
+                        raise ValueError(f"its messages are larger than {SIGNALS // MEGABYTE} MB")
     except Exception as error:  # whatever the library and its decompressors raise for what is no bag
         raise ParameterError(f"{bag}: the bag cannot be read: {' '.join(str(error).split())[:200]}") from None
     namespaces = sorted({namespace for namespace, _ in data})
@@ -87,6 +93,15 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
         }
     except MessageError as error:
         raise ParameterError(f"{bag}: {error}") from None
+
+
+def _refuse_what_blocks(bag: Path) -> None:
+    """OSError unless all files of a bag are regular ones of a bounded size."""
+    storages = [path for path in bag.iterdir() if path.suffix in (".mcap", ".db3")] if bag.is_dir() else [bag]
+    for path in storages:
+        open_data(path, SIGNALS).close()
+    if bag.is_dir():
+        open_data(bag / "metadata.yaml", TEXT).close()
 
 
 def _meant(name: str, message_type: str) -> tuple[str, Topic] | None:

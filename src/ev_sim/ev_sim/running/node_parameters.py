@@ -46,7 +46,9 @@ def node_parameters(
 
 
 def _plain(value: Any) -> Any:
-    return list(value) if isinstance(value, tuple) else value
+    if isinstance(value, tuple):
+        return [_plain(each) for each in value]
+    return str(value) if isinstance(value, str) else value  # without the mark that a file says it
 
 
 def write_parameter_file(path: Path, run: Run, nodes: dict[str, dict[str, Any]]) -> None:

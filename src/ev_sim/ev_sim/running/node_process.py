@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from ev_msgs_py.lockstep.methods import LIBRARIES
 from ev_msgs_py.nodes.leaving import SILENTLY
 from ev_msgs_py.nodes.runner_line import LINE
 from ev_msgs_py.nodes.stop_request import hold_back
@@ -65,7 +66,7 @@ def start_node(
     logs.mkdir(exist_ok=True)
     log = logs / f"{name}.log"
     arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
-    arguments += enclave(name, run.namespace)
+    arguments += [*_said_by_us(name, run, parameters.parent), *enclave(name, run.namespace)]
     line, inherited = told.line(name)
     environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain), SILENTLY: "1", LINE: line}
     with log.open("wb") as output:
@@ -86,6 +87,18 @@ def start_node(
         finally:
             told.started(name)
     return NodeProcess(name, process, log)
+
+
+def _said_by_us(name: str, run: Run, folder: Path) -> list[str]:
+    """What a node takes from no file: the path of a library, and that of a log of the bus (`ros_parameters.given`)."""
+    configuration = run.configurations.get(name)
+    if configuration is None:
+        return []
+    method, bus = configuration.method.name, getattr(configuration.parameters, "bus", None)
+    said = {"method": method} if method.endswith(LIBRARIES) else {}
+    if run.realtime and getattr(bus, "log", ""):
+        said["bus.log"] = str(folder / bus.log)
+    return [word for key, path in said.items() for word in ("-p", f'{key}:="{path}"')]
 
 
 def _before_exec(ours: bool) -> Callable[[], None]:

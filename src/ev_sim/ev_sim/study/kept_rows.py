@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ev_msgs_py.parameters.data_file import SIGNALS, read_data
 from ev_sim.running.recording.recording import Recording, save
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult, Measure
@@ -31,7 +32,7 @@ class KeptRows:
     def __init__(self, folder: Path, study: str, cases: Sequence[Case], run: Run) -> None:
         self._path = folder / NAME
         self._sources = f"{study} {digest_of_sources()} {digest_of_files(_words(cases, run))}"
-        text = self._path.read_text("utf-8", "replace") if self._path.is_file() else ""
+        text = read_data(self._path, SIGNALS).decode(errors="replace") if self._path.is_file() else ""
         self._gap = "\n" if text and not text.endswith("\n") else ""
         self._results = {line["case"]: line["result"] for line in self._lines(text)}
 

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from ev_msgs_py.parameters.config_folders import files_in_config
+from ev_msgs_py.parameters.data_file import refuse_outside
 from ev_msgs_py.parameters.declaration import ParameterError, entries
 from ev_msgs_py.parameters.values import unknown_name
 from ev_msgs_py.vehicle.description import Vehicle
@@ -20,11 +21,12 @@ def is_path(name: str) -> bool:
 
 
 def configured_file(kind: str, name: str) -> Path:
-    """The file of a scenario or a vehicle in the config folders, or any other by its path.
+    """The file of a scenario or a vehicle in the config folders, or by its path any other that may be named.
 
     ParameterError that lists the known ones for an unknown name.
     """
     if is_path(name):
+        refuse_outside(name, Path(name))
         return Path(name)
     known = files_in_config(f"{kind}s")
     if name not in known:

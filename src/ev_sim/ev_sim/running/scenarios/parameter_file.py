@@ -10,8 +10,9 @@ from typing import Any
 
 import yaml
 
+from ev_msgs_py.parameters.data_file import TEXT, TextOfFile, read_data
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.running.scenarios.yaml_text import read_yaml
+from ev_sim.running.scenarios.yaml_text import named, read_yaml
 
 _SECTION = "ros__parameters"
 
@@ -25,7 +26,7 @@ class ParameterFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         try:
-            content = read_yaml(path.read_text(encoding="utf-8"))
+            content = read_yaml(read_data(path, TEXT).decode())
         except OSError as error:
             raise ParameterError(f"{path}: {error.strerror}") from None
         except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -40,8 +41,10 @@ class ParameterFile:
     def _sections(self, content: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
         for pattern, section in content.items():
             if not isinstance(section, dict) or list(section) != [_SECTION] or not isinstance(section[_SECTION], dict):
-                raise ParameterError(f"{self.path}: section {pattern!r} does not hold '{_SECTION}:' with parameters")
-            yield str(pattern), dict(flattened(section[_SECTION]))
+                shown = repr(named(pattern))
+                raise ParameterError(f"{self.path}: section {shown} does not hold '{_SECTION}:' with parameters")
+            values = flattened(section[_SECTION])
+            yield str(pattern), {name: _marked(value, self.path) for name, value in values}
 
     def names(self) -> set[str]:
         """The dotted names in all sections."""
@@ -73,6 +76,13 @@ def matches(pattern: str, node: str) -> bool:
     expression = re.escape(pattern if pattern.startswith("/") else f"/{pattern}")
     expression = expression.replace(r"/\*\*", r"(/\w+)*").replace(r"\*", r"\w+")
     return re.fullmatch(expression, node) is not None
+
+
+def _marked(value: Any, file: Path) -> Any:
+    """A value whose texts know that a file says them."""
+    if isinstance(value, list):
+        return [_marked(each, file) for each in value]
+    return TextOfFile.of(value, file) if isinstance(value, str) else value
 
 
 def flattened(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
