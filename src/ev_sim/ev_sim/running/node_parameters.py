@@ -46,9 +46,7 @@ def node_parameters(
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, tuple):
-        return [_plain(each) for each in value]
-    return str(value) if isinstance(value, str) else value  # without the mark that a file says it
+    return list(value) if isinstance(value, tuple) else value
 
 
 def write_parameter_file(path: Path, run: Run, nodes: dict[str, dict[str, Any]]) -> None:

@@ -15,6 +15,7 @@ from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.running.scenarios.yaml_text import named, read_yaml
 
 _SECTION = "ros__parameters"
+yaml.SafeDumper.add_representer(TextOfFile, yaml.SafeDumper.represent_str)  # written without the mark
 
 
 class ParameterFile:
