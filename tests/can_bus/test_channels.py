@@ -226,6 +226,12 @@ def test_logs_that_cannot_be_written_are_refused(tmp_path: Path):
         BusLog("bus.txt")
     with pytest.raises(ValueError, match="No such file or directory"):
         BusLog(str(tmp_path / "none" / "bus.log"))
+    (tmp_path / "victim.log").write_text("precious")
+    (tmp_path / "link.log").symlink_to(tmp_path / "none.log")
+    for name in ("victim.log", "link.log"):
+        with pytest.raises(ValueError, match=r"is refused, allowed is a file that is not there yet"):
+            BusLog(str(tmp_path / name))
+    assert (tmp_path / "victim.log").read_text() == "precious"
 
 
 def test_mf4_says_what_it_needs(tmp_path: Path):

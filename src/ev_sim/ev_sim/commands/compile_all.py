@@ -14,8 +14,10 @@ from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any
 
+from ev_msgs_py.compiling.user_cache import cache_folder
 from ev_msgs_py.contract.frame import PLACES, places
 from ev_msgs_py.lockstep.methods import Method, all_methods, find_method
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.description import Vehicle
 
 _PERIOD = 0.005  # [s], that all methods allow; compiled code is the same for all periods
@@ -26,6 +28,10 @@ def main() -> None:
     """Compile on all cores; exit status 1, and one line for each, if something cannot be compiled."""
     methods = [method for of_role in all_methods().values() for method in of_role.values()]
     compilable = [method for method in methods if method.law and method.law.is_compilable]
+    try:
+        cache_folder()  # also for the workers
+    except ParameterError as error:
+        sys.exit(f"error: {error}")
     from ev_msgs_py.compiling import library  # noqa: F401, once for all workers that are forked from this process
 
     with ProcessPoolExecutor(os.cpu_count()) as workers:
