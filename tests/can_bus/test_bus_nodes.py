@@ -273,6 +273,29 @@ def test_a_log_is_written(tmp_path: Path):
     assert {0x20B, 0x20C, 0x18B, 0x18C} <= identifiers
 
 
+def test_a_file_names_no_log_outside_the_working_directory(tmp_path: Path, monkeypatch):
+    """The command line does; a log that was named by a file with a path to elsewhere was overwritten."""
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    file = tmp_path / "own.yaml"
+
+    def gateway(log: str, *words: str) -> None:
+        values = f"{{bus.interface: virtual, bus.log: {log}}}"
+        file.write_text(f"/**/inverter_gateway:\n  ros__parameters: {values}\n")
+        told = ["--ros-args", "--params-file", str(file), *words]
+        with ros_domain() as context:
+            InverterGatewayNode(context=context, namespace=NAMESPACE, cli_args=told).close()
+
+    for log in ("../elsewhere.log", str(tmp_path / "elsewhere.log")):
+        with pytest.raises(ValueError, match=r"^parameter bus.log: '\S+' is refused, allowed from a file is "):
+            gateway(log)
+        assert not (tmp_path / "elsewhere.log").exists()
+    gateway("own.log")
+    gateway("own.log", "-p", f"bus.log:={tmp_path / 'elsewhere.log'}")
+    assert (tmp_path / "here" / "own.log").exists()
+    assert (tmp_path / "elsewhere.log").exists()
+
+
 def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_in_time(monkeypatch):
     """Held up for 50 ms under torque, with a time-out of 10 ms: the torque ends, though frames came all the time."""
     name = "held_up"
