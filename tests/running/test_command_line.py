@@ -205,3 +205,29 @@ def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_told(
         command()
     assert ended.value is error or ended.value.code == 130
     assert capsys.readouterr().err == ("stopped\n" if interrupted else "")
+
+
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_too_little_memory_is_one_line(wrapped, monkeypatch):
+    """What a library could not be mapped for comes as an ImportError, within others that say many lines."""
+
+    def drive(given):
+        if not wrapped:
+            raise MemoryError
+        try:
+            raise ImportError("libfastdds.so: failed to map segment from shared object")
+        except ImportError as error:
+            raise ImportError("several\nlines") from error
+
+    monkeypatch.setattr("ev_sim.commands.drive_scenario.drive_scenario", drive)
+    with pytest.raises(SystemExit, match=r"^error: out of memory(: libfastdds.so: failed to map segment.*)?$"):
+        main(["shchur2019", "--offline"])
+
+
+def test_a_missing_module_is_not_called_out_of_memory(monkeypatch):
+    def drive(given):
+        raise ImportError("no module of this name")
+
+    monkeypatch.setattr("ev_sim.commands.drive_scenario.drive_scenario", drive)
+    with pytest.raises(ImportError, match="no module"):
+        main(["shchur2019", "--offline"])

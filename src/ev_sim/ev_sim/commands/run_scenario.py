@@ -25,6 +25,7 @@ REVIEWS = {  # commands of their own, in modules of their names
     "figures": "every panel of the sources' figures, drawn from our runs, on one page",
 }
 _NOT_READ = 141  # what a shell says of a command whose output nobody reads any more
+_NOT_LOADED = "failed to map segment"  # what the loader says of a library for which there is no memory
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -54,8 +55,21 @@ def main(argv: list[str] | None = None) -> None:
         sys.exit(_NOT_READ)
     except (ParameterError, SignalError, RunFailed, FileNotFoundError) as error:
         sys.exit(f"error: {error}")
+    except (MemoryError, ImportError) as error:
+        if (why := _out_of_memory(error)) is None:
+            raise
+        sys.exit(f"error: out of memory{why}")
     except OSError as error:
         sys.exit(f"error: {': '.join(str(said) for said in (error.filename, error.strerror or error) if said)}")
+
+
+def _out_of_memory(error: BaseException | None) -> str | None:
+    """What an error says besides that memory is short, as that of a library not loaded; None if it has other causes."""
+    while error is not None and not isinstance(error, MemoryError):
+        if _NOT_LOADED in str(error):
+            return ": " + next(line for line in str(error).splitlines() if _NOT_LOADED in line)
+        error = error.__cause__ or error.__context__
+    return None if error is None else f": {error}".removesuffix(": ")
 
 
 def print_list() -> None:
