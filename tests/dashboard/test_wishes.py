@@ -1,4 +1,4 @@
-"""What anybody writes into a field of the page or sends to its socket: one line comes back, and the connection lives."""
+"""What anybody writes into a field of the page or sends to its socket: one line comes back, the connection lives."""
 
 from __future__ import annotations
 
@@ -37,7 +37,8 @@ class Page:
     async def _open(self, context: Any) -> None:
         self.controls = Controls(context, NAMESPACE, "wishes", lambda message: self.pages.tell(message))
         self.pages = Pages("wishes", 0, self.controls.obey, list)
-        self.socket = await websocket_connect(self.pages.url.replace("http", "ws") + "live")
+        self.address = self.pages.url.replace("http", "ws")
+        self.socket = await websocket_connect(f"{self.address}live")
         while NODE not in self.controls.nodes:
             await self._turn()
         self.names = {each["name"] for each in self.controls.nodes[NODE]["parameters"]}
@@ -70,9 +71,11 @@ class Page:
 
     def status(self, **headers: str) -> int:
         """What a browser that was led here gets for its socket: 101 if it is connected, or an HTTP status."""
-        request = HTTPRequest(self.pages.url.replace("http", "ws") + "live", headers=headers)
+        return self.loop.run_until_complete(self._status(headers))
+
+    async def _status(self, headers: dict[str, str]) -> int:
         try:
-            self.loop.run_until_complete(websocket_connect(request)).close()
+            (await websocket_connect(HTTPRequest(f"{self.address}live", headers=headers))).close()
         except HTTPClientError as refused:
             return refused.code
         return 101

@@ -44,7 +44,7 @@ class SocketcandHub:
         self._selector.register(self._listener, selectors.EVENT_READ, None)
         self._clients: set[_Client] = set()
         self._warn, self._said = warn, set[str]()
-        self._spare = os.open(os.devnull, os.O_RDONLY)  # the descriptor by which one can be sent away where none is left
+        self._spare = os.open(os.devnull, os.O_RDONLY)  # by it one is sent away where none is left
 
     def serve(self, timeout: float) -> None:
         """Deal with what comes within `timeout` [s]."""

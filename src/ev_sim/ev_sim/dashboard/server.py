@@ -25,7 +25,8 @@ _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inl
 def line(text: str, refused: bool) -> dict[str, Any]:
     """The message that has a page show a text, as one line of bearable length."""
     text = " ".join(text.split())
-    return {"kind": "word", "text": text if len(text) <= _LONGEST_LINE else f"{text[:_LONGEST_LINE]}...", "refused": refused}
+    shown = text if len(text) <= _LONGEST_LINE else f"{text[:_LONGEST_LINE]}..."
+    return {"kind": "word", "text": shown, "refused": refused}
 
 
 class Pages:

@@ -21,7 +21,7 @@ _KINDS = {
 
 
 def wished(name: str, kind: Parameter.Type, value: Any) -> Parameter:
-    """The parameter of that kind; ValueError in one line if the value, or YAML in a text, is none that ROS can carry."""
+    """The parameter of that kind; ValueError in one line if the value, or YAML in a text, cannot be carried."""
     try:
         given = _read(value) if isinstance(value, str) and kind != Parameter.Type.STRING else value
         if kind in _KINDS:
