@@ -1,4 +1,4 @@
-"""What the workflows and the container take from others, by content and not by a name that can move, and their rights."""
+"""What workflows and container take from others, by content and not by a name that can move, and their rights."""
 
 from __future__ import annotations
 
