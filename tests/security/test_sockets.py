@@ -156,12 +156,6 @@ def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, networ
         assert logged & {0x123, 0x124} == {0x124}
 
 
-def test_there_is_a_stranger(network):
-    """The try above says nothing of others than ourselves where this one is skipped."""
-    if isinstance(network, NoNamespaces):
-        pytest.skip(f"a stranger on another machine was not tried: {network}")
-
-
 LISTENER = f"""
 import socket, sys
 from ev_msgs_py.can.channel import Channel
