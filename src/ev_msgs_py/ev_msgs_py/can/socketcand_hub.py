@@ -14,6 +14,8 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 
+from ev_msgs_py.parameters.shown import quoted
+
 HOST = "127.0.0.1"  # frames never leave this machine
 _MOST_CLIENTS = 32
 _LONGEST_TEXT = 200  # characters of an unfinished command
@@ -121,7 +123,7 @@ class SocketcandHub:
             self._refuse(client, command)
 
     def _refuse(self, client: _Client, command: str) -> None:
-        self._say_once("refused", f"a client is sent away: {command[:_LONGEST_TEXT]!r} is no command or no frame")
+        self._say_once("refused", f"a client is sent away: {quoted(command)} is no command or no frame")
         self._say(client, "< error unknown command >")
         self._drop(client)
 

@@ -7,10 +7,10 @@ from typing import Any
 import yaml
 from rclpy.parameter import Parameter
 
+from ev_msgs_py.parameters.shown import quoted
 from ev_sim.running.scenarios.yaml_text import read_yaml
 
 _LONGEST_TEXT = 100_000  # characters; YAML of more would hold the pages up
-_SHOWN = 60  # characters of what is refused
 _WHOLE = range(-(2**63), 2**63)
 _KINDS = {
     Parameter.Type.DOUBLE: float,
@@ -31,10 +31,8 @@ def wished(name: str, kind: Parameter.Type, value: Any) -> Parameter:
         kinds = {type(element) for element in given}
         return Parameter(name, value=_alike(given, float if float in kinds else next(iter(kinds), str)))
     except (TypeError, ValueError, OverflowError, yaml.YAMLError):
-        text = repr(value)
-        shown = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
         allowed = kind.name.lower() if kind in _KINDS else "an array in brackets, [] for an empty one"
-        raise ValueError(f"{shown} is refused, allowed is {allowed}") from None
+        raise ValueError(f"{quoted(value)} is refused, allowed is {allowed}") from None
 
 
 def _read(text: str) -> Any:
