@@ -12,7 +12,7 @@ import time
 import can
 import cantools
 
-MULTICAST = "interface=udp_multicast,channel=239.192.11.11,port=28111,hop_limit=0"
+HUB = "interface=socketcand,channel=can11,host=127.0.0.1,port=29536"  # ros2 run ev_sim can_hub
 OPERATION_ENABLED, FAULT = 0x27, 0x08
 # Statusword (bits 0 to 3, 5 and 6) -> controlword that leads on, CiA 402.
 LEADS_ON = {0x40: 0x06, 0x60: 0x06, 0x21: 0x07, 0x23: 0x0F, OPERATION_ENABLED: 0x0F}
@@ -41,7 +41,7 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=3.0, help="to hold it")
     parser.add_argument("--drive", default="Drive11", help="Drive11 is the right one, Drive12 the left one")
     parser.add_argument("--database", default="config/can/ev_bench.dbc")
-    parser.add_argument("--bus", default=MULTICAST, help="NAME=VALUE,... for can.Bus")
+    parser.add_argument("--bus", default=HUB, help="NAME=VALUE,... for can.Bus")
     given = parser.parse_args()
     database = cantools.database.load_file(given.database)
     set_point = database.get_message_by_name(f"{given.drive}_SetPoint")

@@ -11,7 +11,7 @@ from contextlib import suppress
 
 import can
 import cantools
-from ecu_script import MULTICAST, checksum
+from ecu_script import HUB, checksum
 
 DISABLED, READY, SWITCHED_ON, ENABLED, FAULT = 0x40, 0x21, 0x23, 0x27, 0x08  # statusword
 
@@ -88,7 +88,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--drive", default="Drive11", help="Drive11 is the right one, Drive12 the left one")
     parser.add_argument("--database", default="config/can/ev_bench.dbc")
-    parser.add_argument("--bus", default=MULTICAST, help="NAME=VALUE,... for can.Bus")
+    parser.add_argument("--bus", default=HUB, help="NAME=VALUE,... for can.Bus")
     parser.add_argument("--timeout", type=float, default=0.01, help="s without a valid set-point: fault")
     parser.add_argument("--seconds", type=float, default=float("inf"))
     given = parser.parse_args()

@@ -48,7 +48,7 @@ def test_the_log_of_the_bus_is_read_by_other_tools(healthy, tmp_path, suffix):
     part = {name: values[:51] for name, values in healthy.items()}
     file = tmp_path / f"bus{suffix}"
     recording = Recording(0.001 * np.arange(51), part)
-    write_can_log(BusLog(str(file)), recording, BusModelParameters(), "can/ev_bench.dbc")
+    write_can_log(BusLog(str(file)), recording, BusModelParameters())
     frames = list(can.LogReader(file))
     names = [by_cantools().get_message_by_frame_id(frame.arbitration_id).name for frame in frames]
     assert sum(name.endswith("_SetPoint") for name in names) == 4 * 51

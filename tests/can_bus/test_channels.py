@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import gc
 import os
+import resource
 import select
 import socket
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
 
 import can
 import pytest
+from fuzz.fuzzing import fuzzed
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from ev_msgs_py.can.bus_log import BusLog
 from ev_msgs_py.can.bus_parameters import DEFAULT_CHANNELS, INTERFACES, BusParameters
 from ev_msgs_py.can.channel import Channel, Frame
 from ev_msgs_py.can.opening import BusError, open_channel
-from ev_msgs_py.can.socketcand_hub import SocketcandHub
+from ev_msgs_py.can.socketcand_hub import HOST, SocketcandHub
 
 FRAMES = [Frame(0x20B, bytes(range(8))), Frame(0x701, b"\x01\x02\x03\x04"), Frame(0x18B, b"")]
 PATIENCE = 5.0  # s
@@ -64,6 +68,16 @@ def free_port() -> int:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as found:
         found.bind(("", 0))
         return found.getsockname()[1]
+
+
+def can_multicast(sender: socket.socket) -> bool:
+    """Whether this machine has a network beside loopback by which multicast goes; it hears there what it sends."""
+    sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+    try:
+        sender.sendto(b"", ("239.192.250.250", 9))
+    except OSError:
+        return False
+    return True
 
 
 def received(channel: Channel, count: int) -> list[Frame]:
@@ -119,12 +133,23 @@ def test_two_multicast_channels_do_not_hear_each_other():
         channel.close()
 
 
-def test_multicast_frames_do_not_leave_the_machine():
-    """A time to live of 0 restricts a datagram to the host (RFC 1112, section 6.1)."""
-    bus = open_channel("udp_multicast", group(free_port()))
-    with socket.socket(fileno=os.dup(bus.fileno())) as same:
+def test_multicast_frames_stay_on_loopback():
+    """Sent there, with a time to live of 0 besides (RFC 1112, section 6.1), and heard there and of the group alone."""
+    name = group(free_port())
+    address, _, port = name.partition(":")
+    with closing(Channel("udp_multicast", name)) as channel, socket.socket(fileno=os.dup(channel.fileno())) as same:
         assert same.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL) == 0
-    bus.shutdown()
+        assert same.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, 4) == socket.inet_aton("127.0.0.1")
+        assert same.getsockname() == (address, int(port))
+        channel.send(FRAMES[0])
+        frame, _ = same.recvfrom(4096)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+            stranger.sendto(frame, ("127.0.0.1", int(port)))  # to this machine, not to the group
+            if can_multicast(stranger):
+                stranger.sendto(frame, (address, int(port)))  # to the group, on the network of this machine
+        channel.send(FRAMES[1])
+        assert received(channel, 1) == FRAMES[1:2]
+        assert channel.receive() is None
 
 
 def test_the_hub_listens_on_this_machine_only():
@@ -134,6 +159,111 @@ def test_the_hub_listens_on_this_machine_only():
         assert b"error" in connection.recv(100)
     with hub() as port, pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.2", port), 0.5)  # as local, but another address
+
+
+def test_an_address_of_another_machine_is_refused_in_one_line():
+    with pytest.raises(BusError, match=r"channel 239.192.11.11:28111: \w[\w ]+$"):
+        open_channel("udp_multicast", "239.192.11.11:28111", "192.0.2.77")
+
+
+@contextmanager
+def two_clients() -> Iterator[tuple[SocketcandHub, list[str], socket.socket, socket.socket]]:
+    """A hub that is served by hand, what it has said, and two clients of one bus."""
+    said: list[str] = []
+    with (
+        closing(SocketcandHub(0, said.append)) as served,
+        socket.create_connection((HOST, served.port)) as one,
+        socket.create_connection((HOST, served.port)) as other,
+    ):
+        one.sendall(b"< open a >< rawmode >")
+        other.sendall(b"< open a >< rawmode >")
+        for client in (one, other):
+            client.setblocking(False)
+            while not text_of(client, served).endswith("< ok >< ok >"):
+                pass
+        yield served, said, one, other
+
+
+def text_of(client: socket.socket, served: SocketcandHub) -> str:
+    """What a client has been told and not taken yet, when the hub has dealt with everything; "" if it was sent away."""
+    for _ in range(20):
+        served.serve(0.001)
+    try:
+        return client.recv(1 << 20, socket.MSG_PEEK).decode()
+    except OSError:
+        return ""
+
+
+DIGITS = "0123456789abcdefABCDEF"
+HEX = st.text(DIGITS, max_size=9)
+LENGTHS = st.sampled_from(["0", "2", "8", "9", "-1", "02"])
+ODD = st.sampled_from(["-12", "+12", "0x1", "1_2", "７FF", "800", "2" * 8, "", "12", "20B", "0000020B"])
+
+
+@fuzzed(30, 0.2)
+@given(identifier=HEX | ODD, length=LENGTHS, data=st.lists(HEX | ODD, max_size=9))
+@example("-12", "1", ["FF"])
+@example("20B", "1", ["-1"])
+@example("7FF", "2", ["0", "fF"])
+def test_the_hub_passes_on_frames_and_sends_away_who_says_anything_else(identifier, length, data):
+    fits = len(identifier) in (3, 8) and length in ("0", "2", "8") and len(data) == int(length)
+    fits = fits and all(len(word) in (1, 2) for word in data) and set("".join([identifier, *data])) <= set(DIGITS)
+    fits = fits and int(identifier, 16) < (1 << 11 if len(identifier) == 3 else 1 << 29)
+    with two_clients() as (served, said, one, other):
+        other.recv(1000)
+        one.sendall(f"< send {identifier} {length} {' '.join(data)} >".encode())
+        told = text_of(other, served)
+        assert bool(told) is fits
+        assert len(said) is not fits
+        if told:
+            _, _, shown, _, *shown_data, _ = told.split()
+            assert int(shown, 16) == int(identifier, 16)
+            assert bytes.fromhex("".join(shown_data)) == bytes(int(word, 16) for word in data)
+
+
+def test_a_hub_without_descriptors_lives_on_and_says_so_once():
+    with two_clients() as (served, said, one, other):
+        limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+        waiting = [socket.socket() for _ in range(2)]
+        resource.setrlimit(resource.RLIMIT_NOFILE, (max(map(int, os.listdir("/proc/self/fd"))), limits[1]))
+        try:
+            with suppress(OSError):
+                while True:
+                    waiting.append(socket.socket())  # whatever lower numbers are free
+            for client in waiting[:2]:
+                client.connect((HOST, served.port))
+                client.setblocking(False)
+                assert text_of(client, served) == ""
+        finally:
+            resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+            for client in waiting:
+                client.close()
+        assert said == ["a client is sent away: Too many open files"]
+        one.sendall(b"< send 123 0 >")
+        assert "frame 123" in text_of(other, served)
+
+
+def test_a_hub_has_no_more_clients_than_it_says():
+    with two_clients() as (served, said, one, other), ExitStack() as stack:
+        for _ in range(31):
+            last = stack.enter_context(socket.create_connection((HOST, served.port)))
+            served.serve(PATIENCE)
+        last.setblocking(False)
+        assert text_of(last, served) == ""
+        assert said == ["a client is sent away: there are 32, which is the most"]
+        one.sendall(b"< send 123 0 >")
+        assert "frame 123" in text_of(other, served)
+
+
+@pytest.mark.parametrize("rubbish", [b">" * 65536, b"x" * 65536, b"< send 1 " * 7000])
+def test_who_says_much_without_sense_costs_the_hub_one_answer(rubbish, monkeypatch):
+    with two_clients() as (served, said, one, _):
+        answers = []
+        monkeypatch.setattr(served, "_write", lambda client: answers.append(bytes(client.waiting)))
+        one.sendall(rubbish)
+        text_of(one, served)
+        assert answers == [b"< error unknown command >"]
+        assert len(said) == 1 and len(said[0]) < 300
 
 
 def test_whatever_else_comes_is_counted_and_passed_over():
@@ -159,7 +289,7 @@ def test_datagrams_that_are_no_frames_do_no_harm():
     address, _, port = name.partition(":")
     rubbish = [b"", b"\xc1", b"\x81", b"\xdf\xff\xff\xff\xff", b"\x80", b"\x81\xa1a", os.urandom(3000), b"\x01\x02"]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-        stranger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        stranger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
         for datagram in rubbish:
             stranger.sendto(datagram, (address, int(port)))
     channel.send(FRAMES[0])
@@ -178,7 +308,7 @@ def test_datagrams_that_are_no_frames_do_no_harm():
         ("udp_multicast", "10.0.0.1:28111", "channel 10.0.0.1:28111: 10.0.0.1 is no multicast address"),
         ("udp_multicast", "239.192.11.11", "is not of the form GROUP:PORT"),
         ("udp_multicast", "239.192.11.11:99999", "port '99999' is refused, allowed is 1 to 65535"),
-        ("udp_multicast", "bus:28111", "'bus' does not appear to be an IPv4 or IPv6 address"),
+        ("udp_multicast", "bus:28111", "Expected 4 octets in 'bus'"),
     ],
 )
 def test_a_channel_that_cannot_be_had_is_one_clear_line(interface: str, channel: str, said: str):

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
 from can_bus.databases import FILE, ours
+from fuzz.fuzzing import assert_one_line, fuzzed
+from hypothesis import example, given
+from hypothesis import strategies as st
 
+from ev_msgs_py.can.codec import extracted, inserted
 from ev_msgs_py.can.database import load_database
 from ev_msgs_py.parameters.declaration import ParameterError
 
@@ -19,6 +24,10 @@ TEXT = FILE.read_text()
         (" 139 ", " 2147483787 ", "frame Drive11_Faults: only classic frames with 11 bits"),
         ("24|16@1- (0.03125", "31|16@0- (0.03125", "Drive11_SetPoint, signal Torque: only whole numbers in Intel"),
         ("Crc", "Sum", "Drive11_Faults: Crc must be at bit 0"),
+        ("Drive11_SetPoint: 8", "Drive12_SetPoint: 8", "two frames with the name Drive12_SetPoint"),
+        (" 140 ", " 139 ", "two frames with the identifier 139"),
+        ("(0.03125,0) [-1000|1000]", "(0,0) [-1000|1000]", "Torque: scale 0 and offset 0 are refused, allowed"),
+        ("24|16@1- (0.03125,0) [-1000", "24|16@1- (0.03125,0) [-2000", "-2000 to 1000 is refused, its 16 bits hold"),
         ("BA_DEF_ BO_", "BA_DEFINE_ BO_", "Invalid syntax"),
     ],
 )  # fmt: skip
@@ -55,3 +64,37 @@ def test_frames_of_a_device():
     assert names == {"Ecu_Heartbeat"} | {
         f"Drive11_{kind}" for kind in ("SetPoint", "Motion", "Electrical", "Temperatures", "Faults")
     }
+
+
+NUMBERS = st.sampled_from(
+    ["0", "-0.03125", "1e-320", "1e308", "1e400", "-1e400", "nan", "1E-9", "1000", "-1000", "65536"]
+)
+PLACES = st.integers(0, 70)
+
+
+@fuzzed(40, 0.05)
+@given(PLACES, PLACES, st.sampled_from("+-"), *[NUMBERS | st.floats(-1e6, 1e6).map(repr)] * 4)
+@example(24, 16, "-", "0", "0", "0", "1000")
+@example(24, 16, "-", "0.03125", "0", "nan", "1000")
+@example(24, 8, "-", "0.03125", "0", "-1000", "1000")
+@example(24, 16, "-", "0.03125", "1e400", "-1000", "1000")
+@example(24, 16, "-", "0.03125", "0", "1000", "-1000")
+@example(24, 0, "-", "0.03125", "0", "-1000", "1000")
+@example(4, 16, "-", "0.03125", "0", "-1000", "1000")
+def test_a_signal_that_is_taken_says_what_it_can_and_no_more(
+    tmp_path_factory, start, length, sign, scale, offset, low, high
+):
+    """Any place and any numbers: one line, or each value of the range arrives within half a step."""
+    before = "24|16@1- (0.03125,0) [-1000|1000]"
+    assert before in TEXT
+    file = tmp_path_factory.mktemp("dbc") / "own.dbc"
+    file.write_text(TEXT.replace(before, f"{start}|{length}@1{sign} ({scale},{offset}) [{low}|{high}]"))
+    try:
+        field = load_database(str(file))["Drive11_SetPoint"].signals["Torque"]
+    except ParameterError as refused:
+        assert_one_line(refused)
+        return
+    for value in (field.low, field.high, 0.5 * (field.low + field.high), -math.inf, math.inf):
+        arrived = extracted(inserted(0, field, value), field)
+        wished = min(max(value, field.low), field.high)
+        assert arrived == pytest.approx(wished, abs=0.5001 * field.scale)

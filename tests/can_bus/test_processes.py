@@ -72,6 +72,14 @@ def channels() -> dict[str, str]:
     return {"bus.interface": "udp_multicast", "bus.channel_11": group(port), "bus.channel_12": group(port + 1)}
 
 
+def hub_channels() -> dict[str, str]:
+    """Those of a hub in a process of its own."""
+    hub = started([sys.executable, "-m", "ev_sim.commands.can_hub", "--port", "0"])
+    place = hub.stdout.readline().split()[-1]
+    names = {f"bus.channel_{circuit}": f"can{circuit}@{place}" for circuit in ("11", "12")}
+    return {"bus.interface": "socketcand", **names}
+
+
 def end(processes: list[subprocess.Popen]) -> list[str]:
     """Ctrl-C; what they have said."""
     for process in processes:
@@ -106,18 +114,17 @@ def test_torque_goes_through_two_processes_and_a_bus():
 
 def test_frames_go_through_a_hub_in_its_own_process():
     """As nodes use it where there is no multicast; here by hand, because it takes a core of its own at full traffic."""
-    words = [sys.executable, "-m", "ev_sim.commands.can_hub", "--port", "0"]
-    running = started(words)
-    _, _, place = running.stdout.readline().strip().partition(" ")
-    one, other = Channel("socketcand", f"can11@{place}"), Channel("socketcand", f"can11@{place}")
-    stranger = Channel("socketcand", f"can12@{place}")
+    names = hub_channels()
+    one, other = (Channel("socketcand", names["bus.channel_11"]) for _ in range(2))
+    stranger = Channel("socketcand", names["bus.channel_12"])
     one.send(FRAMES[0])
     assert received(other, 1) == FRAMES[:1]
     assert stranger.receive() is None
     for channel in (one, other, stranger):
         channel.close()
-    end([running])
-    assert running.returncode == 0
+    (hub,) = STARTED
+    end([hub])
+    assert hub.returncode == 0
 
 
 def test_an_interface_that_is_missing_is_one_line_and_status_1():
@@ -129,15 +136,15 @@ def test_an_interface_that_is_missing_is_one_line_and_status_1():
 
 
 def script(name: str, channel: str, *more: str) -> subprocess.Popen:
-    address, _, port = channel.partition(":")
-    bus = f"interface=udp_multicast,channel={address},port={port},hop_limit=0"
-    words = [sys.executable, str(EXAMPLES / name), "--database", str(FILE), "--bus", bus, *more]
-    return started(words)
+    bus, _, place = channel.partition("@")
+    host, _, port = place.partition(":")
+    words = ["--database", str(FILE), "--bus", f"interface=socketcand,channel={bus},host={host},port={port}"]
+    return started([sys.executable, str(EXAMPLES / name), *words, *more])
 
 
 def test_the_ecu_script_drives_our_inverter():
     """In the place of the gateway: 20 N m within what the bus resolves, and speed that has grown."""
-    bus = channels()
+    bus = hub_channels()
     with ros_domain() as context:
         inverter = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT})
         ecu = script("ecu_script.py", bus["bus.channel_11"], "--torque", "20", "--seconds", "0.5")
@@ -151,8 +158,8 @@ def test_the_ecu_script_drives_our_inverter():
 
 def test_our_gateway_leads_the_inverter_script():
     """In the place of ours: enabled, 10 N m, a fault of its own when the set-points stop, and a reset."""
-    bus = channels()
-    channel = Channel("udp_multicast", bus["bus.channel_11"])
+    bus = hub_channels()
+    channel = Channel("socketcand", bus["bus.channel_11"])
     drive = script("own_inverter.py", bus["bus.channel_11"], "--seconds", "20", "--timeout", "0.5")
     patient = {"feedback_timeout": 1.0, "command_timeout": 10.0}
     station, ticks = GatewayStation(ours(), build(GatewayParameters, patient)), Ticks()

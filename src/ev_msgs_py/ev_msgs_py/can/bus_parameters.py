@@ -9,6 +9,7 @@ from ev_msgs_py.parameters.declaration import parameter
 
 INTERFACES = ("virtual", "udp_multicast", "socketcand", "socketcan")
 CIRCUITS = ("11", "12")  # right and left
+LOOPBACK = "127.0.0.1"  # from where no frame leaves this machine
 
 # Channels where none is named: right and left circuit.
 DEFAULT_CHANNELS = MappingProxyType(
@@ -23,13 +24,13 @@ DEFAULT_CHANNELS = MappingProxyType(
 
 @dataclass(frozen=True, slots=True)
 class BusInterface:
-    """What carries frames in real time: one channel for each circuit."""
+    """What frames there are and what carries them in real time: one channel for each circuit."""
 
     interface: str = parameter(
         "udp_multicast",
         choices=INTERFACES,
-        about="virtual: within one process; udp_multicast: between processes of this machine, hop limit 0; socketcand: "
-        "the same over TCP through `ev_sim can_hub`; socketcan: hardware",
+        about="virtual: within one process; udp_multicast: between processes, see `bus.address`; socketcand: between "
+        "those of this machine, over TCP through `ev_sim can_hub`; socketcan: hardware",
         read_only=True,
     )
     channel_11: str = parameter(
@@ -39,6 +40,13 @@ class BusInterface:
         read_only=True,
     )
     channel_12: str = parameter("", about="of the left circuit, likewise", read_only=True)
+    address: str = parameter(
+        LOOPBACK,
+        about="of this machine in the network that udp_multicast uses; with any but 127.0.0.1 whoever is there hears "
+        "all frames and can send some",
+        read_only=True,
+    )
+    database: str = parameter("can/ev_bench.dbc", about="DBC file of the frames", read_only=True)
 
     def channels(self) -> dict[str, str]:
         """The channel of each circuit."""
@@ -49,9 +57,8 @@ class BusInterface:
 
 @dataclass(frozen=True, slots=True)
 class BusParameters(BusInterface):
-    """The CAN bus of a node, its frames and its log."""
+    """The CAN bus of a node and its log."""
 
-    database: str = parameter("can/ev_bench.dbc", about="DBC file of the frames", read_only=True)
     log: str = parameter(
         "",
         about="file for all frames that are sent and received: .log (candump), .blf (Vector) or, where asammdf is "

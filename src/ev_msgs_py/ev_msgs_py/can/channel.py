@@ -9,6 +9,7 @@ import can
 
 from ev_msgs_py.can.bus_log import BusLog
 from ev_msgs_py.can.bus_meter import BusMeter
+from ev_msgs_py.can.bus_parameters import LOOPBACK
 from ev_msgs_py.can.opening import open_channel
 
 _LONGEST = 8  # bytes of a classic frame
@@ -25,9 +26,16 @@ class Frame(NamedTuple):
 class Channel:
     """Sends and receives without waiting; what is no such frame, and what cannot be sent, is counted."""
 
-    def __init__(self, interface: str, name: str, log: BusLog | None = None, meter: BusMeter | None = None) -> None:
+    def __init__(
+        self,
+        interface: str,
+        name: str,
+        log: BusLog | None = None,
+        meter: BusMeter | None = None,
+        address: str = LOOPBACK,
+    ) -> None:
         self.name = name
-        self._bus = open_channel(interface, name)
+        self._bus = open_channel(interface, name, address)
         self._is_multicast = interface == "udp_multicast"  # it hears itself, by the clock of this machine
         self._log, self._meter = log, meter
         self.sent = self.received = self.refused = self.unsent = self.late = 0

@@ -20,7 +20,7 @@ class Channels:
         self._log = BusLog(log) if log else None
         try:
             for circuit, name in p.channels().items():
-                self._channels[circuit] = Channel(p.interface, name, self._log, (meters or {}).get(circuit))
+                self._channels[circuit] = Channel(p.interface, name, self._log, (meters or {}).get(circuit), p.address)
         except BaseException:
             self.close()
             raise

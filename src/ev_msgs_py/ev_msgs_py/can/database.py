@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 
 EV_BENCH = "can/ev_bench.dbc"
 _GUARD_PLACES = {"Crc": (0, 8), "Counter": (8, 4)}  # start and length in bits, profile 1 variant 1A
+_DATA_IDS = range(1 << 16)
 _ENCODING = "cp1252"  # of DBC files
 _LONGEST_SIGNAL = 32  # bits; a float64 and compiled code hold such numbers exactly
+_SMALLEST, _LARGEST = 1e-9, 1e9  # of a scale; beyond them float64 does not tell all numbers of a signal apart
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +73,10 @@ def _database(content: bytes) -> Database:
     except (Error, UnicodeDecodeError) as error:
         what = str(error).partition(': "')[0]  # behind which the parser shows what stands there
         raise ParameterError(" ".join(what.split())) from None
+    for what in ("name", "identifier"):
+        seen = [getattr(layout, what) for layout in layouts]
+        if twice := [each for each in seen if seen.count(each) > 1]:
+            raise ParameterError(f"two frames with the {what} {twice[0]}")
     return Database({layout.name: layout for layout in layouts})
 
 
@@ -85,6 +91,9 @@ def _layout(message: Message) -> FrameLayout:
     attributes = message.dbc.attributes if message.dbc else {}
     if "E2EDataId" not in attributes:
         raise ParameterError(f"frame {message.name}: the attribute E2EDataId is missing")
+    data_id = attributes["E2EDataId"].value
+    if data_id not in _DATA_IDS:
+        raise ParameterError(f"frame {message.name}: E2EDataId {data_id!r} is refused, allowed is 0 to {_DATA_IDS[-1]}")
     signals = {name: _field(message.name, signal) for name, signal in found.items() if name not in GUARDS}
     return FrameLayout(
         name=message.name,
@@ -93,7 +102,7 @@ def _layout(message: Message) -> FrameLayout:
         cycle=(message.cycle_time or 0) / 1000.0,
         sender=message.senders[0] if message.senders else "",
         receivers=frozenset(message.receivers),
-        data_id=int(attributes["E2EDataId"].value),
+        data_id=int(data_id),
         signals=signals,
         units={name: found[name].unit or "1" for name in signals},
     )
@@ -106,13 +115,26 @@ def _field(frame: str, signal: Signal) -> BitField:
         )
     if signal.minimum is None or signal.maximum is None:
         raise ParameterError(f"frame {frame}, signal {signal.name}: the range is missing")
+    scale, offset, low, high = (float(n) for n in (signal.scale, signal.offset, signal.minimum, signal.maximum))
+    if not (_SMALLEST <= scale <= _LARGEST and abs(offset) <= _LARGEST):
+        raise ParameterError(
+            f"frame {frame}, signal {signal.name}: scale {scale:g} and offset {offset:g} are refused, allowed is "
+            f"{_SMALLEST:g} to {_LARGEST:g} and at most {_LARGEST:g}"
+        )
+    least = -(1 << signal.length - 1) if signal.is_signed else 0
+    first, last = offset + scale * least, offset + scale * (least + (1 << signal.length) - 1)
+    if not first <= low <= high <= last:
+        raise ParameterError(
+            f"frame {frame}, signal {signal.name}: the range {low:g} to {high:g} is refused, "
+            f"its {signal.length} bits hold {first:g} to {last:g}"
+        )
     return BitField(
         start=float(signal.start),
         length=float(signal.length),
         signed=float(signal.is_signed),
-        scale=float(signal.scale),
-        steps=1.0 / float(signal.scale),
-        offset=float(signal.offset),
-        low=float(signal.minimum),
-        high=float(signal.maximum),
+        scale=scale,
+        steps=1.0 / scale,
+        offset=offset,
+        low=low,
+        high=high,
     )

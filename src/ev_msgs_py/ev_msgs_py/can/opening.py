@@ -4,38 +4,40 @@ from __future__ import annotations
 
 import ipaddress
 import logging
-import os
 import socket
 from typing import Any
 
 import can
 
+from ev_msgs_py.can.bus_parameters import LOOPBACK
+from ev_msgs_py.can.multicast_bus import MulticastBus
+
 _PATIENCE = 1.0  # s for a hub to answer
-_BUFFER = 1 << 20  # bytes for frames that nobody has taken yet: a second of a full bus
 
 
 class BusError(RuntimeError):
     """A channel that cannot be opened; the message names interface, channel and reason."""
 
 
-def open_channel(interface: str, channel: str) -> can.BusABC:
-    """A bus of python-can that does not hear itself, but for udp_multicast; BusError if it cannot be had."""
+def open_channel(interface: str, channel: str, address: str = LOOPBACK) -> can.BusABC:
+    """A bus of python-can that does not hear itself, but for udp_multicast; BusError if it cannot be had.
+
+    `address` is that of this machine in the network of a multicast group.
+    """
     try:
-        return _open(interface, channel)
+        return _open(interface, channel, address)
     except (can.CanError, can.CanInterfaceNotImplementedError, OSError, ValueError) as error:
         reason = (error.__cause__ or error) if isinstance(error, can.CanInitializationError) else error
         text = getattr(reason, "strerror", None) or str(reason)
         raise BusError(f"CAN interface {interface}, channel {channel}: {' '.join(text.split())}") from None
 
 
-def _open(interface: str, channel: str) -> can.BusABC:
+def _open(interface: str, channel: str, address: str) -> can.BusABC:
     if interface == "udp_multicast":
         group, port = _split(channel, ":", "GROUP:PORT")
-        if not ipaddress.ip_address(group).is_multicast:
+        if not ipaddress.IPv4Address(group).is_multicast:
             raise ValueError(f"{group} is no multicast address, such as 239.192.11.11")
-        bus = _bus(interface, group, port=_port(port), hop_limit=0, fd=False)
-        _more_room(bus)
-        return bus
+        return MulticastBus(group, _port(port), address)
     if interface == "socketcand":
         name, place = _split(channel, "@", "NAME@HOST:PORT")
         host, port = _split(place, ":", "NAME@HOST:PORT")
@@ -64,8 +66,3 @@ def _port(text: str) -> int:
     if not text.isdecimal() or not 0 < int(text) < 65536:
         raise ValueError(f"port {text!r} is refused, allowed is 1 to 65535")
     return int(text)
-
-
-def _more_room(bus: can.BusABC) -> None:
-    with socket.socket(fileno=os.dup(bus.fileno())) as shared:
-        shared.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _BUFFER)

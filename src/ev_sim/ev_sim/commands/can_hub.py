@@ -18,7 +18,7 @@ def main(argv: list[str] | None = None) -> None:
     given = parser.parse_args(argv)
     with StopRequest() as stop:
         try:
-            hub = SocketcandHub(given.port)
+            hub = SocketcandHub(given.port, lambda text: print(f"can_hub: {text}", file=sys.stderr, flush=True))
         except (OSError, OverflowError) as error:
             sys.exit(f"can_hub: port {given.port}: {getattr(error, 'strerror', None) or error}")
         print(f"can_hub: {HOST}:{hub.port}", flush=True)

@@ -79,8 +79,8 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
     except ValueError as error:
         raise RunFailed(f"inverter_gateway.bus.log: {error}") from None
     outcome = _driven(run, directory, given)
-    bench = run.configurations["test_bench"].parameters
-    write_can_log(log, outcome.recording, bench.bus, bench.database)
+    bus = run.configurations["test_bench"].parameters.bus
+    write_can_log(log, outcome.recording, bus)
     return outcome
 
 

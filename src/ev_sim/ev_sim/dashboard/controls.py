@@ -19,17 +19,12 @@ from std_srvs.srv import Trigger
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.time_services import TIME_SERVICES
-from ev_sim.running.scenarios.yaml_text import read_yaml
+from ev_sim.dashboard.server import line
+from ev_sim.dashboard.wished_value import wished
 
 _PATIENCE = 3.0  # s of wall time for a node to answer
 _GRAPH_PERIOD = 1.0  # s between looks at which nodes there are
 _AT_ONCE = 20  # answers that are taken in one look
-_KINDS = {
-    Parameter.Type.DOUBLE: float,
-    Parameter.Type.INTEGER: int,
-    Parameter.Type.BOOL: bool,
-    Parameter.Type.STRING: str,
-}
 
 Tell = Callable[[dict[str, Any]], None]
 
@@ -88,7 +83,7 @@ class Controls:
 
     def say(self, text: str, refused: bool = True) -> None:
         """Have the pages show a line."""
-        self._tell({"kind": "word", "text": text, "refused": refused})
+        self._tell(line(text, refused))
 
     def _find_nodes(self) -> None:
         here = self._node.get_namespace()
@@ -127,10 +122,9 @@ class Controls:
         if kind is None:
             raise ValueError(f"{node}.{name} is refused: no such parameter in this graph")
         try:
-            given = read_yaml(value) if isinstance(value, str) and kind != Parameter.Type.STRING else value
-            parameter = Parameter(name, kind, _KINDS[kind](given) if kind in _KINDS else given)
-        except (TypeError, ValueError):
-            raise ValueError(f"{node}.{name}: {value!r} is refused, allowed is {kind.name.lower()}") from None
+            parameter = wished(name, kind, value)
+        except ValueError as error:
+            raise ValueError(f"{node}.{name}: {error}") from None
         self._ask(
             self._of[node].set_parameters_atomically([parameter]),
             lambda answer: self._was_set(node, name, _plain(parameter.value), answer.result),
@@ -145,7 +139,7 @@ class Controls:
         if result.successful:
             self.say(f"{node}.{name} = {value}", refused=False)
         else:
-            self.say(f"{node} refuses: {' '.join(result.reason.split())}")
+            self.say(f"{node} refuses: {result.reason}")
 
     def _call(self, service: str) -> None:
         if service not in self._time:
@@ -171,6 +165,7 @@ def _about(descriptor: ParameterDescriptor) -> dict[str, Any]:
         "about": descriptor.description,
         "allowed": descriptor.additional_constraints,
         "fixed": descriptor.read_only,
+        "whole": bool(descriptor.integer_range),
         "low": ros_parameters.limit_of(low),
         "high": ros_parameters.limit_of(high),
     }

@@ -17,7 +17,16 @@ from ev_sim.running.outcome import RunFailed
 
 ADDRESS = "127.0.0.1"  # nobody else's machine can ask
 _KEPT = 1200  # rows that a page gets when it is opened
+_LONGEST_LINE = 400  # characters
+_LONGEST_WISH = 1 << 20  # bytes
 _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:"
+
+
+def line(text: str, refused: bool) -> dict[str, Any]:
+    """The message that has a page show a text, as one line of bearable length."""
+    text = " ".join(text.split())
+    shown = text if len(text) <= _LONGEST_LINE else f"{text[:_LONGEST_LINE]}..."
+    return {"kind": "word", "text": shown, "refused": refused}
 
 
 class Pages:
@@ -47,6 +56,7 @@ class Pages:
                 ],
                 log_function=lambda handler: None,
                 websocket_ping_interval=10,
+                websocket_max_message_size=_LONGEST_WISH,
             )
         )
         self._server.add_sockets(sockets)
@@ -120,8 +130,10 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
             if not isinstance(wish, dict):
                 raise ValueError("a wish of a page is refused, allowed is an object")
             self.pages.obey(wish)
+        except RecursionError:
+            self.send(line("a wish of a page is refused: it is nested too deeply", refused=True))
         except ValueError as error:
-            self.send({"kind": "word", "text": str(error), "refused": True})
+            self.send(line(str(error), refused=True))
 
     def send(self, message: Mapping[str, Any]) -> None:
         """Send a message, unless the page has just gone."""

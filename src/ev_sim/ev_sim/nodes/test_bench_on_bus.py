@@ -28,5 +28,5 @@ class TestBenchOnBus(RoleOnBus, TestBenchNode):
 
     def _meters_of(self, configuration: Configuration) -> Mapping[str, BusMeter]:
         if not self._meters:
-            self._meters = meters_of(configuration.parameters.database)
+            self._meters = meters_of(configuration.parameters.bus.database)
         return self._meters

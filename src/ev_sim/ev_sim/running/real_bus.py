@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.can.bus_parameters import CIRCUITS, BusInterface
+from ev_msgs_py.can.bus_parameters import CIRCUITS, LOOPBACK, BusInterface
 from ev_msgs_py.can.socketcand_hub import HOST
 from ev_sim.running.children import ends_with_us
 from ev_sim.running.outcome import RunFailed
@@ -37,7 +37,7 @@ def real_bus(run: Run, domain: int, directory: Path) -> Iterator[dict[str, dict[
     with _channels(bus, domain) as (interface, channels):
         announce(f"{run.name}: CAN over {interface}, {' and '.join(channels)}")
         names = [f"bus.channel_{circuit}" for circuit in CIRCUITS]
-        told = {"bus.interface": interface, **dict(zip(names, channels, strict=True))}
+        told = {"bus.interface": interface, "bus.address": bus.address, **dict(zip(names, channels, strict=True))}
         log = {"bus.log": str(directory / bus.log)} if bus.log else {}
         yield {_ENDS[0]: told | log, _ENDS[1]: told}
 
@@ -51,7 +51,7 @@ def _channels(bus: BusInterface, domain: int) -> Iterator[tuple[str, list[str]]]
         return
     if bus.interface == "udp_multicast":
         free = [f"{name.partition(':')[0]}:{_FIRST_PORT + 2 * domain + n}" for n, name in enumerate(named)]
-        if _works(free[0]):
+        if bus.address != LOOPBACK or _works(free[0]):
             yield bus.interface, free
             return
     with _hub() as place:

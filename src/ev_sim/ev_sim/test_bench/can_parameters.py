@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.can.bus_model import BusModelParameters
-from ev_msgs_py.can.database import EV_BENCH
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_sim.inverter.parameters import DcLinkParameters
 from ev_sim.test_bench.bus_faults import BusFaultParameters
@@ -17,7 +16,6 @@ class CanCircuitsParameters(CircuitsParameters):
     """The same devices; set-points and feedback of the machines under test go over a bus."""
 
     bus: BusModelParameters = group(BusModelParameters)
-    database: str = parameter(EV_BENCH, about="DBC file of the frames", read_only=True)
     command_timeout: float = parameter(
         0.01, unit="s", low=0.001, high=1.0, about="without a valid set-point for longer than this: fault"
     )

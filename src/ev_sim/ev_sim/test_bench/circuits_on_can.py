@@ -52,7 +52,7 @@ def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) 
     steps = max(math.ceil(TICK / p.step - 1e-9), 1)
     without_bus = prepare_circuits(p, vehicle, period).machine
     inverter = replace(without_bus, command_timeout=p.command_timeout, dc_link=p.dc_link)
-    database = load_database(p.database)
+    database = load_database(p.bus.database)
     left, right = (WHEEL_NAMES.index(name) for name in sorted(vehicle.driven_wheels))
     return CanConstants(
         constants(p, inverter, TICK / steps, int(ticks) * steps),

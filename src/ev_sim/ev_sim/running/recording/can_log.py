@@ -40,11 +40,11 @@ class _Kind(NamedTuple):
     offset: float
 
 
-def write_can_log(log: BusLog, recording: Recording, bus: BusModelParameters, database: str) -> None:
+def write_can_log(log: BusLog, recording: Recording, bus: BusModelParameters) -> None:
     """Write all frames of a run and close the log."""
     import can
 
-    for frame in logged_frames(recording, bus, load_database(database)):
+    for frame in logged_frames(recording, bus, load_database(bus.database)):
         log.write(
             can.Message(
                 timestamp=frame.time,

@@ -37,10 +37,10 @@ function rowOf(node, parameter, wish) {
   return row;
 }
 
-function sliderOf({ name, value, low, high }) {
+function sliderOf({ name, value, low, high, whole }) {
   const far = ROOM * Math.abs(value) || 1;
   const [least, most] = [low ?? Math.min(0, Math.sign(value) * far), high ?? Math.max(far, (low ?? 0) + far)];
-  const step = Number.isInteger(value) && most - least > 4 ? "1" : "any";
+  const step = whole || (Number.isInteger(value) && most - least > 4) ? "1" : "any";
   return element("input", "", { type: "range", min: least, max: most, step, "aria-label": `${name}, slider` });
 }
 
