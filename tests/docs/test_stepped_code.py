@@ -15,8 +15,8 @@ all_methods()  # imports everything that is stepped
 OURS = [function for function in FUNCTIONS if function.__module__.startswith("ev_")]
 # Exact in every C library, and in numba.
 EXACT = {"inf", "nan", "pi", "tau", "ceil", "floor", "sqrt", "copysign", "fabs", "isfinite", "frexp", "ldexp"}
-# Working memory and single precision; no arithmetic.
-NUMPY = {"zeros", "empty", "float32", "ndarray"}
+# Working memory, single precision, and the bits of a number; no arithmetic.
+NUMPY = {"zeros", "empty", "float32", "float64", "int64", "ndarray"}
 FORBIDDEN_CALLS = {"sum", "pow", "hypot"}
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.parameters.declaration import ParameterError, entries, flatten, group, parameter
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import build, check, unknown_name
 from ev_msgs_py.vehicle.description import Vehicle
 
@@ -148,7 +149,7 @@ def test_a_bad_value_is_refused_with_name_value_and_what_is_allowed(name, value,
     assert text.startswith(f"parameter {name}: ")
     assert text.endswith(f"is refused, allowed is {allowed}")
     culprit = value[-1] if isinstance(value, list) and "array" not in allowed and name != "gain" else value
-    assert repr(culprit) in text
+    assert quoted(culprit) in text
 
 
 @given(st.floats() | st.integers())

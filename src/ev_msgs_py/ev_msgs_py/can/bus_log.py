@@ -8,6 +8,8 @@ from typing import Any
 
 import can
 
+from ev_msgs_py.parameters.shown import quoted
+
 SUFFIXES = (".log", ".blf", ".mf4")
 
 
@@ -17,15 +19,19 @@ class BusLog:
     def __init__(self, file: str) -> None:
         path = Path(file)
         if path.suffix not in SUFFIXES:
-            raise ValueError(f"parameter log: {file!r} is refused, allowed are files ending with {', '.join(SUFFIXES)}")
+            raise ValueError(
+                f"parameter log: {quoted(file)} is refused, allowed are files ending with {', '.join(SUFFIXES)}"
+            )
         if os.path.lexists(path):
-            raise ValueError(f"parameter log: {file!r} is refused, allowed is a file that is not there yet")
+            raise ValueError(f"parameter log: {quoted(file)} is refused, allowed is a file that is not there yet")
         try:
             self._writer: Any = can.Logger(path)
         except (NotImplementedError, ImportError):
-            raise ValueError(f"parameter log: {file!r} needs the Python package asammdf, which is missing") from None
+            raise ValueError(
+                f"parameter log: {quoted(file)} needs the Python package asammdf, which is missing"
+            ) from None
         except OSError as error:
-            raise ValueError(f"parameter log: {file!r}: {error.strerror or error}") from None
+            raise ValueError(f"parameter log: {quoted(file)}: {error.strerror or error}") from None
 
     def write(self, message: can.Message) -> None:
         """Keep one frame."""

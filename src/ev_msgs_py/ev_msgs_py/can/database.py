@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,6 +14,7 @@ from ev_msgs_py.can.frame_layout import GUARDS, FrameLayout
 from ev_msgs_py.parameters.csv_file import find_file
 from ev_msgs_py.parameters.data_file import TEXT, read_data
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 
 if TYPE_CHECKING:
@@ -71,7 +73,7 @@ def _database(content: bytes) -> Database:
         found: Any = load_string(content.decode(_ENCODING), database_format="dbc")
         layouts = [_layout(message) for message in found.messages]
     except (Error, UnicodeDecodeError) as error:
-        what = str(error).partition(': "')[0]  # behind which the parser shows what stands there
+        what = re.sub(r'(column \d+): ".*', r"\1", str(error), flags=re.DOTALL)  # it goes on with what stands there
         raise ParameterError(" ".join(what.split())) from None
     for what in ("name", "identifier"):
         seen = [getattr(layout, what) for layout in layouts]
@@ -93,7 +95,9 @@ def _layout(message: Message) -> FrameLayout:
         raise ParameterError(f"frame {message.name}: the attribute E2EDataId is missing")
     data_id = attributes["E2EDataId"].value
     if data_id not in _DATA_IDS:
-        raise ParameterError(f"frame {message.name}: E2EDataId {data_id!r} is refused, allowed is 0 to {_DATA_IDS[-1]}")
+        raise ParameterError(
+            f"frame {message.name}: E2EDataId {quoted(data_id)} is refused, allowed is 0 to {_DATA_IDS[-1]}"
+        )
     signals = {name: _field(message.name, signal) for name, signal in found.items() if name not in GUARDS}
     return FrameLayout(
         name=message.name,

@@ -11,6 +11,7 @@ import can
 
 from ev_msgs_py.can.bus_parameters import LOOPBACK
 from ev_msgs_py.can.multicast_bus import MulticastBus
+from ev_msgs_py.parameters.shown import quoted
 
 _PATIENCE = 1.0  # s for a hub to answer
 
@@ -64,5 +65,5 @@ def _split(text: str, sign: str, form: str) -> tuple[str, str]:
 
 def _port(text: str) -> int:
     if not text.isdecimal() or not 0 < int(text) < 65536:
-        raise ValueError(f"port {text!r} is refused, allowed is 1 to 65535")
+        raise ValueError(f"port {quoted(text)} is refused, allowed is 1 to 65535")
     return int(text)

@@ -120,9 +120,10 @@ def _step(head: Any, inputs: Any, frames: Any, sums: Any) -> int:
     for n in range(head.begin, head.end):
         if frames[said, n] - frames[said, n] != 0.0:
             return NOT_FINITE
-    step = head.due // head.period
-    add_up(sums, 0, head.taken_topics, step, frames[head.row])
-    add_up(sums, head.taken_topics, head.tallied, step + 1 if head.integrates else step, frames[said])
+    if head.tallied:
+        step = head.due // head.period
+        add_up(sums, 0, head.taken_topics, step, frames[head.row])
+        add_up(sums, head.taken_topics, head.tallied, step + 1 if head.integrates else step, frames[said])
     for i in range(len(inputs)):
         inputs[i].came, inputs[i].came_next = inputs[i].came_next, 0
     head.due += head.period

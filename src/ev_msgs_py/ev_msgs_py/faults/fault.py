@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.faults.kinds import KINDS, OF_THE_CAR
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 
 SYNTAX = "KIND WHERE [VALUE] [from SECONDS] [until SECONDS]"
@@ -61,22 +62,22 @@ def parsed(texts: tuple[str, ...]) -> list[Fault]:
 def _fault(text: str) -> Fault:
     words = text.split()
     if len(words) < 2:
-        raise ParameterError(f"faults: {text!r} is refused, allowed is {SYNTAX}")
+        raise ParameterError(f"faults: {quoted(text)} is refused, allowed is {SYNTAX}")
     (name, where), rest = words[:2], words[2:]
     if name not in KINDS:
-        raise ParameterError(f"faults: {text!r}: {unknown_name('kind of fault', name, KINDS)}")
+        raise ParameterError(f"faults: {quoted(text)}: {unknown_name('kind of fault', name, KINDS)}")
     kind = KINDS[name]
     value = 0.0
     if kind.has_value:
         if not rest or rest[0] in ("from", "until"):
-            raise ParameterError(f"faults: {text!r} lacks its value, {kind.low:g} to {kind.high:g} {kind.unit}")
+            raise ParameterError(f"faults: {quoted(text)} lacks its value, {kind.low:g} to {kind.high:g} {kind.unit}")
         value = _number(text, rest.pop(0), kind.low, kind.high, kind.unit)
     times = {"from": 0.0, "until": math.inf}
     if len(rest) % 2 or len(set(rest[::2])) < len(rest) // 2 or not set(rest[::2]) <= set(times):
-        raise ParameterError(f"faults: {text!r} is refused, allowed is {SYNTAX}")
+        raise ParameterError(f"faults: {quoted(text)} is refused, allowed is {SYNTAX}")
     times.update({word: _number(text, time, 0.0, 1e9, "s") for word, time in zip(rest[::2], rest[1::2], strict=True)})
     if times["from"] >= times["until"]:
-        raise ParameterError(f"faults: {text!r} ends at {times['until']:g} s, allowed is after its begin")
+        raise ParameterError(f"faults: {quoted(text)} ends at {times['until']:g} s, allowed is after its begin")
     if name in OF_THE_CAR:
         _refuse_place(text, name, where)
     return Fault(text, name, where.replace("/", "."), value, times["from"], times["until"])
@@ -88,11 +89,11 @@ def _number(text: str, word: str, low: float, high: float, unit: str) -> float:
     except ValueError:
         value = math.nan
     if not low <= value <= high:
-        raise ParameterError(f"faults: {text!r}: {word} is refused, allowed is {low:g} to {high:g} {unit}")
+        raise ParameterError(f"faults: {quoted(text)}: {word} is refused, allowed is {low:g} to {high:g} {unit}")
     return value
 
 
 def _refuse_place(text: str, name: str, where: str) -> None:
     allowed = (BATTERY,) if name == "battery_share" else tuple(_SOME_WHEELS)
     if where not in allowed:
-        raise ParameterError(f"faults: {text!r}: {where} is refused, allowed is {', '.join(allowed)}")
+        raise ParameterError(f"faults: {quoted(text)}: {where} is refused, allowed is {', '.join(allowed)}")

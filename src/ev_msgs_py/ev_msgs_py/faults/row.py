@@ -14,6 +14,7 @@ from ev_msgs_py.faults.fault import Fault, parsed
 from ev_msgs_py.faults.kinds import OF_SIGNALS
 from ev_msgs_py.faults.striking import HEAD, WIDTH, strike
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_msgs_py.sensors.measuring import Numbers
 
@@ -84,12 +85,12 @@ def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, 
         if not here:
             topics = {TOPICS[signal].name.replace("/", ".") for signal in writes}
             listed = [name for name in known if name.partition(".")[0] == where.partition(".")[0]] or topics
-            raise ParameterError(f"faults: {fault.text!r}: {unknown_name('number of this node', where, listed)}")
+            raise ParameterError(f"faults: {quoted(fault.text)}: {unknown_name('number of this node', where, listed)}")
         found += here
     if fault.kind == "swapped" and (len(found) != _PAIR or found[0] == found[1]):
-        raise ParameterError(f"faults: {fault.text!r} names {len(found)} numbers, allowed are two, NUMBER,NUMBER")
+        raise ParameterError(f"faults: {quoted(fault.text)} names {len(found)} numbers, allowed are two, NUMBER,NUMBER")
     if fault.kind == "tilted" and not all("acceleration" in name for name, _, _ in found):
-        raise ParameterError(f"faults: {fault.text!r}: allowed are accelerations of imu")
+        raise ParameterError(f"faults: {quoted(fault.text)}: allowed are accelerations of imu")
     return found
 
 
@@ -99,6 +100,10 @@ def refuse_faults(role: str, texts: tuple[str, ...], writes: tuple[type, ...], h
         if fault.kind in OF_SIGNALS:
             channels_of(fault, writes)
         elif not has_car:
-            raise ParameterError(f"faults: {fault.text!r} is refused at this {role}, allowed are {', '.join(_CODES)}")
+            raise ParameterError(
+                f"faults: {quoted(fault.text)} is refused at this {role}, allowed are {', '.join(_CODES)}"
+            )
         if fault.kind == "restarted" and ROLES[role].kind is not RoleKind.ANSWERS:
-            raise ParameterError(f"faults: {fault.text!r} is refused at a {role}, which is a thing and no program")
+            raise ParameterError(
+                f"faults: {quoted(fault.text)} is refused at a {role}, which is a thing and no program"
+            )

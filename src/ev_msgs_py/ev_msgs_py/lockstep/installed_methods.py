@@ -6,6 +6,7 @@ from functools import cache
 from importlib.metadata import entry_points
 
 from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.parameters.shown import quoted
 
 _GROUP = "ev_stack.methods"
 
@@ -28,5 +29,7 @@ def load_installed_methods(role: str) -> tuple[str, ...]:
 def not_loaded() -> tuple[str, ...]:
     """Everything that is offered and cannot be had, one line each: what fails, and what is offered for no role."""
     nobody = [point for point in entry_points(group=_GROUP) if point.name not in ROLES]
-    lines = [f"{point.value}: offered for {point.name!r}, which is no role: {', '.join(ROLES)}" for point in nobody]
+    lines = [
+        f"{point.value}: offered for {quoted(point.name)}, which is no role: {', '.join(ROLES)}" for point in nobody
+    ]
     return (*lines, *(line for role in ROLES for line in load_installed_methods(role)))

@@ -17,6 +17,7 @@ from ev_msgs_py.lockstep.installed_methods import load_installed_methods
 from ev_msgs_py.lockstep.law import Law, given_names
 from ev_msgs_py.parameters.data_file import TextOfFile
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_msgs_py.vehicle.layout import refusal
 
@@ -113,7 +114,7 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
     role, if it may not read one of them, or if a hook is missing.
     """
     if role not in ROLES:
-        raise TypeError(f"method {name}: {role!r} is no role, allowed is one of {', '.join(ROLES)}")
+        raise TypeError(f"method {name}: {quoted(role)} is no role, allowed is one of {', '.join(ROLES)}")
 
     def register(defined: T) -> T:
         factory: Any = defined
@@ -163,7 +164,7 @@ def find_method(role: str, name: str) -> Method:
     if isinstance(name, str) and name.endswith(LIBRARIES):
         if isinstance(name, TextOfFile):
             raise ParameterError(
-                f"{name.file}: parameter method: {str(name)!r} is refused, allowed from a file is a name: "
+                f"{name.file}: parameter method: {quoted(str(name))} is refused, allowed from a file is a name: "
                 f"{', '.join(methods_of(role))}; a library is named on the command line: --method {role}=PATH, for a "
                 "node -p method:=PATH"
             )

@@ -13,6 +13,7 @@ from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.native.interface import CAR, VERSION, bit, layout, reads_of, size_of
 from ev_msgs_py.parameters.csv_file import find_file
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.shown import quoted
 
 _WORD = 8  # bytes of a number, and of a pointer
 GIVEN = 2 + len(CAR) + 3  # words of ev_given: period, parameters, car with one number for each of four wheels
@@ -86,7 +87,7 @@ class Library:
         for each in declared.parameters[: declared.number_of_parameters]:
             name, low, high = _text(each.name), each.low, each.high
             if not name.isidentifier() or not low <= each.value <= high or not math.isfinite(each.value):
-                raise self.refused(f"parameter {name!r} needs a name and a finite value between its bounds")
+                raise self.refused(f"parameter {quoted(name)} needs a name and a finite value between its bounds")
             declared_as = parameter(
                 each.value,
                 about=_text(each.about),

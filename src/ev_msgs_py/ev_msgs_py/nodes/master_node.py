@@ -37,9 +37,7 @@ class MasterNode(SteppedNode):
         self._state = StatePublisher(self, self.writers.values())
         self._silence = Silence(self)
         self._advance = Advance(self.stepper, self.schedule, self._stepped, self.reports.warn)
-        self._granted = TimeServices(
-            self, lambda: self.now, self._begin, self.schedule.pace_from_here, self.reports
-        )
+        self._granted = TimeServices(self, lambda: self.now, self._begin, self.schedule.pace_from_here, self.reports)
         self.schedule.rests = self._granted.rests
         # For rclpy's own executors; `spinning.spin` calls idle() by itself. The clock is the wall's, not /clock.
         self.create_timer(_RETRY_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))

@@ -16,6 +16,7 @@ from rclpy.parameter import Parameter
 from ev_msgs_py.lockstep.methods import LIBRARIES
 from ev_msgs_py.parameters.data_file import TextOfFile
 from ev_msgs_py.parameters.declaration import Entry, ParameterError
+from ev_msgs_py.parameters.shown import quoted
 
 _TYPES = {
     (float, False): ParameterType.PARAMETER_DOUBLE,
@@ -48,7 +49,7 @@ def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
     leads_out = isinstance(path, str) and (os.path.isabs(path) or ".." in Path(path).parts)
     if leads_out and not _is_said(_LOG, path, node_arguments):
         where = "a name below the working directory, on the command line any path"
-        raise ParameterError(f"parameter {_LOG}: {path!r} is refused, allowed from a file is {where}", _LOG)
+        raise ParameterError(f"parameter {_LOG}: {quoted(path)} is refused, allowed from a file is {where}", _LOG)
     path = values.get(_METHOD)
     if isinstance(path, str) and path.endswith(LIBRARIES) and not _is_said(_METHOD, path, node_arguments):
         values[_METHOD] = TextOfFile.of(path, Path("its parameter file"))

@@ -29,6 +29,7 @@ from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_msgs_py.nodes.time_of_day import refuse_late_time_of_day, too_late
+from ev_msgs_py.parameters.shown import quoted
 
 
 def make_node(role: str, **node_arguments: Any) -> SteppedNode:
@@ -97,7 +98,7 @@ def _refuse_other_arguments() -> None:
     """ValueError for words that ROS would silently ignore, such as parameters without --ros-args before them."""
     others = remove_ros_args(sys.argv)[1:]
     if others:
-        raise ValueError(f"unknown argument {others[0]!r}; what a node is told follows --ros-args")
+        raise ValueError(f"unknown argument {quoted(others[0])}; what a node is told follows --ros-args")
 
 
 def one_line(error: Exception) -> str:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ev_msgs_py.parameters.shown import quoted
+
 
 def security_is_asked_for(environment: Mapping[str, str]) -> bool:
     """Whether ROS 2 shall encrypt and authenticate; it takes nothing but the word true for that."""
@@ -18,11 +20,11 @@ def refuse_weak_security(environment: Mapping[str, str]) -> None:
     """
     enabled = environment.get("ROS_SECURITY_ENABLE", "false")
     if enabled not in ("true", "false"):
-        raise RuntimeError(f"ROS_SECURITY_ENABLE: {enabled!r} counts as no security; allowed: true, false")
+        raise RuntimeError(f"ROS_SECURITY_ENABLE: {quoted(enabled)} counts as no security; allowed: true, false")
     strategy = environment.get("ROS_SECURITY_STRATEGY", "Permissive")
     if enabled == "true" and strategy != "Enforce":
         raise RuntimeError(
-            f"ROS_SECURITY_STRATEGY: {strategy!r} lets nodes without keys speak unprotected; allowed with "
+            f"ROS_SECURITY_STRATEGY: {quoted(strategy)} lets nodes without keys speak unprotected; allowed with "
             "ROS_SECURITY_ENABLE=true: Enforce"
         )
     if enabled == "true" and not environment.get("ROS_SECURITY_KEYSTORE"):

@@ -10,6 +10,7 @@ from typing import IO
 
 from ev_msgs_py.parameters.config_folders import config_folders
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 
 MEGABYTE = 2**20
 TEXT, TABLE, SIGNALS = 4 * MEGABYTE, 64 * MEGABYTE, 4096 * MEGABYTE  # the largest size of a file, by its kind
@@ -35,7 +36,7 @@ def refuse_outside(name: str, path: Path) -> None:
         roots = [root.resolve() for root in (name.file.parent, *config_folders(), Path())]
         if not any(path.resolve().is_relative_to(root) for root in roots):
             raise ParameterError(
-                f"{str(name)!r} is refused, allowed in {name.file} is a file below {name.file.parent}, "
+                f"{quoted(str(name))} is refused, allowed in {name.file} is a file below {name.file.parent}, "
                 "a config folder or the working directory; further away it is named on the command line"
             )
 

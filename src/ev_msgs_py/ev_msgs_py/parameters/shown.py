@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 LONGEST = 200  # characters
+LINE = 1000  # of a line about several things, which may each have that length
 
 
-def shown(text: Any) -> str:
-    """A text of at most `LONGEST` characters on one line, control characters as text: a terminal obeys none of them."""
+def shown(text: Any, longest: int = LONGEST) -> str:
+    """A text on one line of so many characters at most, control characters as text: a terminal obeys none of them."""
     words = str(text)
-    cut = words if len(words) <= LONGEST else f"{words[: LONGEST // 2]} ... {words[-LONGEST // 4 :]}"
-    return "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in cut)[:LONGEST]
+    cut = words if len(words) <= longest else f"{words[: longest // 2]} ... {words[-longest // 4 :]}"
+    return "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in cut)[:longest]
 
 
 def quoted(value: Any) -> str:

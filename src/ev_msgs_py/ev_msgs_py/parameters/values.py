@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any, TypeVar
 
 from ev_msgs_py.parameters.declaration import Entry, ParameterError, entries
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.units import number_of, units_for
 
 P = TypeVar("P")
@@ -76,7 +77,7 @@ def _type_word(of: type) -> str:
 
 
 def _refused(entry: Entry, value: Any, allowed: str) -> ParameterError:
-    return ParameterError(f"parameter {entry.name}: {value!r} is refused, allowed is {allowed}", entry.name)
+    return ParameterError(f"parameter {entry.name}: {quoted(value)} is refused, allowed is {allowed}", entry.name)
 
 
 def build(of: type[P], values: Mapping[str, Any], prefix: str = "") -> P:
@@ -131,4 +132,4 @@ def unknown_name(kind: str, name: Any, known: Iterable[str]) -> ParameterError:
     listed = [*similar, *sorted(k for k in known if k not in similar)]
     more = f" and {len(listed) - _SHOWN} more" if len(listed) > _MANY else ""
     listed = listed[: _SHOWN if more else None]
-    return ParameterError(f"unknown {kind} {name!r}; known: {', '.join(listed)}{more}", name)
+    return ParameterError(f"unknown {kind} {quoted(name)}; known: {', '.join(listed)}{more}", name)

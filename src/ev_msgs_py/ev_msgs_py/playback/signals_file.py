@@ -9,6 +9,7 @@ import numpy as np
 from numpy.lib import format
 
 from ev_msgs_py.parameters.data_file import MEGABYTE, SIGNALS, open_data
+from ev_msgs_py.parameters.shown import quoted
 
 TIME = "time"  # [s], what the array of the instants is called
 
@@ -42,5 +43,5 @@ def _read(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
         format.read_magic(file)
         shape, _, kind = format.read_array_header_1_0(file)
         if kind.kind not in "fiu" or len(shape) != 1 or shape[0] * kind.itemsize != member.file_size - file.tell():
-            raise ValueError(f"{member.filename[:80]!r} is no series of numbers")
+            raise ValueError(f"{quoted(member.filename)} is no series of numbers")
         return np.frombuffer(bytearray(file.read()), kind)

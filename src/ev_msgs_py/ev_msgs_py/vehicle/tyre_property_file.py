@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from ev_msgs_py.parameters.csv_file import find_file
 from ev_msgs_py.parameters.data_file import TEXT, read_data
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.mf_tyre import MF_NAMES, OPTIONAL
 
@@ -70,7 +71,7 @@ def mf_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:
     for unit, wanted in _UNITS.items():
         given = entries.get(unit, wanted).lower()
         if given.rstrip("s") != wanted.rstrip("s"):
-            raise ParameterError(f"{unit} is {given!r}, allowed is {wanted!r}")
+            raise ParameterError(f"{unit} is {quoted(given)}, allowed is {quoted(wanted)}")
     takes_tangent = _takes_tangent(entries)
     needed = [name for name in MF_NAMES if name != "takes_tangent"]
     lacking = [name.upper() for name in needed if name.upper() not in entries and name not in OPTIONAL]
@@ -88,7 +89,7 @@ def _takes_tangent(entries: Mapping[str, str]) -> bool:
     written = entries.get("PROPERTY_FILE_FORMAT", "")
     if written not in _FORMATS:
         raise ParameterError(
-            f"PROPERTY_FILE_FORMAT is {written!r} without FITTYP, allowed is one of {', '.join(_FORMATS)}"
+            f"PROPERTY_FILE_FORMAT is {quoted(written)} without FITTYP, allowed is one of {', '.join(_FORMATS)}"
         )
     return _FORMATS[written]
 
@@ -112,7 +113,7 @@ def _number(entries: Mapping[str, str], key: str, default: float) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ParameterError(f"{key} is {text!r}, allowed is a finite number")
+        raise ParameterError(f"{key} is {quoted(text)}, allowed is a finite number")
     return value
 
 

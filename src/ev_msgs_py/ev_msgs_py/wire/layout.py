@@ -8,6 +8,7 @@ from typing import Any
 from ev_msgs_py.contract.shape import Shape
 from ev_msgs_py.contract.topics import JOINT_STATE, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.parameters.shown import quoted
 
 _ARRAYS = ("position", "velocity", "effort")
 
@@ -67,7 +68,7 @@ def numbers_in(topic: Topic, message: Any) -> list[float]:
     """
     frame = getattr(message, "header", message).frame_id
     if frame not in ("", topic.frame):
-        raise MessageError(f"frame_id is {frame!r}, allowed is {topic.frame!r}")
+        raise MessageError(f"frame_id is {quoted(frame)}, allowed is {quoted(topic.frame)}")
     names = joint_names(topic)
     if not names:
         return [_at(message, path) for path in paths(topic)]

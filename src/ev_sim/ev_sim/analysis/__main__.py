@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from ev_msgs_py.vehicle.files import with_files
 from ev_sim.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
 from ev_sim.analysis.single_track import single_track, tangent_speed, yaw_damping, yaw_gain
+from ev_sim.commands.refusal import refuse
 from ev_sim.report.figures.saving import figure_files, save_figures
 from ev_sim.report.quantities.understeer import (
     axle_cornering_stiffnesses,
@@ -44,7 +44,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         angle = math.radians(given.road_wheel_angle)
         plant = linearised(vehicle, OperatingPoint(given.speed, angle, drive, given.accelerates, given.surface))
     except ValueError as error:  # also a ParameterError
-        sys.exit(f"error: {error}")
+        refuse(error)
     share = (drive.front_left + drive.front_right) / sum(drive) if given.drive_force else 0.0
     model = side_slip_model(vehicle, given.speed, plant.acceleration, given.drive_force, share, given.surface)
     for label, value, unit in rows(vehicle, given.surface, model, plant):
@@ -58,7 +58,7 @@ def main(argv: Sequence[str] | None = None) -> None:
             save_matrices(matrices, plant)
             (path,) = save_figures({figure: bode_figure(model, plant)}, given.out)
     except (ParameterError, OSError) as error:
-        sys.exit(f"error: {error}")
+        refuse(error)
     print(f"A, B, C, D: {matrices}")
     print(f"figure: {path}")
 

@@ -13,6 +13,7 @@ import yaml
 
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.running.scenarios.cycle import cycle_values
 from ev_sim.running.scenarios.scenario import Overrides
@@ -77,7 +78,7 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
 def _formats(text: str) -> tuple[str, ...]:
     formats = tuple(dict.fromkeys(text.split(",")))
     if not {"pdf", "svg"}.issuperset(formats):
-        raise argparse.ArgumentTypeError(f"{text!r} is refused, allowed is pdf, svg or pdf,svg")
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, allowed is pdf, svg or pdf,svg")
     return formats
 
 
@@ -96,7 +97,7 @@ def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
         try:
             commands[node] = shlex.split(command)
         except ValueError as error:
-            raise ParameterError(f"--node {word!r} is refused: {error}") from None
+            raise ParameterError(f"--node {quoted(word)} is refused: {error}") from None
     return commands
 
 
@@ -121,7 +122,7 @@ def overrides(given: argparse.Namespace) -> Overrides:
 def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:
     left, found, right = word.partition(mark)
     if not (left and found and right):
-        raise ParameterError(f"{option} {word!r} is refused, allowed is {form}")
+        raise ParameterError(f"{option} {quoted(word)} is refused, allowed is {form}")
     return left, right
 
 
@@ -130,4 +131,4 @@ def _parsed(text: str) -> Any:
     try:
         return read_yaml(text)
     except yaml.YAMLError:
-        raise ParameterError(f"--set: {text!r} is no YAML value") from None
+        raise ParameterError(f"--set: {quoted(text)} is no YAML value") from None

@@ -12,6 +12,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 
+from ev_msgs_py.parameters.shown import quoted
+from ev_sim.commands.refusal import refuse
 from ev_sim.running.children import ends_with_us
 from ev_sim.running.domain import free_domain, reserved_domains
 from ev_sim.running.outcome import RunFailed
@@ -26,7 +28,7 @@ def main(argv: list[str] | None = None) -> None:
     given, words = _arguments(argv)
     for package, what in (("rclpy", "ROS 2 (rclpy)"), ("tornado", "tornado")):
         if find_spec(package) is None:
-            sys.exit(f"error: a dashboard needs {what}, which is not installed here")
+            refuse(f"a dashboard needs {what}, which is not installed here")
     from ev_sim.dashboard.attached import attached
 
     try:
@@ -35,7 +37,7 @@ def main(argv: list[str] | None = None) -> None:
             if run is not None and ended is None:  # Ctrl-C: the run says so itself
                 run.send_signal(signal.SIGINT)
     except RunFailed as error:
-        sys.exit(f"error: {error}")
+        refuse(error)
     if run is not None and run.returncode:
         sys.exit(run.returncode)
     if ended is None:
@@ -57,7 +59,7 @@ def _arguments(argv: list[str] | None) -> tuple[argparse.Namespace, list[str]]:
     parser.add_argument("--namespace", default="/ev", metavar="/NAME", help="of the graph; default: %(default)s")
     given, words = parser.parse_known_args(argv)
     if words and words[0].startswith("-"):
-        parser.error(f"{words[0]!r} is not known; options of a run stand behind its SCENARIO")
+        parser.error(f"{quoted(words[0])} is not known; options of a run stand behind its SCENARIO")
     if words and words[0] in STUDIES:
         parser.error(f"{words[0]} is a study, whose runs are not on DDS: name a scenario")
     for word in _NO_DDS:

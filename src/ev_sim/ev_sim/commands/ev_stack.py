@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from ev_msgs_py.nodes.stop_request import interrupt_destructors, let_in, turn_deaf, was_interrupted
+from ev_msgs_py.parameters.shown import quoted
+from ev_sim.commands.refusal import refuse
 
 _INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
 
@@ -58,10 +60,10 @@ def perform(words: Sequence[str]) -> None:
             print(f"  {name:10} {about}")
         return
     if words[0] not in COMMANDS:
-        print(f"ev-stack: unknown command {words[0]!r}; known: {', '.join(COMMANDS)}", file=sys.stderr)
+        print(f"ev-stack: unknown command {quoted(words[0])}; known: {', '.join(COMMANDS)}", file=sys.stderr)
         sys.exit(2)
     module, first, _ = COMMANDS[words[0]]
     try:
         import_module(f"ev_sim.commands.{module}").main([*first, *words[1:]])
     except OSError as error:  # such as too many open files while it is loaded
-        sys.exit(f"error: {': '.join(str(said) for said in (error.filename, error.strerror or error) if said)}")
+        refuse(error)

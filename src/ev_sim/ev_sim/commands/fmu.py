@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Container
 from pathlib import Path
 
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import add_overrides, overrides
+from ev_sim.commands.refusal import refuse
 from ev_sim.fmu.content import Content
 from ev_sim.fmu.export import write_fmu
 from ev_sim.interface.driving import only_run
@@ -25,7 +25,7 @@ def main(argv: list[str] | None = None) -> None:
         without = [] if given.law else given.without.split(",") if given.without else _played(run.configurations)
         write_fmu(Content(run, given.law, without), given.out)
     except (ParameterError, ImportError, OSError) as error:
-        sys.exit(f"error: {error}")
+        refuse(error)
     print(f"{given.law or 'car'} of {run.name}: {given.out}")
 
 

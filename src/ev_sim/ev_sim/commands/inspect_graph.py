@@ -13,6 +13,7 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.wire.message_classes import message_class
 from ev_sim.running.domain import reserved_domains
 
@@ -104,7 +105,7 @@ def _names(ends: list) -> list[str]:
 def _one_message(node: Node, topic: str) -> str:
     topics = _topics(node)
     if topic not in topics:
-        raise LookupError(f"no topic {topic!r}; known: {', '.join(topics) or 'none'}")
+        raise LookupError(f"no topic {quoted(topic)}; known: {', '.join(topics) or 'none'}")
     kind = message_class(topics[topic])
     subscription = node.create_subscription(kind, topic, lambda message: None, 10, raw=True)
     while (taken := subscription.handle.take_message(kind, True)) is None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from ev_msgs_py.parameters.config_folders import config_folders
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import add_overrides, overrides
+from ev_sim.commands.refusal import refuse
 from ev_sim.interface.driving import only_run
 from ev_sim.running.files_of_run import PARAMETERS
 from ev_sim.running.node_command import package_of
@@ -40,7 +41,7 @@ def main(argv: list[str] | None = None) -> None:
             folder.hand_over()
         started = [{"package": package_of(name), "executable": name} for name in nodes]
     except (ParameterError, RunFailed, LookupError, OSError) as error:
-        sys.exit(f"error: {error}")
+        refuse(error)
     layout = config_folders()[-1] / "layouts" / "car.rviz"
     said = {"namespace": run.namespace, "parameters": str(file), "nodes": started, "rviz": str(layout)}
     print(json.dumps(said, indent=2))

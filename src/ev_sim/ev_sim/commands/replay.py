@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ev_msgs_py.lockstep.methods import LIBRARIES, methods_of
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_sim.commands.command_line import add_changes, add_outputs, command_of, overrides
 from ev_sim.replay.comparing import differences_of
 from ev_sim.replay.graph import Replay, replay_of
@@ -65,7 +66,7 @@ def _meant(role: str, text: str) -> tuple[str, list[str]]:
     try:
         words = shlex.split(text)
     except ValueError as error:
-        raise ParameterError(f"--node {text!r} is refused: {error}") from None
+        raise ParameterError(f"--node {quoted(text)} is refused: {error}") from None
     if not words or shutil.which(words[0]) is None:
         methods = f"a method ({', '.join(known)})" if known else "a method"
         raise ParameterError(f"--node {role}={text} is refused, allowed is {methods}, a library or a program")

@@ -13,6 +13,7 @@ from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.nodes.stop_request import interrupt
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import arguments
+from ev_sim.commands.refusal import refuse
 from ev_sim.running.outcome import RunFailed
 from ev_sim.running.scenarios.about import describe_scenario
 from ev_sim.running.scenarios.scenario import scenario_names
@@ -53,14 +54,12 @@ def main(argv: list[str] | None = None) -> None:
     except BrokenPipeError:  # who reads, such as `head`, has seen enough; at its end Python would write the rest again
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(_NOT_READ)
-    except (ParameterError, SignalError, RunFailed, FileNotFoundError) as error:
-        sys.exit(f"error: {error}")
+    except (ParameterError, SignalError, RunFailed, OSError) as error:
+        refuse(error)
     except (MemoryError, ImportError) as error:
         if (why := _out_of_memory(error)) is None:
             raise
-        sys.exit(f"error: out of memory{why}")
-    except OSError as error:
-        sys.exit(f"error: {': '.join(str(said) for said in (error.filename, error.strerror or error) if said)}")
+        refuse(f"out of memory{why}")
 
 
 def _out_of_memory(error: BaseException | None) -> str | None:

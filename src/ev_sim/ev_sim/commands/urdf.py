@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.commands.refusal import refuse
 from ev_sim.dashboard.urdf import urdf
 from ev_sim.running.scenarios.configured_file import VEHICLE, vehicle_file
 
@@ -22,5 +22,5 @@ def main(argv: list[str] | None = None) -> None:
         said = vehicle_file(given.vehicle).values_for("/ev/plant")
         car = build(Vehicle, {name: value for name, value in said.items() if name.startswith(prefix)}, prefix)
     except (ParameterError, OSError) as error:
-        sys.exit(f"error: {error}")
+        refuse(error)
     print(urdf(car), end="")

@@ -19,6 +19,7 @@ from std_srvs.srv import Trigger
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.time_services import TIME_SERVICES
+from ev_msgs_py.parameters.shown import quoted
 from ev_sim.dashboard.server import line
 from ev_sim.dashboard.wished_value import wished
 
@@ -77,9 +78,9 @@ class Controls:
             elif wish["kind"] == "set":
                 self._set(wish["node"], wish["name"], wish["value"])
             else:
-                raise ValueError(f"wish {wish['kind']!r} is refused, allowed is set or time")
+                raise ValueError(f"wish {quoted(wish['kind'])} is refused, allowed is set or time")
         except (KeyError, TypeError) as error:
-            raise ValueError(f"a wish of a page is refused: {error!r}") from None
+            raise ValueError(f"a wish of a page is refused: {quoted(error)}") from None
 
     def say(self, text: str, refused: bool = True) -> None:
         """Have the pages show a line."""
@@ -143,7 +144,7 @@ class Controls:
 
     def _call(self, service: str) -> None:
         if service not in self._time:
-            raise ValueError(f"service {service!r} is refused, allowed is {', '.join(self._time)}")
+            raise ValueError(f"service {quoted(service)} is refused, allowed is {', '.join(self._time)}")
         if not self._time[service].service_is_ready():
             raise ValueError(f"{service}: {MASTER} is not there")
         self._ask(

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.batches.batch import BatchResult
 from ev_sim.batches.batch import batch as batch_of
@@ -72,7 +73,7 @@ def overrides(
     for place, value in (set or {}).items():
         node, _, parameter = place.partition(".")
         if not parameter:
-            raise ParameterError(f"set: {place!r} is refused, allowed is NODE.PARAMETER")
+            raise ParameterError(f"set: {quoted(place)} is refused, allowed is NODE.PARAMETER")
         values.append((node, parameter, value))
     if seed is not None:
         values.append(("*", "seed", seed))

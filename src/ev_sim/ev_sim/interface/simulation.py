@@ -18,6 +18,7 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.parts import compiled_parts
 from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.interface.driving import only_run, overrides
 from ev_sim.running.recording.recording import Recording, recording_of
@@ -115,7 +116,7 @@ class Simulation:
             if name not in self._inputs:
                 raise unknown_name("input", name, self.inputs)
             if not math.isfinite(value):
-                raise ParameterError(f"input {name}: {value!r} is refused, allowed is a finite number")
+                raise ParameterError(f"input {name}: {quoted(value)} is refused, allowed is a finite number")
         for name, value in (inputs or {}).items():
             self._here[self._inputs[name]] = value
         self._answer(self._behind)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.report.metric import Metric, metric
 from ev_sim.report.samples import Runs, channel
@@ -28,7 +29,7 @@ def parsed(text: str) -> tuple[str, str, str]:
     """Name, reduction and channel of a metric; ParameterError if one of them is none."""
     found = _FORM.fullmatch(text)
     if found is None:
-        raise ParameterError(f"metrics: {text!r} is refused, allowed is NAME = REDUCTION(CHANNEL)")
+        raise ParameterError(f"metrics: {quoted(text)} is refused, allowed is NAME = REDUCTION(CHANNEL)")
     name, reduction, channel_name = found.groups()
     if reduction not in REDUCTIONS:
         raise unknown_name("reduction", reduction, REDUCTIONS)

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import TracebackType
 
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_sim.running import manifest
 from ev_sim.running.files_of_run import BAG, RECORDED, files_of_run
 from ev_sim.running.manifest import Files, content, digest_of, is_file, is_folder, there
@@ -140,7 +141,9 @@ class OutputFolder:
         places = set()
         for pattern in claims:
             if not manifest.stays_within(pattern):
-                raise ParameterError(f"{self._given}: {pattern!r} is refused, allowed is the name of a file there")
+                raise ParameterError(
+                    f"{self._given}: {quoted(pattern)} is refused, allowed is the name of a file there"
+                )
             folder = pattern.rpartition("/")[0]
             places.add(pattern if folder in self._shared else folder)
         for place in sorted(places):

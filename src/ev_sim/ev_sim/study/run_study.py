@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_sim.commands.command_line import add_outputs, add_overrides, command_of, overrides
 from ev_sim.report.figures.saving import figure_files, save_figures
 from ev_sim.report.metric import Metric
@@ -156,7 +157,7 @@ def _first_that_can_be_driven(cases: Sequence[Case]) -> Run:
 
 def _positive(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is refused, allowed is 1 or more")
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, allowed is 1 or more")
     return int(text)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.over_values import lines_with_bands, maps
@@ -50,7 +51,7 @@ def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
     for word in given.vary:
         place, found, text = word.partition("=")
         if not (found and text and place.partition(".")[2]):
-            raise ParameterError(f"--vary {word!r} is refused, allowed is NODE.PARAM=x,y,z or =FIRST:LAST:COUNT")
+            raise ParameterError(f"--vary {quoted(word)} is refused, allowed is NODE.PARAM=x,y,z or =FIRST:LAST:COUNT")
         varied[place] = _values(word, text)
     if given.seeds < 1:
         raise ParameterError(f"--seeds {given.seeds} is refused, allowed is 1 or more")
@@ -64,7 +65,7 @@ def _values(word: str, text: str) -> list[Any]:
         first, last, count = text.split(":")
         return np.linspace(float(first), float(last), int(count)).tolist()
     except ValueError:
-        raise ParameterError(f"--vary {word!r} is refused, allowed is FIRST:LAST:COUNT of numbers") from None
+        raise ParameterError(f"--vary {quoted(word)} is refused, allowed is FIRST:LAST:COUNT of numbers") from None
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:

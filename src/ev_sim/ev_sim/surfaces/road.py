@@ -8,6 +8,7 @@ import numpy as np
 
 from ev_msgs_py.elementary import exp
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.surfaces.random_segments import random_segments
 from ev_sim.surfaces.table import SURFACES, Surface
@@ -98,9 +99,9 @@ class RoadParameters:
             raise ParameterError("own_c1, own_c2, own_c3 and own_rolling_resistance need one number for each of own")
         for i, name in enumerate(self.own):
             if name in SURFACES or name in self.own[:i]:
-                raise ParameterError(f"own {name!r} is refused: there is such a surface, allowed is another name")
+                raise ParameterError(f"own {quoted(name)} is refused: there is such a surface, allowed is another name")
             if self.own_c1[i] * (1.0 - exp(-self.own_c2[i])) - self.own_c3[i] <= 0.0:
-                raise ParameterError(f"own {name!r} has no friction at a slip of 1, allowed is a smaller c3")
+                raise ParameterError(f"own {quoted(name)} has no friction at a slip of 1, allowed is a smaller c3")
         for name in (*self.left, *self.right, *self.random_surfaces):
             if name not in SURFACES and name not in self.own:
                 raise unknown_name("surface of left, right or random_surfaces", name, (*SURFACES, *self.own))

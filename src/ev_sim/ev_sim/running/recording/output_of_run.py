@@ -9,6 +9,7 @@ from pathlib import Path
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_sim.running.files_of_run import BAG, SIGNALS
 from ev_sim.running.recording.recorder_parameters import RecorderParameters
 from ev_sim.running.recording.run_recorder import RunRecorder
@@ -20,7 +21,9 @@ class OutputOfRun:
     def __init__(self, p: RecorderParameters, topics: Sequence[Topic], names: Sequence[str]) -> None:
         self._directory = Path(p.directory)
         if any(os.path.lexists(self._directory / name) for name in ((BAG, SIGNALS) if p.bag else (SIGNALS,))):
-            raise ParameterError(f"parameter directory: {p.directory!r} is refused, allowed is one without a recording")
+            raise ParameterError(
+                f"parameter directory: {quoted(p.directory)} is refused, allowed is one without a recording"
+            )
         self._directory.mkdir(parents=True, exist_ok=True)
         period = stamps.from_seconds(p.control_period)
         self._last = stamps.from_seconds(p.duration) // period * period

@@ -13,6 +13,7 @@ from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.nodes.master_parameters import LONGEST, MasterParameters
 from ev_msgs_py.parameters.config_folders import files_in_config
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.running.scenarios.about import NAMESPACE, SCENARIO_NODE, ScenarioParameters, said_by
 from ev_sim.running.scenarios.configured_file import VEHICLE, configured_file, vehicle_file
@@ -107,7 +108,7 @@ def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes:
     """What a scenario says about itself stands in its own file only, and the runner tells the recorder what to do."""
     for pattern in file.sections:
         if not any(matches(pattern, f"{space}/{node}") for space in (*namespaces, NAMESPACE) for node in nodes):
-            raise ParameterError(f"{file.path}: section {pattern!r} means no node; known: {', '.join(nodes)}")
+            raise ParameterError(f"{file.path}: section {quoted(pattern)} means no node; known: {', '.join(nodes)}")
 
 
 def _refuse_unknown_overrides(overrides: Overrides) -> None:

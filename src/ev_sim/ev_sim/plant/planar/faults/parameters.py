@@ -9,6 +9,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.faults.fault import Fault, parsed
 from ev_msgs_py.faults.kinds import OF_THE_CAR
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.vehicle.description import Vehicle
 
 CODES = tuple(OF_THE_CAR)
@@ -73,4 +74,4 @@ def _refuse(fault: Fault, vehicle: Vehicle, period: float, is_brushless: bool, p
         ),
     ):
         if lacks:
-            raise ParameterError(f"faults: {fault.text!r} needs {needed}")
+            raise ParameterError(f"faults: {quoted(fault.text)} needs {needed}")
