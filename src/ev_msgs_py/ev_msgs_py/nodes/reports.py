@@ -11,6 +11,7 @@ from rclpy.node import Node
 
 from ev_msgs_py.nodes.last_words import wait_until_heard
 from ev_msgs_py.nodes.runner_line import NOTE, REMARK, WARNING, RunnerLine, Word
+from ev_msgs_py.parameters.shown import LINE, shown
 
 NOTED = "noted"  # key of a diagnostic value: what is named once, and does not make a run less reproducible
 _NAMED = 20  # of what is noted; more than these are counted only
@@ -34,6 +35,7 @@ class Reports:
 
     def warn(self, text: str) -> None:
         """Say something in the log and in /diagnostics: the run may not be reproducible."""
+        text = shown(text, LINE)
         self._node.get_logger().warning(text)
         self.runner.tell(Word(WARNING, text))
         self._diagnose(DiagnosticStatus.WARN, text)
@@ -43,6 +45,7 @@ class Reports:
         if what in self._noted or len(self._noted) >= _NAMED:
             return
         self._noted.add(what)
+        text = shown(text, LINE)
         self._node.get_logger().warning(text)
         self.runner.tell(Word(NOTE, text, what))
         self._unheard.append((text, KeyValue(key=NOTED, value=what)))

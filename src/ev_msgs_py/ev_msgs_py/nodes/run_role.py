@@ -29,7 +29,7 @@ from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_msgs_py.nodes.time_of_day import refuse_late_time_of_day, too_late
-from ev_msgs_py.parameters.shown import quoted
+from ev_msgs_py.parameters.shown import LINE, quoted, shown
 
 
 def make_node(role: str, **node_arguments: Any) -> SteppedNode:
@@ -110,4 +110,4 @@ def one_line(error: Exception) -> str:
         return f"unknown ROS arguments {error}"
     text = " ".join(re.sub(r", at /\S+:\d+", "", str(error)).split())
     trouble = too_late() if isinstance(error, rclpy_implementation.RCLError) else None
-    return text if trouble is None else f"{text}; {trouble}"
+    return shown(text if trouble is None else f"{text}; {trouble}", LINE)
