@@ -24,11 +24,8 @@ BENCHMARKS = {
     "strangers": ("--rates", "0", "--seconds", "0.1"),
     "urban_cycle": ("--repeats", "1", "--duration", "1"),
 }
-# Those that no other test starts; lock, site and wheels take packages from elsewhere, test and fuzz are this suite.
-SCRIPTS = {
-    "campaign": ("--only", "122"),
-    "determinism": ("--trials", "1", "--seconds", "0.1", "--only", "double_lane_change"),
-}
+# Those that nothing else starts; lock, site and wheels take packages from elsewhere, .ci/run starts suite and campaign.
+SCRIPTS = {"determinism": ("--trials", "1", "--seconds", "0.1", "--only", "double_lane_change")}
 
 pytestmark = pytest.mark.slow
 

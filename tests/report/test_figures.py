@@ -113,8 +113,10 @@ def test_figures_for_print_are_as_wide_as_a_column_with_letters_as_letters(tmp_p
     box, (axes,) = figure.axes[0].get_window_extent(), figure.axes
     assert np.diff(axes.get_xlim())[0] / box.width == pytest.approx(np.diff(axes.get_ylim())[0] / box.height, rel=1e-6)
     first = (tmp_path / "sheet.svg").read_bytes()
-    save_figures({"sheet": sheet_of(*panels)}, tmp_path, ("svg",))
-    assert (tmp_path / "sheet.svg").read_bytes() == first
+    again = tmp_path / "again"
+    again.mkdir()
+    save_figures({"sheet": sheet_of(*panels)}, again, ("svg",))
+    assert (again / "sheet.svg").read_bytes() == first
 
 
 def test_another_format_is_refused(capsys: pytest.CaptureFixture[str]):

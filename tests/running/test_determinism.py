@@ -33,7 +33,7 @@ def test_a_trial_with_another_hash_is_counted_as_one():
 
 
 @pytest.mark.slow
-def test_trials_are_driven_each_in_a_process_of_its_own(tmp_path, monkeypatch):
+def test_trials_are_driven_each_in_a_process_of_its_own(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(TOOLS), prepend=os.pathsep)
-    found = tried("step_steer", 2, 0.2, 1, tmp_path, tqdm(disable=True))
+    found = tried("step_steer", 2, 0.2, 1, tqdm(disable=True))
     assert (found.trials, found.others, dict(found.equal)) == (2, [], dict.fromkeys(WAYS[:2], 1))
