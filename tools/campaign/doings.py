@@ -38,13 +38,13 @@ def _time_services(*calls: str) -> Callable[[Node, Callable[[], bool], float], N
     """Call services of the plant one after the other; the last one is called in any case."""
 
     def do(node: Node, goes_on: Callable[[], bool], _: float) -> None:
-        for place, name in enumerate(calls, 1):
-            if not goes_on() and place < len(calls):
-                continue
-            client = node.create_client(Trigger, f"/ev/plant/{name}")
-            if client.wait_for_service(timeout_sec=_PATIENCE):
+        clients = [node.create_client(Trigger, f"/ev/plant/{name}") for name in calls]
+        for client in clients:
+            if not client.wait_for_service(timeout_sec=_PATIENCE):
+                return
+            if goes_on() or client is clients[-1]:
                 rclpy.spin_until_future_complete(node, client.call_async(Trigger.Request()), timeout_sec=_PATIENCE)
-            time.sleep(_MOMENT)
+                time.sleep(_MOMENT)
 
     return do
 
