@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from campaign.aftermath import left_behind, shared_memory
 from campaign.judging import FAILED, SKIPPED, Verdict, judged
-from campaign.kinds import kind_of
+from campaign.kinds import kind_of, turn_of
 from campaign.page import part_of, result_text
 from campaign.stacks import keep_stacks
 from campaign.trial import Skipped, begun
@@ -80,6 +80,7 @@ def driven(seed: int, folder: Path, keep: Path | None) -> Verdict:
     """One trial from beginning to end; whatever goes wrong in the campaign itself counts as a failure."""
     kind = kind_of(seed)
     trial = begun(seed, kind.name, kind.ways, folder)
+    trial.turn = turn_of(seed)
     run = None
     try:
         with trial.clean_up:

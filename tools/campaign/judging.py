@@ -14,6 +14,8 @@ RIGHT, NAMED, INTERRUPTED, KILLED, SKIPPED, FAILED = (
 )  # fmt: skip
 OUTCOMES = (RIGHT, NAMED, INTERRUPTED, KILLED, SKIPPED, FAILED)
 _LAST_WORD = re.compile(r"^(?:error: .*|stopped|run\.sh: error: .*|ev-stack: .*)$", re.MULTILINE)
+_OBEYED = re.compile(r"[^\n -~\xa0-\U0010ffff]")  # \r, as of a progress bar, is a line break here
+_NOTICED = re.compile(r"node \w+: what it took on \S+ is not what \w+ has said")
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,8 @@ def judged(run: UnderWay, status: int | None) -> tuple[str, str]:
     for said in tracebacks:
         if "Traceback (most recent" in said:
             return FAILED, f"a traceback: {said[said.index('Traceback') :]}"
+    if found := _OBEYED.search(text):
+        return FAILED, f"what a terminal obeys is in {text[max(found.start() - 80, 0) : found.end() + 80]!r}"
     if status == 0:
         return _right(trial, text)
     if status < 0:
@@ -60,6 +64,8 @@ def _right(trial: Trial, text: str) -> tuple[str, str]:
     if trial.replaced:
         expected = "not reproducible" if trial.way == "real time" else trial.expected()
         return (RIGHT, "") if expected in text else (FAILED, f"the terminal does not say {expected[:80]}")
+    if invented := re.search("^error: .*", text, re.MULTILINE):
+        return FAILED, f"status 0 with an error: {invented[0]}"
     summary = json.loads((trial.out / "summary.json").read_text())
     if summary["simulated_time"] != trial.duration:
         return FAILED, f"{summary['simulated_time']} s were driven, not {trial.duration}"
@@ -70,4 +76,6 @@ def _right(trial: Trial, text: str) -> tuple[str, str]:
         return RIGHT, ""
     if trial.kind == "bad live parameter" and not summary["reproducible"]:
         return RIGHT, ""  # it was a value that the parameter may have
+    if trial.forged and any(_NOTICED.match(reason) for reason in summary["not_reproducible"]):
+        return RIGHT, ""  # and marked as what it is
     return FAILED, f"another hash, {summary['signal_hash'][:8]}, not {expected[:80]}"

@@ -9,6 +9,7 @@ import rclpy
 from rcl_interfaces.srv import SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.signals import SignalHandlerOptions
 
 _SECONDS = 5.0
 VALUES = (float("nan"), float("inf"), -1e308, 1e308, "", "no such thing", True, [1.0, float("nan")], ["a"], -1, 10**18)
@@ -18,7 +19,7 @@ def main() -> None:
     """Ask some times, with bad values one after the other."""
     role, name, seed = sys.argv[1:4]
     chance = random.Random(int(seed))
-    rclpy.init()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = Node("setter", namespace="/ev")
     client = node.create_client(SetParameters, f"/ev/{role}/set_parameters")
     if client.wait_for_service(timeout_sec=_SECONDS):

@@ -1,80 +1,98 @@
-"""Speaks on all topics of a run for some seconds, and is nobody of it: ACT RATE SEED."""
+"""Is in the domain of a run for some seconds, and is nobody of it: ACT RATE SEED."""
 
 from __future__ import annotations
 
+import os
 import random
+import socket
 import sys
 import time
+from collections.abc import Callable
 
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
-from std_srvs.srv import Trigger
 
-from campaign.spoiling import HOW, spoilt
-from ev_msgs_py.contract.frame import Frame, numbers_of
+from campaign.doings import DOINGS
+from campaign.forgeries import FORGERIES, Forgery, Heard
+from campaign.ports import ports
+from campaign.sayings import SAYINGS, Saying
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.nodes.stop_request import StopRequest
-from ev_msgs_py.wire.message_format import format_of, stamp_alone, stamp_of
+from ev_msgs_py.wire.message_format import format_of, stamp_of
 
-ACTS = (
-    "same stamp",
-    "same stamp",
-    "next stamp",
-    "later stamp",
-    "stamp zero",
-    "spoilt",
-    "clock",
-    "diagnostics",
-    "pause",
-)
-_SECONDS = 4.0  # then it has said enough
-_OTHER = 7.0  # a finite number that no run gives
+ACTS = (*SAYINGS, *DOINGS, *FORGERIES)
+_SECONDS, _MESSAGES, _DATAGRAMS = 4.0, 20_000, 40_000  # then it has said enough
+_MOMENT, _LOOKS = 0.0005, 20.0  # s between looks for a message, and looks into the graph a second
+CLASSES = {topic.name: format_of(signal).message_class for signal, topic in TOPICS.items()}
+CLASSES |= {"/clock": Clock, "/diagnostics": DiagnosticArray}
 
 
 def main() -> None:
-    """Speak until told to stop, at most some seconds and some thousand messages."""
-    act, rate, seed = sys.argv[1], float(sys.argv[2]), int(sys.argv[3])
-    chance = random.Random(seed)
-    rclpy.init()
-    node = Node("stranger", namespace="/ev")
-    hears = node.create_subscription(Clock, "/clock", lambda _: None, QUALITY, raw=True).handle
-    formats = [format_of(signal) for signal in TOPICS]
-    mouths = [node.create_publisher(f.message_class, f.topic.name, QUALITY) for f in formats]
-    clock = node.create_publisher(Clock, "/clock", QUALITY)
-    diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", QUALITY)
-    other = Frame()
-    other.numbers[:] = numbers_of([_OTHER] * len(other.numbers))
-    stamp, begun = 0, time.monotonic()
-    if act == "pause":
-        _pause(node)
+    """Go on until told to stop, at most some seconds and some thousand messages."""
+    act, rate, chance = sys.argv[1], float(sys.argv[2]), random.Random(int(sys.argv[3]))
+    saying = SAYINGS.get(act)
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    node = Node(saying.node if saying else "stranger", namespace=saying.namespace if saying else "/ev")
+    end = time.monotonic() + _SECONDS
     with StopRequest() as stop:
-        while not stop.received and time.monotonic() < begun + _SECONDS and act != "pause":
-            while (taken := hears.take_message(Clock, True)) is not None:
-                stamp = max(stamp, stamp_of(taken[0]))
-            said = {"next stamp": stamp + 10**7, "later stamp": stamp + 5 * 10**9, "stamp zero": 0}.get(act, stamp)
-            if act == "clock":
-                clock.publish(stamp_alone(stamp + chance.randrange(-(10**9), 10**10) if stamp > 10**9 else 10**12))
-            elif act == "diagnostics":
-                status = DiagnosticStatus(level=DiagnosticStatus.ERROR, name="/ev/plant", message="I am nobody")
-                diagnostics.publish(DiagnosticArray(status=[status]))
-            else:
-                for format_, mouth in zip(formats, mouths, strict=True):
-                    message = format_.pack(said, other)
-                    mouth.publish(spoilt(message, chance.choice(HOW), chance) if act == "spoilt" else message)
-            time.sleep(1.0 / rate)
+
+        def goes_on() -> bool:
+            return not stop.received and time.monotonic() < end
+
+        if saying is not None:
+            _say(node, saying, chance, goes_on, rate)
+        elif act in DOINGS:
+            DOINGS[act].do(node, goes_on, rate)
+        else:
+            _forge(node, FORGERIES[act], chance, goes_on, rate)
     rclpy.try_shutdown()
 
 
-def _pause(node: Node) -> None:
-    """Stop time for a moment, and let it go on."""
-    for name in ("pause", "resume"):
-        client = node.create_client(Trigger, f"/ev/plant/{name}")
-        if client.wait_for_service(timeout_sec=_SECONDS):
-            rclpy.spin_until_future_complete(node, client.call_async(Trigger.Request()), timeout_sec=_SECONDS)
-        time.sleep(0.3)
+def _say(node: Node, saying: Saying, chance: random.Random, goes_on: Callable[[], bool], rate: float) -> None:
+    hears = node.create_subscription(Clock, "/clock", lambda _: None, QUALITY, raw=True).handle
+    mouths: dict[str, Publisher] = {}
+    stamp = count = 0
+    while goes_on() and count < _MESSAGES:
+        while (taken := hears.take_message(Clock, True)) is not None:
+            stamp = max(stamp, stamp_of(taken[0]))
+        for topic, kind, message in saying.say(chance, stamp):
+            if topic not in mouths:
+                name = topic if topic.startswith("/") else f"/ev/{topic}"
+                mouths[topic] = node.create_publisher(kind, name, saying.quality)
+            mouths[topic].publish(message)
+            count += 1
+        time.sleep(1.0 / rate)
+
+
+def _forge(node: Node, forgery: Forgery, chance: random.Random, goes_on: Callable[[], bool], rate: float) -> None:
+    """Forge once for each message that is heard, and some times a second without one."""
+    topic = forgery.topic if forgery.topic.startswith("/") else f"/ev/{forgery.topic}"
+    kind = CLASSES[forgery.topic]
+    ear = node.create_subscription(kind, topic, lambda _: None, QUALITY, raw=True).handle
+    heard, count, due = Heard(bytes(16), 0, b""), 0, 0.0
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as mouth:
+        while goes_on() and count < _DATAGRAMS:
+            if (taken := ear.take_message(kind, True)) is not None:
+                message, info = taken
+                heard = Heard(bytes(info["publisher_gid"]["data"]), info["publication_sequence_number"], message)
+            elif (now := time.monotonic()) < due:
+                time.sleep(_MOMENT)
+                continue
+            else:
+                due = now + 1.0 / min(rate, _LOOKS)
+                where = ports(lambda process: process != os.getpid())
+                ends = [bytes(each.endpoint_gid) for each in node.get_publishers_info_by_topic(topic)]
+                if heard.gid not in ends:
+                    heard = heard._replace(gid=chance.choice(ends or [bytes(16)]))
+            for datagram in forgery.forge(chance, heard):
+                for port in where:
+                    mouth.sendto(datagram, ("127.0.0.1", port))
+                    count += 1
 
 
 if __name__ == "__main__":

@@ -59,6 +59,13 @@ def kind_of(seed: int) -> Kind:
     return turns[seed % len(turns)]
 
 
+def turn_of(seed: int) -> int:
+    """How many lower seeds, from 0 on, have the same kind: by it a kind takes its variants in turn."""
+    rounds, place = divmod(seed, len(_turns()))
+    kind = kind_of(seed)
+    return rounds * kind.share + _turns()[:place].count(kind)
+
+
 @cache
 def _turns() -> tuple[Kind, ...]:
     turns = [kind for kind in KINDS for _ in range(kind.share)]
