@@ -146,7 +146,12 @@ def test_the_ecu_script_drives_our_inverter():
     """In the place of the gateway: 20 N m within what the bus resolves, and speed that has grown."""
     bus = hub_channels()
     with ros_domain() as context:
+        ear = Channel("socketcand", bus["bus.channel_11"])
         inverter = launch("ev_sim", "inverter", context.get_domain_id(), {**bus, **PATIENT})
+        deadline = time.monotonic() + PATIENCE
+        while ear.receive() is None:  # the script gives up where there is nobody for 10 s
+            assert time.monotonic() < deadline
+        ear.close()
         ecu = script("ecu_script.py", bus["bus.channel_11"], "--torque", "20", "--seconds", "0.5")
         said = ecu.communicate(timeout=PATIENCE)[0]
         end([inverter])

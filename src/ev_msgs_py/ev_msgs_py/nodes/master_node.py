@@ -25,6 +25,9 @@ from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.time_services import TimeServices
 
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
+# It doubles up to this where that does not help: each repetition is answered by all, and publishers keep 256 messages,
+# which a recorder that is held up for seconds has still to hear.
+_LONGEST_RETRY = 0.4
 
 
 class MasterNode(SteppedNode):
@@ -35,6 +38,7 @@ class MasterNode(SteppedNode):
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(MASTER, **node_arguments)
         self._state = StatePublisher(self, self.writers.values())
+        self._retry_period = _RETRY_PERIOD
         self._silence = Silence(self)
         self._advance = Advance(self.stepper, self.schedule, self._stepped, self.reports.warn)
         self._granted = TimeServices(self, lambda: self.now, self._begin, self.schedule.pace_from_here, self.reports)
@@ -73,8 +77,10 @@ class MasterNode(SteppedNode):
         """Advance if time is due, publish the state again if answers are late, and name the nodes that are silent."""
         self._go_on()
         waits = not (self.done or self._granted.rests() or self.schedule.all_are_here)
-        if waits and self._state.silent_for >= _RETRY_PERIOD:
+        if waits and self._state.silent_for >= self._retry_period:
             self._state.repeat(self.stepper.answer)
+            if self.now:  # before that nodes are still coming up
+                self._retry_period = min(2.0 * self._retry_period, _LONGEST_RETRY)
             self.health.late_answers += 1
             self._silence.name_after(self.configuration.extra.answer_timeout, self.schedule.missing, self.now)
 
@@ -89,6 +95,7 @@ class MasterNode(SteppedNode):
     def went_on(self, spoke: float) -> None:
         """Nobody is silent."""
         super().went_on(spoke)
+        self._retry_period = _RETRY_PERIOD
         self._state.spoke = spoke
         self._silence.answered()
 
@@ -103,6 +110,7 @@ class MasterNode(SteppedNode):
 
     def _stepped(self, answer: Answer) -> None:
         self._granted.took_step()
+        self._retry_period = _RETRY_PERIOD
         self._state.publish(answer)
         self.reports.pass_on_now_and_then(self.stepper.part)
         self._silence.answered()
