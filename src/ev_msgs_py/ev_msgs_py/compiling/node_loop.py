@@ -9,7 +9,7 @@ import numpy as np
 from ev_msgs_py.compiling import machine_code
 from ev_msgs_py.compiling.message_memory import RUN, TOPIC, Memory, integers
 from ev_msgs_py.compiling.node_steps import take_steps
-from ev_msgs_py.compiling.tally import KEPT, KEYS, TALLIED, Sums
+from ev_msgs_py.compiling.tally import BLOCK
 from ev_msgs_py.compiling.tally import address as tally_address
 
 HEAD = np.dtype(
@@ -36,8 +36,8 @@ from numba import carray, cfunc, types
 P = types.voidptr
 
 
-@cfunc(types.int32(P, P, P, P, P, P, P, P, P, P), error_model="numpy")
-def step(head, inputs, outputs, runs, senders, frames, block, topics, sums, keys):
+@cfunc(types.int32(P, P, P, P, P, P, P, P), error_model="numpy")
+def step(head, inputs, outputs, runs, senders, frames, block, tally):
     h = carray(head, 1, HEAD)[0]
     memory = Memory(
         carray(block, h.size, np.uint8),
@@ -54,17 +54,10 @@ def step(head, inputs, outputs, runs, senders, frames, block, topics, sums, keys
         carray(senders, (h.inputs, h.senders, 2), np.int64),
         carray(frames, (4, h.width), np.float64),
         memory,
-        Sums(
-            carray(topics, h.tallied, TALLIED),
-            carray(sums, (h.tallied, {KEPT}), np.int64),
-            carray(keys, {KEYS}, np.int64),
-        ),
+        carray(tally, {BLOCK}, np.int64),
     )
 '''
-_NAMES = {
-    "HEAD": HEAD, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN, "TALLIED": TALLIED,
-    "Memory": Memory, "Sums": Sums, "take_steps": take_steps,
-}  # fmt: skip
+_NAMES = {"HEAD": HEAD, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN, "Memory": Memory, "take_steps": take_steps}
 
 
 def is_kept() -> bool:

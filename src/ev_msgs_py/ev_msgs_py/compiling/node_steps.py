@@ -29,7 +29,7 @@ GID = 5  # word of the information on a message at which the identity of its pub
 
 @compilable
 def take_steps(
-    head: Any, inputs: Any, outputs: Any, runs: Any, senders: Any, frames: Any, memory: Any, sums: Any
+    head: Any, inputs: Any, outputs: Any, runs: Any, senders: Any, frames: Any, memory: Any, tally: Any
 ) -> int:
     """Take steps until there is a reason to stop, which is returned.
 
@@ -53,7 +53,7 @@ def take_steps(
         if missing < 0:
             if head.due > head.limit:
                 return LIMIT
-            failure = _step(head, inputs, frames, sums)
+            failure = _step(head, inputs, frames, tally)
             if failure:
                 return failure
             _speak(head, outputs, runs, frames, memory)
@@ -107,7 +107,7 @@ def _take(head: Any, one: Any, senders: Any, runs: Any, frames: Any, memory: Any
 
 
 @compilable
-def _step(head: Any, inputs: Any, frames: Any, sums: Any) -> int:
+def _step(head: Any, inputs: Any, frames: Any, tally: Any) -> int:
     """One step of the part; what it says stands in the row of the inputs or, if it integrates, two rows behind."""
     said = head.row + 2 if head.integrates else head.row
     frames[head.row, TIME] = head.due / NANOSECONDS
@@ -122,8 +122,8 @@ def _step(head: Any, inputs: Any, frames: Any, sums: Any) -> int:
             return NOT_FINITE
     if head.tallied:
         step = head.due // head.period
-        add_up(sums, 0, head.taken_topics, step, frames[head.row])
-        add_up(sums, head.taken_topics, head.tallied, step + 1 if head.integrates else step, frames[said])
+        add_up(tally, 0, head.taken_topics, step, frames[head.row])
+        add_up(tally, head.taken_topics, head.tallied, step + 1 if head.integrates else step, frames[said])
     for i in range(len(inputs)):
         inputs[i].came, inputs[i].came_next = inputs[i].came_next, 0
     head.due += head.period

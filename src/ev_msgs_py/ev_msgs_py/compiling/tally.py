@@ -11,42 +11,37 @@ import ctypes
 import hashlib
 from collections.abc import Sequence
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.compiling.machine_code import function_address
-from ev_msgs_py.compiling.message_memory import integers
 from ev_msgs_py.contract.frame import PLACES, SIZE
 from ev_msgs_py.contract.topics import TOPICS
 
 KEPT = 4  # sums of the newest steps: the two ends of a topic do not stop at the same one
-TALLIED = np.dtype(integers("begin", "end"))  # the places of a topic in the frame
-KEYS = 2 + 2 * SIZE
+_MOST = 64  # topics of a node
+_KEYS = 2 + 2 * SIZE
+# Where in the block of a node begin, behind the keys: the first and last place of each topic in the frame, its sums.
+_TOPICS = _KEYS
+_SUMS = _TOPICS + 2 * _MOST
+BLOCK = _SUMS + KEPT * _MOST
 _WORD, _LOW = 32, 0xFFFFFFFF
 
 
-class Sums(NamedTuple):
-    """Which topics (n,) are added up, their `newest` sums (n, KEPT), and the keys (KEYS,)."""
-
-    topics: Any
-    newest: Any
-    keys: Any
-
-
 @compilable
-def add_up(sums: Any, first: int, last: int, step: int, numbers: Any) -> None:
-    """Add the numbers of topics `first` to `last` in the frame of a step to their newest sums."""
-    topics, keys = sums.topics, sums.keys
-    mixed = (step + 1) * keys[0]
-    of_step = (mixed ^ (mixed >> 29)) * keys[1] | 1
+def add_up(block: Any, first: int, last: int, step: int, numbers: Any) -> None:
+    """Add the numbers of topics `first` to `last` in the frame of a step to their sums in the block (BLOCK,)."""
+    mixed = (step + 1) * block[0]
+    of_step = (mixed ^ (mixed >> 29)) * block[1] | 1
     for i in range(first, last):
         total = 0
-        for n in range(topics[i].begin, topics[i].end):
+        for n in range(block[_TOPICS + 2 * i], block[_TOPICS + 2 * i + 1]):
             word = np.float64(numbers[n]).view(np.int64)
-            total += keys[2 + 2 * n] * (word & _LOW) + keys[3 + 2 * n] * (word >> _WORD)
-        sums.newest[i, step % KEPT] = sums.newest[i, (step - 1) % KEPT] + total * of_step
+            total += block[2 + 2 * n] * (word & _LOW) + block[3 + 2 * n] * (word >> _WORD)
+        sums = _SUMS + KEPT * i
+        block[sums + step % KEPT] = block[sums + (step - 1) % KEPT] + total * of_step
 
 
 _TEXT = f'''"""What nodes take and say, added up: generated, do not edit."""
@@ -57,22 +52,19 @@ from numba import carray, cfunc, types
 P, N = types.voidptr, types.int64
 
 
-@cfunc(types.int32(P, N, N, N, P, P, N, P), error_model="numpy")
-def step(topics, count, first, last, newest, keys, at, numbers):
-    sums = Sums(
-        carray(topics, count, TALLIED), carray(newest, (count, {KEPT}), np.int64), carray(keys, {KEYS}, np.int64)
-    )
-    add_up(sums, first, last, at, carray(numbers, {SIZE}, np.float64))
+@cfunc(types.int32(P, N, N, N, P), error_model="numpy")
+def step(block, first, last, at, numbers):
+    add_up(carray(block, {BLOCK}, np.int64), first, last, at, carray(numbers, {SIZE}, np.float64))
     return 0
 '''
 _P, _N = ctypes.c_void_p, ctypes.c_int64
-_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, _P, _N, _N, _N, _P, _P, _N, _P)
+_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, _P, _N, _N, _N, _P)
 
 
 @cache
 def address() -> int:
     """Of the function as one of C."""
-    return function_address("tally", _TEXT, {"TALLIED": TALLIED, "Sums": Sums, "add_up": add_up})
+    return function_address("tally", _TEXT, {"add_up": add_up})
 
 
 class Tally:
@@ -80,27 +72,29 @@ class Tally:
 
     def __init__(self, key: bytes, takes: Sequence[type], says: Sequence[type] = ()) -> None:
         taken, said = ([signal for signal in signals if signal in PLACES] for signals in (takes, says))
-        self._signals, self.taken = (*taken, *said), len(taken)
-        self.sums = Sums(
-            np.array([(PLACES[signal].start, PLACES[signal].stop) for signal in self._signals], TALLIED),
-            np.zeros((len(self._signals), KEPT), np.int64),
-            np.frombuffer(hashlib.shake_256(key).digest(8 * KEYS), np.int64) | 1,
-        )
-        self._call = _FUNCTION(address())
-        self._topics = self.sums.topics.ctypes.data, len(self._signals)
-        self._sums = self.sums.newest.ctypes.data, self.sums.keys.ctypes.data
+        self._signals, self.taken, self.count = (*taken, *said), len(taken), len(taken) + len(said)
+        self.block = np.zeros(BLOCK, np.int64)
+        self.block[:_KEYS] = np.frombuffer(hashlib.shake_256(key).digest(8 * _KEYS), np.int64) | 1
+        for i, signal in enumerate(self._signals):
+            self.block[_TOPICS + 2 * i : _TOPICS + 2 * i + 2] = PLACES[signal].start, PLACES[signal].stop
+        self._sums = self.block[_SUMS:].reshape(_MOST, KEPT)
+        self._call, self._at = _FUNCTION(address()), self.block.ctypes.data
+
+    def add(self, step: int, numbers: int) -> None:
+        """Add what was taken for a step and is said of it, in the frame at an address."""
+        self._call(self._at, 0, self.count, step, numbers)
 
     def add_taken(self, step: int, numbers: int) -> None:
         """Add what was taken for a step, in the frame at an address."""
-        self._call(*self._topics, 0, self.taken, *self._sums, step, numbers)
+        self._call(self._at, 0, self.taken, step, numbers)
 
     def add_said(self, step: int, numbers: int) -> None:
         """Add what is said of a step, in the frame at an address."""
-        self._call(*self._topics, self.taken, len(self._signals), *self._sums, step, numbers)
+        self._call(self._at, self.taken, self.count, step, numbers)
 
     def forget(self) -> None:
         """A new run begins."""
-        self.sums.newest[:] = 0
+        self._sums[:] = 0
 
     def newest(self, last_taken: int, last_said: int) -> dict[str, dict[str, dict[str, int]]]:
         """The last sums by "taken" and "said", topic and step, which count from these steps backwards."""
@@ -108,5 +102,5 @@ class Tally:
         for i, signal in enumerate(self._signals):
             kind, last = ("taken", last_taken) if i < self.taken else ("said", last_said)
             steps = range(max(last - KEPT + 1, 0), last + 1)
-            found[kind][TOPICS[signal].name] = {str(step): int(self.sums.newest[i, step % KEPT]) for step in steps}
+            found[kind][TOPICS[signal].name] = {str(step): int(self._sums[i, step % KEPT]) for step in steps}
         return found

@@ -159,13 +159,14 @@ class Stepper:
             there = _frame_at(stamp + self.period)
             self.part.step(here, there)
             self.answer = Answer(stamp + self.period, there)
+            if self.tally is not None:
+                self.tally.add_taken(stamp // self.period, here.address)
+                self.tally.add_said(stamp // self.period + 1, there.address)
         else:
-            there = here
             self.part.step(here, here)
             self.answer = Answer(stamp, here)
-        if self.tally is not None:
-            self.tally.add_taken(stamp // self.period, here.address)
-            self.tally.add_said(self.answer.stamp // self.period, there.address)
+            if self.tally is not None:
+                self.tally.add(stamp // self.period, here.address)
         return self.answer
 
 

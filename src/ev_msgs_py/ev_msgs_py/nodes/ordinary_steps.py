@@ -19,7 +19,7 @@ from ev_msgs_py.lockstep.stepper import Answer
 from ev_msgs_py.nodes import rcl
 from ev_msgs_py.nodes.step_memory import End, StepMemory
 
-_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 10)
+_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 8)
 _NOBODY = b"\xff" * 16  # no identity
 _FORGET_PERIOD = 0.05  # s after which senders that are refused are looked at again
 

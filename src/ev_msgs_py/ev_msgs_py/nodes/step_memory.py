@@ -70,8 +70,8 @@ class StepMemory:
         arrays = (self.head, self.inputs, self.outputs, self.runs, self.senders, self.frames, self.words)
         self.addresses = tuple(array.ctypes.data for array in arrays)
         if tally is not None:
-            head["tallied"], head["taken_topics"] = len(tally.sums.topics), tally.taken
-        self.addresses += (0, 0, 0) if tally is None else tuple(array.ctypes.data for array in tally.sums)
+            head["tallied"], head["taken_topics"] = tally.count, tally.taken
+        self.addresses += (0 if tally is None else tally.block.ctypes.data,)
 
     def _words(self, count: int) -> int:
         """The place, in words, of so many new ones."""

@@ -1,0 +1,52 @@
+"""What it costs that nodes add up what they take and say: the same run with sums and without, in turn.
+
+    source scripts/setup.sh && python benchmarks/sums.py [--scenario NAME] [--seconds S] [--rounds N] [--in-process]
+
+Printed are steps per second, the best and the median of each, and the ratios with sums over without.
+"""
+
+from __future__ import annotations
+
+import argparse
+import secrets
+import statistics
+import tempfile
+from pathlib import Path
+from types import SimpleNamespace
+from unittest import mock
+
+from ev_sim.running import told
+from ev_sim.running.in_process import run_in_process
+from ev_sim.running.processes import run_in_processes
+from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
+
+
+def rate(run: Run, sums: bool, in_process: bool) -> float:
+    """Steps per second of wall time; nodes without a key have no sums."""
+    of_key = SimpleNamespace(token_bytes=secrets.token_bytes if sums else bytes)
+    with tempfile.TemporaryDirectory() as folder, mock.patch.object(told, "secrets", of_key):
+        outcome = (run_in_process if in_process else run_in_processes)(run, Path(folder), False, lambda _: None)
+    return (len(outcome.recording.time) - 1) / outcome.wall_time
+
+
+def main() -> None:
+    """Print the rates and their ratios."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--scenario", default="shchur2019")
+    parser.add_argument("--seconds", type=float, default=100.0, help="of simulated time")
+    parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--in-process", action="store_true")
+    given = parser.parse_args()
+    run = load_scenario(given.scenario, Overrides(duration=given.seconds)).runs[0]
+    found: dict[bool, list[float]] = {True: [], False: []}
+    for n in range(given.rounds):
+        for sums in (n % 2 == 0, n % 2 == 1):  # neither has always the warmer machine
+            found[sums].append(rate(run, sums, given.in_process))
+    for sums, rates in found.items():
+        print(f"{'with' if sums else 'without'} sums: {max(rates):.0f} steps/s, median {statistics.median(rates):.0f}")
+    best, median = (of(found[True]) / of(found[False]) for of in (max, statistics.median))
+    print(f"ratio: {best:.3f}, of medians {median:.3f}")
+
+
+if __name__ == "__main__":
+    main()
