@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import shutil
 import subprocess
 import sys
+from collections import namedtuple
+from collections.abc import Callable
+from enum import IntEnum
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numba import njit
 
 from ev_msgs_py.compiling import user_cache
+from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.compiling.fingerprint import fingerprint
+from ev_msgs_py.compiling.function import compiled
 from ev_msgs_py.compiling.user_cache import cache_folder, read_checked, write_checked
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.running.offline import run_offline
@@ -159,3 +168,60 @@ def test_the_fingerprint_changes_with_all_that_is_reached():
     other[1000] = -1.0
     assert text(1.0, 2.0, long) == text(1.0, 2.0, long.copy())
     assert len({text(1.0, 2.0, long), text(1.5, 2.0, long), text(1.0, 2.5, long), text(1.0, 2.0, other)}) == 4
+
+
+def test_the_fingerprint_tells_apart_what_stands_side_by_side():
+    """Two numbers whose digits read the same in a row, what is in tuples, modules of modules, members, options."""
+
+    def of(text: str, **names: object) -> str:
+        exec(f"def law(x, y=A):\n    return {text}", names)
+        return fingerprint(names["law"])
+
+    def module(name: str, **names: object) -> ModuleType:
+        made = ModuleType(name)
+        vars(made).update(names, __file__=name)
+        return made
+
+    def plus(number: int) -> Callable[[float], float]:
+        return lambda x: x + number
+
+    row = np.linspace(0.0, 1.0, 5)
+    different = (
+        ("x * A + B", {"A": 1.0, "B": 10.0}, {"A": 1.01, "B": 0.0}),
+        ("x * A[0][1]", {"A": (row,)}, {"A": (row + 1e-12,)}),
+        ("x * A.inner.K", *({"A": module("a", inner=module("b", K=k))} for k in (1.0, 2.0))),
+        ("x * A.ON", *({"A": IntEnum("A", {"ON": k})} for k in (1, 2))),
+        ("A[0](x)", {"A": (plus(1),)}, {"A": (plus(2),)}),
+        ("A(x)", *({"A": njit(plus(1), fastmath=fast)} for fast in (False, True))),
+    )
+    for text, one, other in different:
+        assert of(text, **one) == of(text, **one)
+        assert of(text, **one) != of(text, **other), text
+    assert of("A[0](x)", A=(plus(1),)) == of("A[0](x)", A=(plus(1),))
+
+
+@pytest.mark.parametrize("names", [["a", "b"], ["b", "a"]])
+def test_what_is_compiled_for_a_named_tuple_knows_its_order(names):
+    """Within another one, the code for the same names in another order was taken."""
+    inner = namedtuple("Inner", names)
+    assert compiled(_first)(namedtuple("Outer", ["inner"])(inner(a=1.0, b=2.0))) == 1.0
+
+
+@compilable
+def _first(outer: Any) -> Any:
+    return outer.inner.a
+
+
+def test_what_cannot_be_written_is_named_and_leaves_nothing(tmp_path, monkeypatch):
+    """A full disk was no more than "No space left on device", and half a file stayed for good."""
+
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match=rf"No space left on device: '{tmp_path}/law\.code'$"):
+        write_checked(tmp_path / "law.code", b"code")
+    assert not [*tmp_path.iterdir()]
+    os.mkfifo(tmp_path / "law.code")
+    with pytest.raises(OSError, match="it is a pipe"):
+        read_checked(tmp_path / "law.code")

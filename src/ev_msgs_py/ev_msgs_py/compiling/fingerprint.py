@@ -22,12 +22,16 @@ def fingerprint(*roots: Any) -> str:
     while waiting:
         found = waiting.pop()
         function = getattr(found, "py_func", found)
-        if not isinstance(function, FunctionType):
-            digest.update(_constant(found).encode())
+        if isinstance(found, tuple | list):
+            digest.update(f"{_constant(type(found))} {len(found)}\0".encode())
+            waiting += reversed(found)
+        elif not isinstance(function, FunctionType):
+            digest.update(f"{_constant(found)}\0".encode())
         elif id(function) not in seen:
             seen.add(id(function))
             digest.update(f"{function.__module__}.{function.__qualname__}\0{function in INLINED}\0".encode())
-            digest.update(_code(function.__code__))
+            digest.update(f"{getattr(found, 'targetoptions', '')}\0".encode())
+            digest.update(_code(function.__code__) + b"\0")
             waiting += reversed(list(_used_by(function)))
     return digest.hexdigest()
 
@@ -35,15 +39,19 @@ def fingerprint(*roots: Any) -> str:
 def _used_by(function: FunctionType) -> Iterator[Any]:
     """What a function takes from outside of it, by the names in its code, and its defaults."""
     names = list(_names(function.__code__))
-    for name in names:
-        found = function.__globals__.get(name)
-        if name in function.__globals__:
+    places = [function.__globals__]
+    for place in places:  # and the modules found on the way
+        for found in (place[name] for name in names if name in place):
             yield found
-        if isinstance(found, ModuleType) and hasattr(found, "__file__") and not found.__name__.startswith("numpy"):
-            yield from (vars(found)[each] for each in names if each in vars(found))
+            if _is_looked_into(found) and not any(vars(found) is each for each in places):
+                places.append(vars(found))
     yield from (function.__defaults__, function.__kwdefaults__)
     for cell in function.__closure__ or ():
         yield cell.cell_contents
+
+
+def _is_looked_into(found: Any) -> bool:
+    return isinstance(found, ModuleType) and hasattr(found, "__file__") and not found.__name__.startswith("numpy")
 
 
 def _code(code: CodeType) -> bytes:
@@ -64,7 +72,7 @@ def _constant(value: Any) -> str:
     if isinstance(value, ModuleType):
         return value.__name__
     if isinstance(value, type):
-        return f"{value.__qualname__}{getattr(value, '_fields', '')}"
+        return f"{value.__qualname__}{getattr(value, '_fields', '')}{dict(getattr(value, '__members__', {}))}"
     if hasattr(value, "tobytes"):  # what numpy shows of a long array is not all of it
         return f"{value.dtype} {value.shape} {value.tobytes().hex()}"
     return repr(value)

@@ -62,8 +62,13 @@ class _Overloads(NullCache):
             forget_older(self._key)
 
     def _file(self, signature: Sequence[Any]) -> Path:
-        types = repr([(kind, getattr(kind, "fields", ())) for kind in signature])
+        types = repr(_with_names(signature))
         return kept_file(self._key, f"{hashlib.sha256(types.encode()).hexdigest()[:12]}.numba")
+
+
+def _with_names(kinds: Sequence[Any]) -> list[Any]:
+    """Types with the names of what they hold, which numba does not show of a named tuple."""
+    return [(kind, getattr(kind, "fields", ()), _with_names(getattr(kind, "types", ()))) for kind in kinds]
 
 
 def keep_overloads(function: Any) -> Any:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import atexit
 import hashlib
 import os
+import secrets
 import shutil
 import stat
 import sys
@@ -16,6 +17,7 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
+from ev_msgs_py.parameters.data_file import SIGNALS, read_data
 from ev_msgs_py.parameters.declaration import ParameterError
 
 VARIABLE = "EV_STACK_CACHE"
@@ -76,19 +78,24 @@ def _danger(folder: Path) -> str:
 
 
 def write_checked(file: Path, content: bytes) -> None:
-    """Write a file that other processes, also after a crash, see whole or not at all."""
-    unfinished = file.with_name(f".{file.name}.{os.getpid()}")
-    with unfinished.open("wb") as to:
-        to.write(_checksum(content) + content)
-        to.flush()
-        os.fsync(to.fileno())
-    unfinished.replace(file)
+    """Write a file that other processes, also after a crash, see whole or not at all; OSError that names it."""
+    unfinished = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
+    try:
+        with unfinished.open("xb") as to:
+            to.write(_checksum(content) + content)
+            to.flush()
+            os.fsync(to.fileno())
+        unfinished.replace(file)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(file)) from None
+    finally:
+        unfinished.unlink(missing_ok=True)
 
 
 def read_checked(file: Path) -> bytes | None:
     """What `write_checked` wrote; None if it is not there, or does not fit its checksum: then it is removed."""
     try:
-        written = file.read_bytes()
+        written = read_data(file, SIGNALS)
     except FileNotFoundError:
         return None
     content = written[len(_checksum(b"")) :]
