@@ -87,18 +87,39 @@ def test_a_refused_case_of_a_study_stays_refused(tmp_path: Path):
 
 def test_what_other_sources_have_left_is_removed(tmp_path: Path):
     """The oldest, and of it what a run has written; what is not ours stays."""
-    for n in range(4):
-        old = tmp_path / f"recordings_{n}"
+    folders = [tmp_path / f"recordings_{n:024x}" for n in range(4)]
+    for n, old in enumerate(folders):
         old.mkdir()
         (old / "run.npz").touch()
         if n == 1:
             (old / "thesis.pdf").touch()
         os.utime(old, (n, n))
-    (tmp_path / "mine").mkdir()
+    for name in ("mine", "recordings_mine"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "run.npz").touch()
+        os.utime(tmp_path / name, (0, 0))
     Kept(tmp_path)
-    assert [(tmp_path / f"recordings_{n}").exists() for n in range(4)] == [False, True, True, True]
-    assert [path.name for path in (tmp_path / "recordings_1").iterdir()] == ["thesis.pdf"]
-    assert (tmp_path / "mine").exists()
+    assert [old.exists() for old in folders] == [False, True, True, True]
+    assert [path.name for path in folders[1].iterdir()] == ["thesis.pdf"]
+    assert (tmp_path / "mine/run.npz").exists() and (tmp_path / "recordings_mine/run.npz").exists()
+
+
+def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Path):
+    """The second command ended in a FileExistsError, and half a file, of a crash, kept all verdicts from being."""
+    driven: list[str] = []
+    kept = Kept(tmp_path)
+
+    def both(cases, measures):
+        drive_here(cases, measures)
+        return counting(driven)(cases, measures)
+
+    drive([HOLDING], kept, both)
+    path = kept.recording(CHEAP)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    drive([HOLDING], kept, counting(driven))
+    assert len(driven) == 2
+    assert path.read_bytes() == whole
 
 
 def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

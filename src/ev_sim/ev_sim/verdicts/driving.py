@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from zipfile import is_zipfile
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.lockstep.configuration import Configuration
@@ -71,7 +72,8 @@ def _missing(of: _Resolved, kept: Kept) -> Iterator[tuple[str, Case, Measure]]:
             path = kept.measured(of.need.study, case)
             if measured_at(path, case.name) is None:
                 yield of.need.study, case, KeepMeasured(path, study_named(of.need.study).measure)
-        elif not kept.recording(case).exists():
+        elif not is_zipfile(kept.recording(case)):  # nor is it where a crash has cut it off
+            kept.recording(case).unlink(missing_ok=True)
             yield "", case, Keep(kept.recording(case))
 
 

@@ -19,6 +19,7 @@ from ev_sim.study.depends import NEVER_DRIVES, case_key, digest_of_sources
 from ev_sim.study.kept_rows import as_json, result_of
 
 _ONLY_MEASURES = ("ev_sim/report", "ev_sim/study")
+_DIGEST = "[0-9a-f]" * 24
 _FOLDERS = 3  # of each kind: those of other checkouts and branches come back
 
 
@@ -29,7 +30,8 @@ class Keep:
     path: Path
 
     def __call__(self, recording: Recording, run: Run) -> Mapping[str, Any]:
-        save(recording, self.path)
+        with suppress(FileExistsError):  # another command has driven the same meanwhile
+            save(recording, self.path)
         return {}
 
 
@@ -64,7 +66,8 @@ class Kept:
         for each in (self._recordings, self._measured):
             each.mkdir(parents=True, exist_ok=True)
             os.utime(each)
-            others = sorted(folder.glob(f"{each.name.partition('_')[0]}_*"), key=lambda found: -found.stat().st_mtime)
+            ours = folder.glob(f"{each.name.partition('_')[0]}_{_DIGEST}")
+            others = sorted(ours, key=lambda found: -found.stat().st_mtime)
             for other in others[_FOLDERS:]:
                 for file in (*other.glob("*.npz"), *other.glob("*.json")):
                     file.unlink()
