@@ -21,12 +21,15 @@ from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.running.scenarios.scenario import Run
 
+# Empty ones of these names are as good as ours; below them they are his.
+FOLDERS = ("bag", "log", "earlier_1", "run [0]", "signals")
 FIGURES = ("slip.png", "timing.png")
 NAMES = st.sampled_from(
     (
         *(*OF_ALL_RUNS, *FIGURES, NAME, "thesis.pdf", "signals.npz", "parameters.yaml", "bag", "bag/metadata.yaml"),
         *("bag/bag.mcap", "bag/notes.txt", "bag_before_reset_1/bag.mcap", "log", "log/recorder.log", "log/diary.txt"),
         *("earlier_1", "earlier_1/signals.npz", "run [0]", "run [0]/signals.npz", "run [1]/bag/notes.txt", "car.fmu"),
+        *("bag/mine", "log/mine/empty", "run [0]/mine", "signals/mine"),
         *("driven.jsonl", "signals/a.npz", "table.csv", "page.html", "speed.png", "recorded/signals.npz"),
         ".signals.npz.0123abcd",
     )
@@ -64,7 +67,7 @@ class Watched:
             path.write_text(f"his {self._count}")
         else:
             path.symlink_to(self._places[thing])
-        if thing != "folder":
+        if thing != "folder" or name not in FOLDERS:
             self._his[path] = _held(path)
 
     def change(self, act: str, seed: int) -> None:
@@ -101,6 +104,8 @@ class Watched:
 
 
 def _held(path: Path) -> str | bytes:
+    if path.is_dir() and not path.is_symlink():
+        return "folder"
     return os.readlink(path) if path.is_symlink() else path.read_bytes()
 
 
@@ -259,3 +264,34 @@ def test_what_a_killed_run_was_writing_is_moved(tmp_path: Path, capsys: pytest.C
         "signals.npz",
     ]
     assert capsys.readouterr().err.endswith(f"what an earlier run had not finished is in {tmp_path}/earlier_1 now\n")
+
+
+def test_a_recording_that_is_played_back_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A run deleted what it was asked to play back, and a replay what it was asked to replay, by another spelling."""
+    monkeypatch.chdir(tmp_path)
+    run = ("run", "shchur2019", "--offline", "--no-record", *SHORT, "--out")
+    ev_stack.perform((*run, "ours"))
+    replay = ("run", "replay", "ours", "--node", "asr", "--no-report", "--out")
+    ev_stack.perform((*replay, "again"))
+    (tmp_path / "other").mkdir()
+    (tmp_path / "link").symlink_to("ours")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    for command, said in (
+        ((*run, "ours", "--method", "driver=ours/signals.npz"), r"ours: signals\.npz there is what is played back"),
+        ((*run, "link", "--method", "driver=other/../ours/signals.npz"), r"link: signals\.npz there is what is played"),
+        ((*replay[:2], "again/recorded", *replay[3:], "other/../again"), "the run that is replayed is there"),
+    ):
+        with pytest.raises(SystemExit, match=said):
+            ev_stack.perform(command)
+        assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+def test_names_and_manifests_that_nobody_can_read_are_refused(tmp_path: Path):
+    """A folder whose name is no text was driven for and then refused; a manifest of any size was read."""
+    with pytest.raises(ParameterError, match=r"is refused, allowed is the name of a folder in UTF-8$"):
+        OutputFolder(tmp_path / os.fsdecode(b"\xff"), "scenario a")
+    with (tmp_path / NAME).open("wb") as file:
+        file.truncate(2**30)
+    with pytest.raises(ParameterError, match=r"allowed is a regular file of at most 64 MB$"):
+        OutputFolder(tmp_path, "scenario a")
+    assert [path.name for path in tmp_path.iterdir()] == [NAME]

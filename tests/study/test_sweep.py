@@ -110,6 +110,16 @@ def test_what_was_driven_with_other_sources_or_files_is_not_taken(tmp_path):
     assert KeptRows(tmp_path, "sweep", [case], run).of(case) is None
 
 
+def test_a_copy_by_hard_links_does_not_grow(tmp_path):
+    """As `cp -al` makes one: rows went into the user's copy as well."""
+    case, run = Case("first", "shchur2019", duration=0.1), load_scenario("shchur2019").runs[0]
+    for _ in range(2):
+        KeptRows(tmp_path, "sweep", [case], run).keep(case, CaseResult("first", {}))
+        if not (tmp_path / "copy").exists():
+            (tmp_path / "copy").hardlink_to(tmp_path / "driven.jsonl")
+    assert [len((tmp_path / name).read_text().splitlines()) for name in ("copy", "driven.jsonl")] == [1, 2]
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -31,9 +31,9 @@ _RECORDED, _REPLAYED, _LATENCY = "recorded", "replayed", "latency"
 
 def replay_folder(replay: Replay, out: Path) -> OutputFolder:
     """Where a replay writes; ParameterError if the folder cannot be had, or would replace what is replayed."""
-    source = replay.recorded.source.absolute()
+    source = replay.recorded.source.resolve()
     runs = [Run(name, replay.recorded.namespace, {}, replay.duration) for name in (_RECORDED, _REPLAYED)]
-    if any(source.is_relative_to(out.absolute() / run.name) for run in runs):
+    if any(source.is_relative_to((out / run.name).resolve()) for run in runs):
         raise ParameterError(f"--out {out}: the run that is replayed is there, allowed is another folder")
     logs = [f"{_REPLAYED}/{LOG}/{role}.log" for role in ROLES]
     return OutputFolder(out, "replay", [*OF_ALL_RUNS, *TABLES, *figure_files([_LATENCY], FORMATS), *logs], runs)

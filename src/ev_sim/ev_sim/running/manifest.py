@@ -10,6 +10,7 @@ import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
+from ev_msgs_py.parameters.data_file import TABLE, read_data
 from ev_sim.running.recording.atomic import atomic_file
 
 NAME = "ev_stack_manifest.json"
@@ -26,7 +27,7 @@ def read_manifest(folder: Path) -> dict[str, Files]:
         return {}
     if not is_file(path):
         raise ValueError("not a file")
-    content = json.loads(path.read_text(encoding="utf-8"))
+    content = json.loads(read_data(path, TABLE))
     if not isinstance(content, dict) or content.get("format") != _FORMAT:
         raise ValueError("another format")
     written: dict[str, Files] = content.get("written")
@@ -84,9 +85,11 @@ def there(folder: Path, pattern: str) -> Iterator[str]:
 
 
 def content(folder: Path, name: str) -> Iterator[str]:
-    """The names of all that is in a folder below, but folders; the name itself if it is none."""
+    """The names of all files that are in a folder below, and of empty folders; the name itself if it is none."""
     if is_folder(folder / name):
         for each in sorted(os.listdir(folder / name)):
-            yield from content(folder, f"{name}/{each}")
+            inner = f"{name}/{each}"
+            is_empty = is_folder(folder / inner) and not os.listdir(folder / inner)
+            yield from [inner] if is_empty else content(folder, inner)
     else:
         yield name

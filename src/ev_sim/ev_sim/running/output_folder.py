@@ -8,7 +8,7 @@ import itertools
 import os
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, nullcontext, suppress
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from types import TracebackType
 
 from ev_msgs_py.parameters.declaration import ParameterError
@@ -45,6 +45,8 @@ class OutputFolder:
         self._shared = {"", *folders.values()}  # with what the user has there
         claims = [*map(glob.escape, files)]
         claims += [str(Path(folders[run.name], name)) for run in runs for name in files_of_run(run)]
+        if any("\ud800" <= letter <= "\udfff" for letter in str(self.directory)):
+            raise ParameterError(f"{quoted(str(directory))} is refused, allowed is the name of a folder in UTF-8")
         with ExitStack() as locks:
             try:
                 self._hold(self.directory, locks)
@@ -53,12 +55,13 @@ class OutputFolder:
                 finished, unfinished = self._finished(before), self._unfinished(before)
                 mine = {*finished, *unfinished}
                 self._refuse_what_is_in_the_way(claims, mine)
+                self._refuse_what_is_played_back(mine, runs)
                 for folder in {self.of(run) for run in runs} - {self.directory}:
                     self._hold(folder, locks)
                 kept = mine.intersection(keeps)
                 self._remove(finished.keys() - kept)
                 self._move(sorted(set(unfinished) - kept))
-                self._prune([*mine, *claims], [self.of(run) for run in runs])
+                self._prune([*map(glob.escape, mine), *claims], [self.of(run) for run in runs])
                 self._files: Files = {glob.escape(name): finished.get(name) for name in sorted(kept)}
                 self._files |= dict.fromkeys(claims)
                 self._write(self._files)
@@ -152,6 +155,14 @@ class OutputFolder:
                     if each not in mine:
                         raise self._refused(name, self._whose(each))
 
+    def _refuse_what_is_played_back(self, names: Iterable[str], runs: Iterable[Run]) -> None:
+        """ParameterError if a run says again what is recorded in one of these files, which it would lose."""
+        methods = [configuration.method for run in runs for configuration in run.configurations.values()]
+        recordings = {Path(method.name).resolve() for method in methods if method.plays_back}
+        for name in names:
+            if (self.directory / name).resolve() in recordings:
+                raise self._refused(name, "is what is played back")
+
     def _whose(self, name: str) -> str:
         if (self.directory / name).is_symlink():
             return "is a link"
@@ -178,13 +189,13 @@ class OutputFolder:
         announce(f"note: what an earlier run had not finished is in {earlier} now")
 
     def _prune(self, names: Iterable[str], but: Sequence[Path]) -> None:
-        """Remove what is empty of the folders that these files were or will be in."""
-        for top in {name.partition("/")[0] for name in names}:
-            for found in there(self.directory, top):
-                for folder, _, _ in os.walk(self.directory / found, topdown=False):
-                    if Path(folder) not in but:
-                        with suppress(OSError):
-                            os.rmdir(folder)
+        """Remove what is empty of the folders that files of these patterns were or will be in."""
+        folders = {str(folder) for name in names for folder in PurePosixPath(name).parents} - {"."}
+        for pattern in sorted(folders, reverse=True):  # the inner ones first
+            for found in there(self.directory, pattern):
+                if self.directory / found not in but:
+                    with suppress(OSError):
+                        os.rmdir(self.directory / found)
 
 
 def forget_recording(directory: Path) -> None:

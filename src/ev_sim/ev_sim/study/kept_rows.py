@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.parameters.data_file import SIGNALS, read_data
+from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.running.recording.recording import Recording, save
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult, Measure
@@ -53,6 +54,9 @@ class KeptRows:
         if result.refused:
             return
         line = {"sources": self._sources, "case": case_key(case), "result": as_json(result)}
+        if self._path.exists() and self._path.stat().st_nlink > 1:  # under its other name it is a copy of the user's
+            with atomic_file(self._path, replaces=True) as copy:
+                copy.write(self._path.read_bytes())
         with self._path.open("a", encoding="utf-8") as file:
             file.write(f"{self._gap}{json.dumps(line)}\n")
         self._gap = ""
