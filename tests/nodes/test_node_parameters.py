@@ -10,8 +10,10 @@ from ros_graph import node_of, ros_domain
 
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.lockstep.methods import all_methods
+from ev_msgs_py.nodes.runner_line import LINE
 from ev_msgs_py.parameters.declaration import entries
 from ev_sim.running.recording.recorder_parameters import RecorderParameters
+from ev_sim.running.told import Told
 
 pytestmark = pytest.mark.slow
 
@@ -70,6 +72,23 @@ def test_a_described_parameter_in_full(context, law):
     assert shown.description == "natural frequency of the servo, w_0 [rad/s] (assumption)"
     assert [(r.from_value, r.to_value) for r in shown.floating_point_range] == [(0.1, 100.0)]
     assert shown.additional_constraints == "allowed: 0.1 to 100 rad/s"
+
+
+@pytest.mark.parametrize("count", [3, 3500, 20000])
+def test_a_change_of_any_length_is_told_to_the_runner(context, monkeypatch, count):
+    """With all its values it would not fit into a word, or not into the socket."""
+    told = Told("/ev")
+    address, _ = told.line("driver")
+    monkeypatch.setenv(LINE, address)
+    node = node_of(context, "driver", {})
+    times = [n / count / 7 for n in range(count)]
+    assert tried(node, speed_profile__time=times, speed_profile__speed=[10.0 + each for each in times]) == ""
+    told.look()
+    assert len(told.warnings) == 1
+    assert told.warnings[0].endswith("the run is not reproducible")
+    assert len(told.warnings[0]) < 250
+    node.destroy_node()
+    told.close()
 
 
 def test_a_change_is_taken_over_live_and_the_state_lasts(law):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import resource
 import tracemalloc
 from pathlib import Path
 from unittest.mock import patch
@@ -121,3 +122,16 @@ def test_the_file_has_the_bytes_of_numpy(tmp_path: Path):
     numpys = io.BytesIO()
     np.savez(numpys, time=recording.time, **recording.channels)
     assert (tmp_path / "ours.npz").read_bytes() == numpys.getvalue()
+
+
+def test_a_file_without_room_on_the_disk_is_named(tmp_path):
+    """In the line that a command ends with; only a process that was started says where its log is."""
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, limits[1]))
+    try:
+        with pytest.raises(OSError) as raised:
+            save(Recording(np.zeros(5000), {}), tmp_path / "signals.npz")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert raised.value.filename == str(tmp_path / "signals.npz")
+    assert not list(tmp_path.iterdir())

@@ -20,7 +20,11 @@ _LOOK_PERIOD = 0.1  # s of wall time between looks at what a part notes
 
 
 class Reports:
-    """Says each thing once, and passes on what a part notes of the run."""
+    """Says each thing once, and passes on what a part notes of the run.
+
+    What is said is bounded: with all values of a parameter that was changed, or names of strangers, it may be of any
+    length, and the line to the runner takes no more than a socket does.
+    """
 
     def __init__(self, node: Node, role: str) -> None:
         self._node = node
@@ -42,6 +46,7 @@ class Reports:
 
     def note(self, what: str, text: str) -> None:
         """Say, once of each node, topic or the like, what may cost time and changes no number, as refused messages."""
+        what, text = shown(what), shown(text, LINE)
         if what in self._noted or len(self._noted) >= _NAMED:
             return
         self._noted.add(what)
@@ -70,7 +75,7 @@ class Reports:
         self._say_unheard()
         if part is not self._part:
             self._part, self._said = part, set()
-        for text in part.notes():
+        for text in (shown(each, LINE) for each in part.notes()):
             if text not in self._said:
                 self._said.add(text)
                 self._node.get_logger().info(text)

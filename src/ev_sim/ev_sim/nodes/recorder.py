@@ -78,6 +78,7 @@ class RecorderNode(Node):
             if silent := recorder.silent:
                 self._name(silent)
             else:
+                self._asked_since = 0.0
                 self._progress.write(held, _NOTHING)
                 self._reports.runner.tell(Word(PROGRESS, values={"stamp": held}))
             self._told, recorder.asked = held, False

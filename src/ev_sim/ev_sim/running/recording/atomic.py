@@ -13,16 +13,21 @@ from typing import IO
 def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]:
     """A binary file that takes its name only when everything is written; a failure leaves what was there before.
 
-    FileExistsError if something has this name by then, unless it `replaces` that.
+    FileExistsError if something has this name by then, unless it `replaces` that; OSError names the file.
     """
     path = Path(path)
     unfinished = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-    with unfinished.open("xb") as file:
-        try:
-            yield file
-            file.close()
-            if not replaces:
-                path.touch(exist_ok=False)  # unlike a test for existence nobody can come in between
-            unfinished.replace(path)
-        finally:
-            unfinished.unlink(missing_ok=True)
+    try:
+        with unfinished.open("xb") as file:
+            try:
+                yield file
+                file.close()
+                if not replaces:
+                    path.touch(exist_ok=False)  # unlike a test for existence nobody can come in between
+                unfinished.replace(path)
+            finally:
+                unfinished.unlink(missing_ok=True)
+    except OSError as error:  # what has no room on the disk says not where
+        if error.errno is None or error.filename is not None:
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from None
