@@ -64,7 +64,7 @@ class Told:
             for message in line.heard():
                 try:
                     self._take(node, Word.decoded(message))
-                except (ValueError, TypeError, LookupError):
+                except (ValueError, TypeError, LookupError, OverflowError):
                     self._noted.setdefault(node, f"node {node} has told what cannot be read: {shown(message)}")
 
     def _take(self, node: str, word: Word) -> None:
