@@ -181,7 +181,23 @@ def two_clients() -> Iterator[tuple[SocketcandHub, list[str], socket.socket, soc
             client.setblocking(False)
             while not text_of(client, served).endswith("< ok >< ok >"):
                 pass
+        for client in served._clients:
+            client.settled = 0.0
         yield served, said, one, other
+
+
+def test_who_joins_a_busy_bus_has_the_answer_alone_and_then_all_frames():
+    """python-can takes for the answer whatever has come when it looks."""
+    with two_clients() as (served, _, one, _), socket.create_connection((HOST, served.port)) as late:
+        late.setblocking(False)
+        for words, answer in ((b"< open a >", "< hi >< ok >"), (b"< rawmode >", "< hi >< ok >< ok >")):
+            late.sendall(words)
+            while len(text_of(late, served)) < len(answer):
+                pass
+            one.sendall(b"< send 123 0 >")
+            assert text_of(late, served) == answer
+        while "frame 123" not in text_of(late, served):
+            pass
 
 
 def text_of(client: socket.socket, served: SocketcandHub) -> str:

@@ -42,7 +42,8 @@ print(signal_hash(run_offline(load_scenario("shchur2019").runs[0].configurations
 def folder(monkeypatch, **named: Path) -> Path:
     """The cache folder where the environment says this, found anew."""
     for name in (user_cache.VARIABLE, "XDG_CACHE_HOME"):
-        monkeypatch.delenv(name, raising=False)
+        monkeypatch.setenv(name, "")  # what it is set to by the folder itself is taken back, too
+        monkeypatch.delenv(name)
     for name, path in named.items():
         monkeypatch.setenv(name, str(path))
     return cache_folder.__wrapped__()

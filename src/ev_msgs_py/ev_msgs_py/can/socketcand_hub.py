@@ -6,6 +6,7 @@ client, and `frame ID SECONDS DATA` to all others with the same name.
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import selectors
@@ -18,6 +19,7 @@ from ev_msgs_py.parameters.shown import quoted
 
 HOST = "127.0.0.1"  # frames never leave this machine
 _MOST_CLIENTS = 32
+_SETTLES = 0.1  # s behind the last answer in which a client is sent no frame: python-can takes all for the answer
 _LONGEST_TEXT = 200  # characters of an unfinished command
 _MOST_WAITING = 1 << 20  # bytes for a client that does not take them, some seconds of a full bus; the rest is lost
 # Hexadecimal digits and nothing else: int() would also take signs, underscores and the digits of other scripts.
@@ -28,8 +30,13 @@ class _Client:
     def __init__(self, connection: socket.socket) -> None:
         self.connection = connection
         self.bus = ""
+        self.settled = math.inf  # when frames may come
         self.text = ""
         self.waiting = bytearray()
+
+    @property
+    def is_settled(self) -> bool:
+        return time.monotonic() >= self.settled
 
 
 class SocketcandHub:
@@ -50,7 +57,8 @@ class SocketcandHub:
 
     def serve(self, timeout: float) -> None:
         """Deal with what comes within `timeout` [s]."""
-        for key, events in self._selector.select(timeout):
+        settling = [client for client in self._clients if client.waiting and not client.is_settled]
+        for key, events in self._selector.select(min(timeout, _SETTLES / 10) if settling else timeout):
             if key.data is None:
                 self._accept()
                 continue
@@ -58,6 +66,9 @@ class SocketcandHub:
                 self._write(key.data)
             if events & selectors.EVENT_READ and key.data in self._clients:
                 self._read(key.data)
+        for client in settling:
+            if client in self._clients and client.is_settled:
+                self._write(client)
 
     def close(self) -> None:
         """Send everybody away."""
@@ -116,14 +127,16 @@ class SocketcandHub:
             self._say(client, "< ok >")
         elif words == "rawmode" and client.bus:
             self._say(client, "< ok >")
+            client.settled = time.monotonic() + _SETTLES
         elif client.bus and (frame := _frame(words)):
-            for other in [c for c in self._clients if c is not client and c.bus == client.bus]:
+            for other in [c for c in self._clients if c is not client and c.bus == client.bus and c.settled < math.inf]:
                 self._say(other, frame)
         else:
             self._refuse(client, command)
 
     def _refuse(self, client: _Client, command: str) -> None:
         self._say_once("refused", f"a client is sent away: {quoted(command)} is no command or no frame")
+        client.settled = 0.0
         self._say(client, "< error unknown command >")
         self._drop(client)
 
@@ -136,7 +149,8 @@ class SocketcandHub:
         """What a client does not take at once waits for it, so that others do not."""
         if client in self._clients and len(client.waiting) < _MOST_WAITING:
             client.waiting += text.encode()
-            if len(client.waiting) == len(text):  # else it is full, and written to as soon as it is not
+            # Else it is full, or has yet to settle, and is written to as soon as that is over.
+            if len(client.waiting) == len(text) and (client.is_settled or client.settled == math.inf):
                 self._write(client)
 
     def _write(self, client: _Client) -> None:
