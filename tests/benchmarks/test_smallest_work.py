@@ -20,7 +20,7 @@ BENCHMARKS = {
     "lockstep": ("--steps", "20", "--repeats", "1"),
     "plant": ("--repeats", "1"),
     "relays": ("--help",),  # started by lockstep
-    "soak": ("--steps", "40", "--one-process-steps", "40"),
+    "soak": ("--steps", "40", "--one-process-steps", "0"),
     "sums": ("--seconds", "0.1", "--rounds", "1"),
     "strangers": ("--rates", "0", "--seconds", "0.1"),
     "urban_cycle": ("--repeats", "1", "--duration", "1"),
