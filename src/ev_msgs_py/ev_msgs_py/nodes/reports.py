@@ -50,7 +50,6 @@ class Reports:
         if what in self._noted or len(self._noted) >= _NAMED:
             return
         self._noted.add(what)
-        text = shown(text, LINE)
         self._node.get_logger().warning(text)
         self.runner.tell(Word(NOTE, text, what))
         self._unheard.append((text, KeyValue(key=NOTED, value=what)))

@@ -19,6 +19,7 @@ from ev_msgs_py.contract.frame import PLACES, places
 from ev_msgs_py.lockstep.methods import Method, all_methods, find_method
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.commands.refusal import refuse
 
 _PERIOD = 0.005  # [s], that all methods allow; compiled code is the same for all periods
 _STEPPING = ("", "")  # in the place of role and method: the loops, sensors and observers
@@ -31,7 +32,7 @@ def main() -> None:
     try:
         cache_folder()  # also for the workers
     except ParameterError as error:
-        sys.exit(f"error: {error}")
+        refuse(error)
     from ev_msgs_py.compiling import library  # noqa: F401, once for all workers that are forked from this process
 
     with ProcessPoolExecutor(os.cpu_count()) as workers:
