@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import resource
 import shutil
+import sys
 from pathlib import Path
 
 import pytest
 from replay.bags import PERIOD, differences, foreign_bag, realtime_bag
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 
+import ev_sim.replay.bag
+from ev_msgs_py.parameters.data_file import MEGABYTE
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.replay.comparing import in_words
 from ev_sim.replay.graph import replay_of
@@ -69,3 +75,19 @@ def test_a_bag_that_is_no_single_run_in_steps_is_one_line(stamps, said, turn: Pa
     with pytest.raises(ParameterError) as error:
         find_recorded(foreign_bag(load(turn / "signals.npz"), tmp_path, stamps, PART))
     assert str(error.value).endswith(said)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps such a limit")
+def test_a_chunk_that_unfolds_to_more_than_the_bound_is_one_line(monkeypatch, tmp_path: Path):
+    """Zeros of 128 MB are a file of some kB, which no bound of its size keeps out."""
+    writer = Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP)
+    writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    with writer as bag:
+        connection = bag.add_connection("/imu", "sensor_msgs/msg/Imu", typestore=get_typestore(Stores.ROS2_HUMBLE))
+        bag.write(connection, 0, bytes(128 * MEGABYTE))
+    assert sum(path.stat().st_size for path in (tmp_path / "bag").iterdir()) < MEGABYTE
+    monkeypatch.setattr(ev_sim.replay.bag, "SIGNALS", 32 * MEGABYTE)
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    with pytest.raises(ParameterError, match=r"bag: the bag cannot be read: unfolded it takes more than 64 MB$"):
+        find_recorded(tmp_path / "bag")
+    assert resource.getrlimit(resource.RLIMIT_DATA) == before

@@ -227,6 +227,13 @@ def test_a_vehicle_that_does_not_say_everything_about_itself_is_refused(scenario
     assert refused(scenario(HEAD), Overrides(vehicle=path)) == said
 
 
+def test_a_vehicle_that_says_more_than_a_car_is_refused(scenario, tmp_path):
+    """The scenario would overrule it, and nobody would know."""
+    path = own_car(tmp_path, lambda text: text + section("/**/asr", "{method: 'off'}"))
+    said = f"{path}: parameter 'method' is no vehicle's, allowed are those of vehicle; others stand in a scenario"
+    assert refused(scenario(HEAD), Overrides(vehicle=path)) == said
+
+
 def test_a_scenario_may_borrow_a_report_and_bring_metrics(scenario):
     text = HEAD.replace("about", "report: double_lane_change, metrics: ['end = last(pose.x)'], about")
     assert load_scenario(scenario(text)).parameters.report == "double_lane_change"

@@ -13,7 +13,7 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
-from ev_msgs_py.parameters.shown import quoted
+from ev_msgs_py.parameters.shown import LINE, quoted, shown
 from ev_msgs_py.wire.message_classes import message_class
 from ev_sim.running.domain import reserved_domains
 
@@ -35,7 +35,7 @@ def main(argv: list[str] | None = None) -> None:
         if given.echo:
             print(_one_message(node, given.echo))
         else:
-            print(_graph(node, given.seconds))
+            print("\n".join((shown(line, LINE) for line in _graph(node, given.seconds))))
     except LookupError as error:
         sys.exit(error.args[0])
     except KeyboardInterrupt:
@@ -79,7 +79,7 @@ def _count(node: Node, topics: dict[str, str], seconds: float) -> dict[str, int]
     return counts
 
 
-def _graph(node: Node, seconds: float) -> str:
+def _graph(node: Node, seconds: float) -> list[str]:
     nodes = sorted(f"{space.rstrip('/')}/{name}" for name, space in node.get_node_names_and_namespaces())
     nodes = [name for name in nodes if not name.endswith(f"/{_OWN_NAME}")]
     if not nodes:
@@ -95,7 +95,7 @@ def _graph(node: Node, seconds: float) -> str:
         rate = f"{counts[name] / seconds:.1f} Hz" if name in counts else "message type is not installed"
         lines.append(f"  {name}  {kind}  {rate}")
         lines.append(f"    {', '.join(writers[name]) or 'nobody'} -> {', '.join(readers[name]) or 'nobody'}")
-    return "\n".join(lines)
+    return lines
 
 
 def _names(ends: list) -> list[str]:

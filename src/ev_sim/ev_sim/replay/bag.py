@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import resource
+import sys
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -63,7 +66,7 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
     size = 0
     try:
         _refuse_what_blocks(bag)
-        with Reader(bag) as reader:
+        with _memory_at_most(2 * SIGNALS), Reader(bag) as reader:
             known = {(c.topic, c.msgtype): _meant(c.topic, c.msgtype) for c in reader.connections}
             ours = [c for c in reader.connections if known[c.topic, c.msgtype]]
             for connection, time, message in reader.messages(ours):
@@ -74,6 +77,9 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
                     size += len(message)
                     if size > SIGNALS:
                         raise ValueError(f"its messages are larger than {SIGNALS // MEGABYTE} MB")
+    except MemoryError:
+        largest = f"{2 * SIGNALS // MEGABYTE} MB"
+        raise ParameterError(f"{bag}: the bag cannot be read: unfolded it takes more than {largest}") from None
     except Exception as error:  # whatever the library and its decompressors raise for what is no bag
         raise ParameterError(f"{bag}: the bag cannot be read: {' '.join(str(error).split())[:200]}") from None
     namespaces = sorted({namespace for namespace, _ in data})
@@ -93,6 +99,24 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
         }
     except MessageError as error:
         raise ParameterError(f"{bag}: {error}") from None
+
+
+@contextmanager
+def _memory_at_most(more: int) -> Iterator[None]:
+    """MemoryError where a block takes so many bytes more: a compressed chunk unfolds to any size, whatever it says.
+
+    Only Linux keeps such a limit.
+    """
+    if sys.platform != "linux":
+        yield
+        return
+    before = soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    most = int(Path("/proc/self/statm").read_text().split()[5]) * resource.getpagesize() + more
+    resource.setrlimit(resource.RLIMIT_DATA, (most if soft == resource.RLIM_INFINITY else min(soft, most), hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, before)
 
 
 def _refuse_what_blocks(bag: Path) -> None:

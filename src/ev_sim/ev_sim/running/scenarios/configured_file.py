@@ -8,6 +8,7 @@ from pathlib import Path
 from ev_msgs_py.parameters.config_folders import files_in_config
 from ev_msgs_py.parameters.data_file import refuse_outside
 from ev_msgs_py.parameters.declaration import ParameterError, entries
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.running.scenarios.parameter_file import ParameterFile
@@ -38,9 +39,14 @@ def vehicle_file(name: str) -> ParameterFile:
     """The vehicle of a name or a path.
 
     ParameterError that lists what is missing if the file does not say everything in which cars differ: it would be
-    filled up from another car.
+    filled up from another car; and for whatever else it says, which the scenario would overrule without a word.
     """
     file = ParameterFile(configured_file(VEHICLE, name))
+    if others := sorted(each for each in file.names() if not each.startswith(f"{VEHICLE}.")):
+        what = (
+            f"parameter {quoted(others[0])} is no vehicle's, allowed are those of {VEHICLE}; others stand in a scenario"
+        )
+        raise ParameterError(f"{file.path}: {what}")
     said = file.values_for("/ev/plant")
     own = [entry.name for entry in entries(Vehicle, f"{VEHICLE}.") if entry.spec.own]
     if missing := [each for each in own if each not in said]:
