@@ -35,7 +35,7 @@ def main(argv: list[str] | None = None) -> None:
         if given.echo:
             print(_one_message(node, given.echo))
         else:
-            print("\n".join((shown(line, LINE) for line in _graph(node, given.seconds))))
+            print("\n".join(shown(line, LINE) for line in _graph(node, given.seconds)))
     except LookupError as error:
         sys.exit(error.args[0])
     except KeyboardInterrupt:
