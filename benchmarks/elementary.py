@@ -1,6 +1,6 @@
 """Time of the elementary functions beside those of the C library, compiled and interpreted, in one run.
 
-    python benchmarks/elementary.py [--json FILE]
+    python benchmarks/elementary.py [--only NAME ...] [--json FILE]
 
 The arguments are random, so branches are foreseen as badly as they can be.
 """
@@ -12,7 +12,7 @@ import json
 import math
 import platform
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -96,12 +96,14 @@ def interpreted_loop(function: Callable[..., float], *arguments: list[float]) ->
         pass
 
 
-def rows(repeats: int) -> Iterator[Row]:
-    """All functions over all their ranges."""
+def rows(names: Sequence[str], repeats: int) -> Iterator[Row]:
+    """Functions over all their ranges."""
     for function in FUNCTIONS:
         register_jitable(error_model="numpy")(function)
     generator = np.random.default_rng(1)
-    for name, ranges in RANGES.items():
+    slow_repeats = max(repeats // 4, 1)
+    for name in names:
+        ranges = RANGES[name]
         ours, library, two = getattr(elementary, name), getattr(math, name), name in TWO
         fast = compiled_loop(ours, two)
         fast_library = None if name == "remainder" else compiled_loop(library, two)
@@ -114,8 +116,8 @@ def rows(repeats: int) -> Iterator[Row]:
                 high,
                 best_time(repeats, fast, x, y),
                 best_time(repeats, fast_library, x, y) if fast_library else None,
-                best_time(repeats // 4, interpreted_loop, ours, *lists),
-                best_time(repeats // 4, interpreted_loop, library, *lists),
+                best_time(slow_repeats, interpreted_loop, ours, *lists),
+                best_time(slow_repeats, interpreted_loop, library, *lists),
             )
 
 
@@ -123,11 +125,12 @@ def main() -> None:
     """Print the table and, if asked for, write it as JSON."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--json", type=Path, help="write the table to this file")
+    parser.add_argument("--only", nargs="+", choices=RANGES, default=tuple(RANGES), metavar="NAME", help="functions")
     parser.add_argument("--repeats", type=int, default=60, help="the best of so many counts")
     arguments = parser.parse_args()
     print(f"{'ns per call':<12}{'arguments':>18}{'compiled':>10}{'C':>8}{'ratio':>8}{'Python':>10}{'C':>8}{'ratio':>8}")
     table = []
-    for row in rows(arguments.repeats):
+    for row in rows(arguments.only, arguments.repeats):
         compiled, python = row.ratios
         library = f"{row.compiled_library * 1e9:.1f}" if row.compiled_library else "-"
         print(

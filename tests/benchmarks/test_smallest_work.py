@@ -16,7 +16,7 @@ BENCHMARKS = {
     "can_latency": ("--seconds", "0.1"),
     "command_timeout": ("--trials", "1"),
     "dashboard": ("--seconds", "0.1"),
-    "elementary": ("--repeats", "1"),
+    "elementary": ("--repeats", "1", "--only", "sin"),
     "lockstep": ("--steps", "20", "--repeats", "1"),
     "plant": ("--repeats", "1"),
     "relays": ("--help",),  # started by lockstep
