@@ -43,7 +43,7 @@ def test_other_middleware_may_be_able_to(at):
 
 def test_a_run_does_not_begin(at):
     at(LAST + 1)
-    with pytest.raises(RunFailed, match="^" + REFUSED), observing("/ev", 0):
+    with pytest.raises(RunFailed, match="^" + REFUSED), observing("/ev", 0, "looker"):
         pass
 
 

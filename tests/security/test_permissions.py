@@ -1,6 +1,7 @@
 """Who may speak: policies by least privilege, held against a graph that runs."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -10,7 +11,7 @@ from sockets_of_process import sockets_of
 
 from ev_msgs_py.nodes.security import refuse_weak_security
 from ev_sim.running.domain import free_domain
-from ev_sim.running.observing import OBSERVER, enclave, observing
+from ev_sim.running.observing import enclave, observing
 from ev_sim.running.outcome import RunFailed
 from ev_sim.security.permissions import Permissions, permissions
 from ev_sim.security.policy_file import policy_file
@@ -109,6 +110,7 @@ def test_security_by_halves_is_refused(change, named):
 def test_a_run_does_not_begin_without_the_keys_that_are_asked_for(monkeypatch, tmp_path):
     for name, value in {**SECURED, "ROS_SECURITY_KEYSTORE": str(tmp_path)}.items():
         monkeypatch.setenv(name, value)
-    assert enclave(OBSERVER, NAMESPACE) == ["--ros-args", "--enclave", f"{NAMESPACE}/{OBSERVER}"]
-    with free_domain() as domain, pytest.raises(RunFailed, match="SECURITY ERROR"), observing(NAMESPACE, domain):
+    assert enclave("plant", NAMESPACE) == ["--ros-args", "--enclave", f"{NAMESPACE}/plant"]
+    looks = partial(observing, NAMESPACE, name="plant")
+    with free_domain() as domain, pytest.raises(RunFailed, match="SECURITY ERROR"), looks(domain=domain):
         pass

@@ -85,6 +85,7 @@ def _unreadable(out: Path) -> Iterator[str]:
 
 def _no_room_for_another(out: Path, run: UnderWay) -> Iterator[str]:
     """The next run must be able to replace this one."""
+    run.trial.make_room()
     scenario = load_scenario(run.trial.scenario)
     try:
         with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs):

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import resource
 import subprocess
 import sys
+from functools import partial
 
 from campaign.moments import MOVING, Moment, drawn
 from campaign.time_of_day import TimeOfDay
@@ -42,6 +44,7 @@ def full_disk(trial: Trial) -> None:
     if mounted.returncode:
         raise Skipped("mount of a tmpfs is not granted: no small disk")
     trial.clean_up.callback(subprocess.run, ["umount", "--lazy", trial.out], check=False)
+    trial.make_room = partial(subprocess.run, ["mount", "-o", "remount,size=100m", trial.out], check=True)
     trial.from_the_start = True
     trial.names = "No space left on device|no space left on device|Disk quota"
 
@@ -124,7 +127,7 @@ def rival(trial: Trial) -> None:
             return
         words = [ROOT / "scripts" / "run.sh", "coast_down", "--offline", "--duration", "0.1", "--out", trial.out]
         second = subprocess.run(words, env=run.environment, capture_output=True, text=True, timeout=PATIENCE)
-        refused = second.returncode == 1 and "another run is writing there" in second.stderr
+        refused = second.returncode == 1 and re.search("another run is writing there|is of scenario", second.stderr)
         if second.returncode == 0 and run.process.poll() is not None:
             trial.replaced = True  # on a busy machine it begins when the first one has ended
         elif not refused and run.process.poll() is None:

@@ -9,9 +9,11 @@ import sys
 
 from campaign.forgeries import FORGERIES
 from campaign.moments import ANNOUNCED, MOVING, Moment
+from campaign.sayings import SAYINGS
 from campaign.stranger import ACTS
 from campaign.trial import RUNNER, Trial
 from campaign.under_way import UnderWay
+from ev_msgs_py.contract.roles import ROLES
 
 _STANDS_STILL = 30.0  # s behind the last word of a stranger, for runs of 2 s
 
@@ -52,6 +54,8 @@ def stranger(trial: Trial) -> None:
     with_helper(trial, "stranger", act, str(rate), str(trial.seed))
     if act in FORGERIES:
         _may_be_noticed(trial)
+    elif act in SAYINGS and SAYINGS[act].node in ROLES:  # heard before the node of its name it is taken for that
+        trial.forged = True
 
 
 def _may_be_noticed(trial: Trial) -> None:

@@ -82,6 +82,7 @@ class MasterNode(SteppedNode):
             if self.now:  # before that nodes are still coming up
                 self._retry_period = min(2.0 * self._retry_period, _LONGEST_RETRY)
             self.health.late_answers += 1
+            super().idle()
             self._silence.name_after(self.configuration.extra.answer_timeout, self.schedule.missing, self.now)
 
     def free_until(self) -> int:

@@ -16,8 +16,9 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 LINE = "EV_STACK_RUNNER_LINE"  # variable of the environment: file descriptor, process of the runner, key of the sums
-PROGRESS, WARNING, NOTE, REMARK, TIME, TIMING, TALLY = KINDS = (
+PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME, TIMING, TALLY = KINDS = (
     "progress",  # of the recorder: `values` has the stamp up to which the run is held [ns]
+    "waits",  # `values` has the roles that a node waits for
     "warning",  # why the run may not be reproducible
     "note",  # what is said once of each `what`, and changes no number
     "remark",  # what a part notes of the run
@@ -71,7 +72,7 @@ class RunnerLine:
 
     def tell(self, word: Word) -> None:
         """Say a word, now or, where the runner does not listen at the moment, a little later; never wait for it."""
-        if self._socket is None or (word.kind == PROGRESS and self._waiting):  # there will be newer progress
+        if self._socket is None or (word.kind in (PROGRESS, WAITS) and self._waiting):  # there will be a newer one
             return
         self._waiting.append(word.encoded())
         self.send_what_waits()

@@ -7,13 +7,13 @@ from typing import Any
 
 from rclpy.node import Node
 
-from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.lockstep.configuration import Configuration, configure
 from ev_msgs_py.lockstep.graph import polling_order
 from ev_msgs_py.lockstep.part import Part
 from ev_msgs_py.lockstep.parts import hand_over, is_compiled, part_of
-from ev_msgs_py.lockstep.stepper import Answer, Stepper, arrival_place
+from ev_msgs_py.lockstep.stepper import WRITERS, Answer, Stepper, arrival_place
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.health import Health
 from ev_msgs_py.nodes.live_parameters import LiveParameters
@@ -23,6 +23,7 @@ from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.nodes.runner_line import TALLY, Word
 from ev_msgs_py.nodes.scheduling import ask_for
 from ev_msgs_py.nodes.signal_io import SignalReader, SignalWriter
+from ev_msgs_py.nodes.waiting import Waiting
 
 _POLLING_ORDER = polling_order(ROLES, MASTER)
 
@@ -58,6 +59,7 @@ class SteppedNode(Node, Polled):
             for signal in reads
         }
         self.health = Health(self)
+        self._waiting = Waiting(self.reports.runner)
         for lacking in ask_for(configuration.common):
             self.reports.note(lacking, lacking)
         if configuration.unused:
@@ -103,6 +105,12 @@ class SteppedNode(Node, Polled):
 
     def reconfigured(self) -> None:
         """Called when new parameter values are taken over."""
+
+    def idle(self) -> None:
+        """Tell the runner for whom the next step waits; in real time it waits for nobody."""
+        if not self.realtime:
+            whom = [WRITERS.get(signal, RECORDER) for signal in self.wanted()]
+            self._waiting.look(self.stepper.inbox.last, whom)
 
     def close(self) -> None:
         """Tell the runner what was taken and said, as far as it is added up."""

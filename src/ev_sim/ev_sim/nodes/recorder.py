@@ -18,6 +18,7 @@ from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.nodes.run_role import run_node
 from ev_msgs_py.nodes.runner_line import PROGRESS, Word
 from ev_msgs_py.nodes.signal_io import SignalWriter
+from ev_msgs_py.nodes.waiting import Waiting
 from ev_msgs_py.parameters.declaration import entries
 from ev_msgs_py.parameters.values import build
 from ev_sim.running.recording.output_of_run import OutputOfRun
@@ -43,6 +44,7 @@ class RecorderNode(Node):
         topics = [topic for topic in TOPICS.values() if topic.name in p.topics]
         self._output = OutputOfRun(p, topics, [self.resolve_topic_name(topic.name) for topic in topics])
         self._reports = Reports(self, RECORDER)
+        self._waiting = Waiting(self._reports.runner)
         self._input = RecorderInput(self, topics, self._output.recorder, p.bag, self._reports)
         self._told = -1
         self._asked_since = 0.0  # wall time at which the master waited for us first
@@ -74,6 +76,7 @@ class RecorderNode(Node):
         recorder = self._output.recorder
         recorder.took_all()
         held = recorder.held
+        self._waiting.look(held, (MASTER,))
         if held != self._told or recorder.asked:
             if silent := recorder.silent:
                 self._name(silent)

@@ -13,7 +13,7 @@ import rclpy
 from rclpy.parameter import Parameter
 
 from ev_msgs_py.contract.roles import RECORDER
-from ev_msgs_py.nodes.run_role import node_maker
+from ev_msgs_py.nodes.run_role import node_maker, one_line
 from ev_msgs_py.nodes.runner_line import LINE
 from ev_msgs_py.nodes.security import security_is_asked_for
 from ev_msgs_py.nodes.spinning import spin
@@ -31,6 +31,7 @@ from ev_sim.running.recording.recording import load
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.running.told import Told, told
 
+_OBSERVER = "run_scenario"  # the name of what is in the graph beside the nodes
 _LOOK_PERIOD = 0.1  # s of wall time between looks at simulated time
 
 
@@ -45,7 +46,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
     with (
         free_domain() as domain,
         StopRequest(patient=True) as stop,
-        observing(run.namespace, domain) as observer,
+        observing(run.namespace, domain, _OBSERVER) as observer,
         told(run.namespace) as words,
         real_bus(run, domain, directory) as bus,
     ):
@@ -68,7 +69,10 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
                 return recorder.done or stop.received
 
             start = time.monotonic()
-            spin(nodes, finished)
+            try:
+                spin(nodes, finished)
+            except RuntimeError as error:  # what ends a node that is a process of its own
+                raise RunFailed(one_line(error)) from None
             wall_time = time.monotonic() - start
             if not recorder.done:
                 raise KeyboardInterrupt

@@ -1,4 +1,4 @@
-"""The runner's own place in the graph, with keys of its own where DDS security is asked for."""
+"""A place in the graph for who looks at a run, with keys of its own where DDS security is asked for."""
 
 from __future__ import annotations
 
@@ -16,17 +16,14 @@ from ev_msgs_py.nodes.security import refuse_weak_security, security_is_asked_fo
 from ev_msgs_py.nodes.time_of_day import refuse_late_time_of_day
 from ev_sim.running.outcome import RunFailed
 
-OBSERVER = "run_scenario"  # the runner's name in the graph
-
 
 @contextmanager
-def observing(namespace: str, domain: int, name: str = OBSERVER) -> Iterator[Node]:
-    """A node of the runner in the graph of a domain; RunFailed where ROS 2 refuses it, as without keys, or fails."""
+def observing(namespace: str, domain: int, name: str) -> Iterator[Node]:
+    """A node in the graph of a domain; RunFailed where ROS 2 refuses it, as without keys, or fails."""
+    refuse_unready()
     context = rclpy.Context()
     try:
         try:
-            refuse_weak_security(os.environ)
-            refuse_late_time_of_day()
             rclpy.init(args=enclave(name, namespace), context=context, domain_id=domain)
             observer = Node(name, context=context, namespace=namespace, start_parameter_services=False)
         except RuntimeError as error:
@@ -38,6 +35,15 @@ def observing(namespace: str, domain: int, name: str = OBSERVER) -> Iterator[Nod
         raise RunFailed(one_line(error)) from None
     finally:
         context.try_shutdown()
+
+
+def refuse_unready() -> None:
+    """RunFailed where ROS 2 would leave security away in silence, or could send nothing at this time of day."""
+    try:
+        refuse_weak_security(os.environ)
+        refuse_late_time_of_day()
+    except RuntimeError as error:
+        raise RunFailed(one_line(error)) from None
 
 
 def enclave(node: str, namespace: str) -> list[str]:

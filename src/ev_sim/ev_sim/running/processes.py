@@ -11,7 +11,7 @@ from ev_sim.running.beginning import Beginning
 from ev_sim.running.domain import free_domain
 from ev_sim.running.files_of_run import PARAMETERS
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
-from ev_sim.running.observing import observing
+from ev_sim.running.observing import refuse_unready
 from ev_sim.running.outcome import Outcome, Progress
 from ev_sim.running.output_folder import forget_recording
 from ev_sim.running.progress_bar import announce
@@ -32,6 +32,7 @@ def run_in_processes(
     RunFailed, with a line that names the node, if one ends before the run does; KeyboardInterrupt if Ctrl-C or SIGTERM
     came. All nodes are stopped then.
     """
+    refuse_unready()
     file = directory / PARAMETERS
     node_loop.keep()  # whoever has updated the sources has set up nothing anew
     with (
@@ -43,10 +44,10 @@ def run_in_processes(
         write_parameter_file(file, run, parameters)
         while True:
             beginning = Beginning()
-            with observing(run.namespace, domain) as observer, told(run.namespace) as words:
+            with told(run.namespace) as words:
                 announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
                 with started_nodes(parameters, own_nodes or {}, run, file, domain, words) as nodes:
-                    watched = WatchedRun(run, nodes, observer, words)
+                    watched = WatchedRun(run, nodes, words)
                     has_begun = watched.drive(beginning, progress, stop)
                 if has_begun:  # all have told their last words
                     return watched.outcome(directory)

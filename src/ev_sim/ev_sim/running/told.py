@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,7 @@ from ev_msgs_py.contract.frame import PLACES, SIZE, places
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.lockstep.stepper import WRITERS
-from ev_msgs_py.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME, TIMING, WARNING, ListeningEnd, Word
+from ev_msgs_py.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME, TIMING, WAITS, WARNING, ListeningEnd, Word
 from ev_msgs_py.parameters.shown import shown
 from ev_sim.running.progress_bar import announce
 from ev_sim.running.recording.recording import Recording
@@ -37,6 +39,7 @@ class Told:
         self._lines: dict[str, ListeningEnd] = {}
         self._words: list[str] = []
         self._noted: dict[str, str] = {}
+        self._waits: dict[str, tuple[float, Sequence[str]]] = {}  # by node: when it said so, and for whom
         self._tallies: dict[str, Mapping[str, Any]] = {}
 
     def line(self, node: str) -> tuple[str, int]:
@@ -58,6 +61,11 @@ class Told:
         words, self._words = tuple(self._words), []
         return words
 
+    def waits_for(self, node: str, within: float) -> Sequence[str]:
+        """The roles for which a node has said within the last seconds that it waits for them."""
+        at, whom = self._waits.get(node, (-inf, ()))
+        return whom if time.monotonic() - at <= within else ()
+
     def look(self) -> None:
         """Take what was said since the last look."""
         for node, line in self._lines.items():
@@ -71,6 +79,8 @@ class Told:
         text = f"{self._namespace}/{node}: {shown(word.text)}"
         if word.kind == PROGRESS:
             self.time = stamps.to_seconds(int(word.values["stamp"]))
+        elif word.kind == WAITS:
+            self._waits[node] = time.monotonic(), [str(each) for each in word.values["whom"]]
         elif word.kind == TIMING:
             self.timing = dict(word.values)
         elif word.kind == TALLY:

@@ -7,8 +7,6 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from rclpy.node import Node
-
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER
 from ev_msgs_py.nodes.stop_request import StopRequest
@@ -30,11 +28,12 @@ _TO_CATCH_UP = 20.0  # s more for a recorder behind a plant in real time that sa
 class WatchedRun:
     """Follows simulated time and the processes of a run, and says which node does not answer."""
 
-    def __init__(self, run: Run, nodes: Sequence[NodeProcess], observer: Node, told: Told) -> None:
+    def __init__(self, run: Run, nodes: Sequence[NodeProcess], told: Told) -> None:
         self._run, self._nodes, self._told = run, nodes, told
         self._last = stamps.to_seconds(stamps.from_seconds(run.duration) // run.period * run.period)
         answer_timeout = run.configurations[MASTER].extra.answer_timeout
-        self._hanging = Hanging(observer, told, {node.name: node.process.pid for node in nodes}, answer_timeout)
+        pids = {node.name: node.process.pid for node in nodes}
+        self._hanging = Hanging(told, pids, answer_timeout, run.realtime)
         self._patience = math.inf  # wall time up to which the recorder may tell that it has everything
         self._began: float | None = None  # wall time of the last look at a car at rest in time
         self._arrived: float | None = None  # wall time of the first look at a car at its last instant

@@ -8,7 +8,6 @@ from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES, 
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.nodes.time_services import TIME_SERVICES
 from ev_sim.running.node_parameters import RECORDER
-from ev_sim.running.observing import OBSERVER
 from ev_sim.test_bench.sequence import SERVICES
 
 _CLOCK = frozenset({"/clock"})
@@ -53,7 +52,7 @@ _OWN_SERVICES = {MASTER: TIME_SERVICES, "test_bench": SERVICES}
 
 
 def permissions(namespace: str) -> dict[str, Permissions]:
-    """The permissions of every role, of the recorder and of the runner's observer in a namespace such as /ev."""
+    """The permissions of every role and of the recorder in a namespace such as /ev; the runner is not in the graph."""
     found = [_of_role(role, namespace) for role in ROLES.values()]
     found.append(
         Permissions(
@@ -61,14 +60,6 @@ def permissions(namespace: str) -> dict[str, Permissions]:
             publishes=_topics((RECORDER_WRITES,), namespace) | _LOG | _PARAMETER_EVENTS | _REPORTS,
             subscribes=_topics(RECORDED, namespace) | _REPORTS | _CLOCK,  # they go into the bag
             serves=_services(RECORDER, _PARAMETER_SERVICES, namespace),
-        )
-    )
-    found.append(
-        Permissions(
-            OBSERVER,
-            publishes=_LOG | _PARAMETER_EVENTS,
-            subscribes=_topics(RECORDED, namespace),  # to say who does not answer
-            serves=_services(OBSERVER, ("get_type_description",), namespace),
         )
     )
     return {each.node: each for each in found}

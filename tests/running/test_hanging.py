@@ -1,0 +1,75 @@
+"""Who is named where a run stands still."""
+
+from __future__ import annotations
+
+import time
+from types import SimpleNamespace
+
+import pytest
+
+from ev_msgs_py.nodes.runner_line import WAITS, RunnerLine, Word
+from ev_msgs_py.nodes.waiting import Waiting
+from ev_sim.running.hanging import Hanging
+from ev_sim.running.told import Told
+
+PIDS = dict.fromkeys(("plant", "driver", "electronic_differential", "asr", "recorder"), 1)
+
+
+def named(waits: dict[str, tuple[str, ...]], realtime: bool = False, pids: dict[str, int] = PIDS) -> str | None:
+    """The line about a run that has come to 1 s of simulated time, and has stood still for long."""
+    told = Told("/ev")
+    told.time = 1.0
+    for node, whom in waits.items():
+        told._take(node, Word(WAITS, values={"whom": list(whom)}))
+    hanging = Hanging(told, pids, 0.0, realtime)
+    hanging._since = time.monotonic() - 10.0
+    return hanging.look()
+
+
+@pytest.mark.parametrize(
+    ("who", "waits"),
+    [
+        ("asr", {"plant": ("asr",), "driver": ("plant",)}),
+        ("electronic_differential", {"plant": ("asr",), "asr": ("electronic_differential",)}),
+        ("asr", {"plant": ("asr",), "asr": ("plant",)}),  # it lives, and nobody hears it
+        ("recorder", {"plant": ("recorder",), "recorder": ("plant",)}),
+        ("plant", {"driver": ("plant",), "asr": ("electronic_differential",), "recorder": ("plant",)}),
+    ],
+)
+def test_the_end_of_the_chain_is_named(who, waits):
+    assert named(waits) == f"node {who} does not answer, at 1 s of simulated time"
+
+
+def test_in_real_time_the_recorder_knows():
+    assert "node plant does" in named({"recorder": ("plant",)}, realtime=True)
+    assert "node recorder does" in named({}, realtime=True)
+
+
+def test_behind_the_end_of_the_plant_only_the_recorder_is_left():
+    assert "node recorder does" in named({"recorder": ("plant",)}, pids={"recorder": 1})
+
+
+def test_a_run_that_goes_on_or_rests_is_not_named_and_what_was_said_long_ago_does_not_count(monkeypatch):
+    told = Told("/ev")
+    hanging = Hanging(told, PIDS, 0.0, realtime=False)
+    told.rests, hanging._since = True, time.monotonic() - 100.0
+    assert hanging.look() is None
+    told._take("plant", Word(WAITS, values={"whom": ["asr"]}))
+    later = time.monotonic() + 5.0
+    monkeypatch.setattr(time, "monotonic", lambda: later)
+    assert told.waits_for("plant", 1.0) == ()
+
+
+def test_a_node_says_for_whom_it_waits_once_its_steps_stand_still(monkeypatch):
+    said, now = [], [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    line = SimpleNamespace(spec=RunnerLine, tell=said.append)
+    waiting = Waiting(line)
+    for step in range(10):
+        now[0] = 0.1 * step
+        waiting.look(step, ("plant",))
+    assert said == []
+    for _ in range(10):
+        now[0] += 0.1
+        waiting.look(9, ("plant",))
+    assert 3 <= len(said) <= 5 and said[0] == Word(WAITS, values={"whom": ["plant"]})
