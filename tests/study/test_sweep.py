@@ -41,12 +41,19 @@ def rows(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+@pytest.mark.parametrize(("text", "values"), [("1:3:3", [1, 2, 3]), ("0:1:3", [0.0, 0.5, 1.0])])
+def test_whole_numbers_from_first_to_last_are_whole(text, values):
+    """`--vary plant.road.seed=1:3:3` is three roads."""
+    given = arguments("sweep", ["urban_mixed", "--vary", f"plant.road.seed={text}"])
+    assert repr(sweep.variations(given)["plant.road.seed"]) == repr(values)
+
+
 @pytest.mark.slow
 def test_each_row_is_the_run_alone(folder):
     found = rows(folder)
     assert len(found) == 3 * 2 * 2
     row = found[-1]
-    assert (row["electronic_differential.gamma"], row["plant.initial_speed"], row["seed"]) == ("10.0", "4.0", "1")
+    assert (row["electronic_differential.gamma"], row["plant.initial_speed"], row["seed"]) == ("10", "4.0", "1")
     changed = {"electronic_differential.gamma": 10.0, "plant.initial_speed": 4.0}
     alone = ev_sim.run("shchur2019", set=changed, seed=1, duration=0.1)
     measured = {name: metric for name, metric in alone.metrics.items() if metric.value is not None}

@@ -24,6 +24,7 @@ from ev_msgs_py.parameters.declaration import (
 )
 from ev_msgs_py.parameters.values import entries_by_name, replaced, unknown_name
 from ev_msgs_py.sensors.quantities import sensors_for
+from ev_msgs_py.sensors.seeds import seeded
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.files import with_files
 
@@ -91,9 +92,19 @@ class Configuration:
         kind: type = type(self.sensors)
         return bool(self.sensors == defaults(kind))
 
+    @property
+    def told(self) -> Any:
+        """The parameters as the method is told them: its own seeds go with that of the node."""
+        return seeded(self.parameters, self.common.seed)
+
+    @property
+    def has_random_method(self) -> bool:
+        """Whether the method itself hangs on the seed, and not its sensors and faults alone."""
+        return seeded(self.parameters, 1) is not self.parameters
+
     def create(self) -> Any:
         """A new object of the method, at rest, in plain Python and in front of its sensors."""
-        return create(self.method, self.parameters, self.common.vehicle, self.common.control_period)
+        return create(self.method, self.told, self.common.vehicle, self.common.control_period)
 
     def entries(self) -> tuple[Entry, ...]:
         """Every parameter of the node with its present value as default."""
@@ -163,7 +174,8 @@ def _fitting(configuration: Configuration) -> Configuration:
     if isinstance(method.factory, ReadingFiles):
         parameters = method.factory.load_files(parameters)
     refuse_layout(method, parameters, common.vehicle)
-    refuse_faults(configuration.role, configuration.faults, method.writes, hasattr(parameters, "faults"))
+    has_car, period = hasattr(parameters, "faults"), common.control_period
+    refuse_faults(configuration.role, configuration.faults, method.writes, has_car, period)
     return dataclasses.replace(configuration, common=common, parameters=parameters)
 
 

@@ -61,8 +61,8 @@ class Variation:
     def configurations(self, role: str) -> list[Configuration] | None:
         """Those of a role in all runs, None if nothing that matters differs; ParameterError if a value is refused."""
         base, columns = self._configurations[role], self._by_role[role]
-        # Only sensors know the seed.
-        matters = self.concerns_method(role) or self.concerns_sensors(role) or not base.is_ideal
+        is_sound = base.is_ideal and not base.faults
+        matters = self.concerns_method(role) or self.concerns_sensors(role) or not is_sound
         found = []
         for run in range(self.runs if columns else 0):
             values = {name: column[run] for name, column in columns.items()}
@@ -80,8 +80,9 @@ class Variation:
         return any(name.startswith(_SENSORS) for name in self._by_role[role])
 
     def concerns_method(self, role: str) -> bool:
-        """Whether anything differs that the method of a role knows of, and not its sensors alone."""
-        return any(name != "seed" and not name.startswith(_SENSORS) for name in self._by_role[role])
+        """Whether anything differs that the method of a role knows of, and not its sensors and faults alone."""
+        seed = () if self._configurations[role].has_random_method else ("seed",)
+        return any(name not in seed and not name.startswith(_SENSORS) for name in self._by_role[role])
 
 
 def _column(values: Iterable[Any]) -> list[Any]:

@@ -63,7 +63,9 @@ def _values(word: str, text: str) -> list[Any]:
         return [read_yaml(each) for each in text.split(",")]
     try:
         first, last, count = text.split(":")
-        return np.linspace(float(first), float(last), int(count)).tolist()
+        values = np.linspace(float(first), float(last), int(count)).tolist()
+        is_whole = all(value.is_integer() for value in values)  # which parameters are that count
+        return [int(value) for value in values] if is_whole else values
     except ValueError:
         raise ParameterError(f"--vary {quoted(word)} is refused, allowed is FIRST:LAST:COUNT of numbers") from None
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.faults.fault import parsed
 from ev_msgs_py.lockstep.configuration import Configuration, chosen_method, configure
 from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.nodes.master_parameters import LONGEST, MasterParameters
@@ -101,7 +103,15 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     )
     left_out = sorted({key for key in own.names() if key.startswith(f"{VEHICLE}.")}) if overrides.vehicle else ()
     notes = (f"left out for another vehicle: {', '.join(left_out)} of {own.path}",) if left_out else ()
-    return Scenario(name, about, runs, own.path, notes)
+    return Scenario(name, about, runs, own.path, (*notes, *(note for run in runs for note in _late_faults(run))))
+
+
+def _late_faults(run: Run) -> Iterator[str]:
+    """A line for each fault that the run does not live to see."""
+    for role, configuration in run.configurations.items():
+        for fault in parsed(configuration.faults):
+            if fault.periods(configuration.common.control_period)[0] > stamps.from_seconds(run.duration) // run.period:
+                yield f"{run.namespace}/{role}: fault {quoted(fault.text)} begins after the end at {run.duration:g} s"
 
 
 def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:
