@@ -15,7 +15,8 @@ from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.lockstep.hooks import refuse_lacking
 from ev_msgs_py.lockstep.installed_methods import load_installed_methods
 from ev_msgs_py.lockstep.law import Law, given_names
-from ev_msgs_py.parameters.data_file import TextOfFile
+from ev_msgs_py.parameters.csv_file import find_file
+from ev_msgs_py.parameters.data_file import TextOfFile, tell
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
@@ -170,11 +171,15 @@ def find_method(role: str, name: str) -> Method:
             )
         from ev_msgs_py.native.method import library_method
 
-        return library_method(role, name)
+        found = library_method(role, name)
+        tell(find_file(name))
+        return found
     if isinstance(name, str) and name.endswith(RECORDINGS):
         from ev_msgs_py.playback.method import playback_method
 
-        return playback_method(role, name)
+        found = playback_method(role, name)
+        tell(name)
+        return found
     known = methods_of(role)
     if not isinstance(name, str) or name not in known:
         failed = "".join(f"; not loaded: {line}" for line in load_installed_methods(role))

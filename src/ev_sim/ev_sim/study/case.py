@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
+import traceback
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.parameters.values import unknown_name
+from ev_sim.report.metric import NotMeasured
 from ev_sim.running.recording.recording import Recording, signal_hash
 from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
@@ -33,7 +35,7 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class CaseResult:
-    """What a study has measured on a case, or in `refused` one line on why the case cannot be driven.
+    """What a study has measured on a case, or in `refused` one line on why it cannot be driven or measured.
 
     `simulated_time` and `wall_time` [s] are those of driving, `notes` what its nodes noted.
     """
@@ -50,7 +52,8 @@ class CaseResult:
 def drive_case(case: Case, measure: Measure) -> CaseResult:
     """Drive a case offline and measure it; nothing else is kept of its signals than their hash.
 
-    A case that its parameters, a law on this vehicle, or a signal that is not finite forbid comes back as refused.
+    A case that its parameters, a law on this vehicle, or a signal that is not finite forbid comes back as refused, and
+    so does one that is driven, with its hash, and cannot be measured. OSError if its signals cannot be written.
     """
     from ev_sim.running.offline import run_offline  # numba is slow to import, and a list of studies drives nothing
 
@@ -64,10 +67,17 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     except ValueError as error:  # a ParameterError or SignalError, or what a law says to its vehicle
         return CaseResult(case.name, {}, refused=str(error))
     wall_time = time.monotonic() - start
-    measured = measure(recording, run)
-    return CaseResult(
-        case.name, measured, signal_hash(recording), run.duration, wall_time, notes=tuple(dict.fromkeys(notes))
-    )
+    driven = CaseResult(case.name, {}, signal_hash(recording), run.duration, wall_time, "", tuple(dict.fromkeys(notes)))
+    try:
+        return replace(driven, measured=measure(recording, run))
+    except OSError:
+        raise
+    except NotMeasured as why:
+        return replace(driven, refused=str(why))
+    except Exception as error:  # a run too short, or another than was thought of: the other cases are measured
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        said = " ".join(f"{type(error).__name__} {error}".split())
+        return replace(driven, refused=f"{said} ({Path(last.filename).name}, line {last.lineno})")
 
 
 def run_of(case: Case) -> Run:
