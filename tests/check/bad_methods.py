@@ -11,7 +11,8 @@ from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.configuration import CommonParameters, Configuration
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.law import Law
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.parameters.declaration import parameter

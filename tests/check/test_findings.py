@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import dataclass
 
 import pytest
 from check.bad_methods import FINDINGS, WRAPPING, AnsweringNan, Good, Hiding, Leaning, configuration_of
@@ -21,7 +22,7 @@ from ev_msgs_py.contract.signals import (
 )
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
 
 pytestmark = pytest.mark.slow
 
@@ -127,6 +128,21 @@ def test_parameters_have_a_mirror_image():
 def test_values_by_wheel_change_sides():
     law = configure("electronic_differential", {"method": "load_proportional", "rolling_resistance": [1, 2, 3, 4]})
     assert mirrored_configuration(law).parameters.rolling_resistance == (2.0, 1.0, 4.0, 3.0)
+
+
+def test_what_names_a_wheel_or_a_side_names_the_other_one():
+    """One by one as in arrays, and in the faults of the car; a wheel that was named alone stayed where it was."""
+
+    @dataclass(frozen=True, slots=True)
+    class Named:
+        wheel: str = parameter("rear_left", choices=WHEEL_NAMES, about="one wheel")
+        side: str = parameter("left", choices=("both", "left", "right"), about="one side")
+        left_handed: bool = parameter(True, about="has no counterpart")
+
+    image = mirrored_configuration(configuration_of(Good, Named)).parameters
+    assert (image.wheel, image.side, image.left_handed) == ("rear_right", "right", True)
+    car = configure("plant", {"method": "planar", "faults": ["motor_share front_left 0", "puncture right 1"]})
+    assert mirrored_configuration(car).faults == ("motor_share front_right 0", "puncture left 1")
 
 
 # What the method is given

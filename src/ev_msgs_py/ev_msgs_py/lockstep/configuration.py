@@ -11,47 +11,19 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.faults.fault import FaultParameters
 from ev_msgs_py.faults.row import refuse_faults
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
 from ev_msgs_py.lockstep.hooks import ReadingFiles
-from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout
+from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout, refuse_taken
 from ev_msgs_py.parameters.declaration import (
     Entry,
     Spec,
     defaults,
     entries,
     flatten,
-    group,
-    parameter,
 )
 from ev_msgs_py.parameters.values import entries_by_name, replaced, unknown_name
 from ev_msgs_py.sensors.quantities import sensors_for
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.files import with_files
-
-
-@dataclass(frozen=True, slots=True)
-class CommonParameters:
-    """Parameters that every node of the graph has."""
-
-    control_period: float = parameter(
-        0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
-    )
-    mode: str = parameter(
-        "lockstep",
-        choices=("lockstep", "realtime"),
-        about="lockstep: a step when all inputs are there; realtime: a step when the wall clock says so",
-        read_only=True,
-    )
-    seed: int = parameter(0, low=0, high=2**31 - 1, about="seed of everything random in the node", read_only=True)
-    scheduling_priority: int = parameter(
-        0,
-        low=0,
-        high=99,
-        about="SCHED_FIFO for all threads of the process; 0: not asked for",
-        read_only=True,
-    )
-    lock_memory: bool = parameter(False, about="keep the memory of the node's process from being paged", read_only=True)
-    vehicle: Vehicle = group(Vehicle)
-
 
 P = TypeVar("P")
 _METHOD, _SENSORS = "method", "sensors."
@@ -139,6 +111,8 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     rest.pop(_METHOD, None)
     common = _take(rest, CommonParameters)
     further = _take(rest, extra) if extra is not None else None
+    if extra is not None:
+        refuse_taken(f"{role} method {method.name}", method.parameters, entries_by_name(extra))
     parameters: Any = _take(rest, method.parameters)
     sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
     own_faults = None if hasattr(parameters, "faults") else _take(rest, FaultParameters)
@@ -162,6 +136,8 @@ def _fitting(configuration: Configuration) -> Configuration:
     parameters = configuration.parameters
     if isinstance(method.factory, ReadingFiles):
         parameters = method.factory.load_files(parameters)
+    if configuration.extra is not None:
+        configuration.extra.refuse_beside(common)
     refuse_layout(method, parameters, common.vehicle)
     refuse_faults(configuration.role, configuration.faults, method.writes, hasattr(parameters, "faults"))
     return dataclasses.replace(configuration, common=common, parameters=parameters)

@@ -11,7 +11,8 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.configuration import CommonParameters, Configuration, configure
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
+from ev_msgs_py.lockstep.configuration import Configuration, configure
 from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import entries_by_name, unknown_name
