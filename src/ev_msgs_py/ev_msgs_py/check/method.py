@@ -12,7 +12,7 @@ from ev_msgs_py.check.mirror import asymmetry
 from ev_msgs_py.check.pure import impurity
 from ev_msgs_py.check.state import lost_by_live_change, lost_state, unnamed_state
 from ev_msgs_py.check.stepping import MakesInputs, Subject
-from ev_msgs_py.lockstep.configuration import Configuration, configure
+from ev_msgs_py.lockstep.configuration import Configuration, configure, refuse_unused
 
 SEEDS = (1, 2)
 STEPS = 60
@@ -44,6 +44,8 @@ def check_method(
     what `inputs` makes: random numbers, by default.
     """
     configuration = configure(role, {"method": name, **(values or {})})
+    for said in values or {}:
+        refuse_unused(said, [configuration])
     check_configuration(configuration, seeds=seeds, steps=steps, inputs=inputs, mirrored=mirrored)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -16,6 +16,7 @@ from ev_msgs_py.lockstep.hooks import ReadingFiles
 from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout, refuse_taken
 from ev_msgs_py.parameters.declaration import (
     Entry,
+    ParameterError,
     Spec,
     defaults,
     entries,
@@ -86,6 +87,8 @@ class Configuration:
         sensors = _replaced(rest, self.sensors, _SENSORS)
         own_faults = _replaced(rest, self.own_faults) if self.own_faults is not None else None
         if not rest:
+            if self.extra is not None:
+                self.extra.refuse_beside(common)
             changed = {"common": common, "parameters": parameters, "sensors": sensors, "own_faults": own_faults}
             made = dataclasses.replace(self, **changed)
             same = parameters is self.parameters and own_faults is self.own_faults
@@ -104,7 +107,8 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
 
     `extra` is a dataclass of further parameters that only this node has. Raises ParameterError for unknown names and
     refused values. A value for another method of the same role, or for a sensor of a signal that this method does not
-    write, is checked and then listed as unused, so that one scenario file can serve several methods.
+    write, is checked and then listed as unused, so that one scenario file can serve several methods; `refuse_unused`
+    is for what somebody says of the chosen ones.
     """
     rest = dict(values)
     method = chosen_method(role, rest)
@@ -127,6 +131,26 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
             is_sensor = name.startswith(_SENSORS)  # there are many: listed where one is meant
             raise unknown_name(f"parameter of {role}", name, flatten(sensors, _SENSORS) if is_sensor else known)
     return _fitting(Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors, own_faults))
+
+
+def refuse_unused(name: str, configurations: Collection[Configuration]) -> None:
+    """ParameterError if the methods chosen for a role lack a parameter: it says who has it, or its name there."""
+    if not all(name in each.unused for each in configurations):
+        return
+    role = next(each.role for each in configurations)
+    here = sorted({known for each in configurations for known in each.values() if _ends_alike(known, name)})
+    having = [
+        each.name
+        for each in methods_of(role).values()
+        if name in entries_by_name(each.parameters) or name in entries_by_name(sensors_for(each.writes), _SENSORS)
+    ]
+    chosen = ", ".join(dict.fromkeys(each.method.name for each in configurations))
+    where = f"its name there is {' or '.join(here)}" if here else f"allowed with {', '.join(having)}"
+    raise ParameterError(f"parameter {name} is refused: {role} method {chosen} does not have it, {where}", name)
+
+
+def _ends_alike(one: str, other: str) -> bool:
+    return one.endswith(f".{other}") or other.endswith(f".{one}")
 
 
 def _fitting(configuration: Configuration) -> Configuration:

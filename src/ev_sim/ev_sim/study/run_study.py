@@ -6,6 +6,7 @@ import argparse
 import hashlib
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from ev_sim.running.files_of_run import OF_ALL_RUNS, PAGE, SUMMARY
 from ev_sim.running.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.progress_bar import bar_of_runs
-from ev_sim.running.scenarios.scenario import Run
+from ev_sim.running.scenarios.scenario import Run, refuse_unused_values
 from ev_sim.study.case import Case, CaseResult, run_of
 from ev_sim.study.kept_rows import NAME, KeptRows, MeasureAndSave, signals_of
 from ev_sim.study.study import Results, Study, study_named
@@ -50,7 +51,7 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
         Case(
             case.name,
             case.scenario,
-            (*case.values, *common.values),
+            (*case.values, *common.prepared, *common.values),
             case.run,
             (*case.files, *common.files),
             case.duration if common.duration is None else common.duration,
@@ -65,6 +66,7 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     study, given = study_named(name), arguments(name, argv)
     cases = study_cases(study, given)
     run = _first_that_can_be_driven(cases)
+    _refuse_unused(study, given, cases)
     out = given.out or Path("results") / name
     rows = KeptRows(out, name, cases, run)
     names = [*OF_ALL_RUNS, *TABLES, NAME, *(map(signals_of, cases) if given.signals else ())]
@@ -153,6 +155,18 @@ def _first_that_can_be_driven(cases: Sequence[Case]) -> Run:
         except ParameterError as error:
             reason = reason or f"{case.name}: {error}"
     raise ParameterError(f"none of {len(cases)} runs can be driven; {reason}")
+
+
+def _refuse_unused(study: Study, given: argparse.Namespace, cases: Sequence[Case]) -> None:
+    """ParameterError for what the command line sets or varies and no method of any case has."""
+    alike = {(c.scenario, c.run, c.files, *(v for v in c.values if v[1] == "method")): c for c in cases}
+    runs = []
+    for case in alike.values():
+        with suppress(ParameterError):  # a case that cannot be driven comes back as refused
+            runs.append(run_of(case))
+    varied = study.variations(given) if hasattr(study, "variations") else {}
+    places = [(*name.split(".", 1), None) for name in varied if "." in name]
+    refuse_unused_values([*overrides(given).values, *places], runs)
 
 
 def _positive(text: str) -> int:
