@@ -128,9 +128,7 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
     for node, key, _ in values:
         played = [c for run in runs for role, c in run.configurations.items() if node in ("*", role)]
         if not played:
-            raise ParameterError(
-                f"{node}.{key} is refused: nobody plays {node} here, allowed with --method {node}=NAME"
-            )
+            raise ParameterError(f"{node}.{key} is refused: nobody plays {node}, allowed with --method {node}=NAME")
         if not any(key not in each.unused for each in played):
             try:
                 refuse_unused(key, [each for each in played if each.role == played[0].role])
