@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
-from ev_msgs_py.lockstep.configuration import CommonParameters, Configuration
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import check, entries_by_name, unknown_name
+from ev_msgs_py.parameters.values import check, entries_by_name, plain, unknown_name
 
 EVERY_ROLE = "*"
 _VEHICLE, _SENSORS = "vehicle.", "sensors."
@@ -86,8 +85,4 @@ class Variation:
 
 
 def _column(values: Iterable[Any]) -> list[Any]:
-    return values.tolist() if isinstance(values, np.ndarray) else [_plain(value) for value in values]
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+    return list(map(plain, plain(values)))

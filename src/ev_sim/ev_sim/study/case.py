@@ -21,6 +21,8 @@ Measure = Callable[[Recording, Run], Mapping[str, Any]]
 class Case:
     """A run of a scenario, and what differs from the scenario's own file; `values` are (node, parameter, value).
 
+    A study drives several methods, so some values may be for others than that of this case.
+
     `run` is needed for a scenario with several runs only.
     """
 
@@ -82,7 +84,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
 
 def run_of(case: Case) -> Run:
     """The configured graph of a case; ParameterError, in one line, if something in it is refused."""
-    overrides = Overrides(case.files, case.values, case.duration, case.vehicle)
+    overrides = Overrides(case.files, (), case.duration, case.vehicle, prepared=case.values)
     scenario = load_scenario(case.scenario, overrides, only=(case.run,) if case.run else ())
     if len(scenario.runs) > 1:
         raise unknown_name(f"run of {case.scenario}", case.run, [run.name for run in scenario.runs])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +12,8 @@ from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.shown import quoted
 from ev_sim.commands.command_line import add_outputs, add_overrides, overrides
 from ev_sim.running.scenarios.parameter_file import ParameterFile
-from ev_sim.running.scenarios.scenario import Overrides
-from ev_sim.study.case import Case
+from ev_sim.running.scenarios.scenario import Overrides, refuse_unused_values
+from ev_sim.study.case import Case, run_of
 from ev_sim.study.study import Study, study_named
 
 _EVERY_NODE, _FILE = "*", "file"
@@ -58,16 +59,31 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
         _refuse_what_it_sets(case, told)
         if common.vehicle and case.vehicle:
             raise ParameterError(f"--vehicle is refused: case {quoted(case.name)} sets it itself, {case.vehicle}")
-    return [
+    cases = [
         replace(
             case,
-            values=(*case.values, *common.values),
+            values=(*case.values, *common.prepared, *common.values),
             files=(*case.files, *common.files),
             duration=case.duration if common.duration is None else common.duration,
             vehicle=common.vehicle or case.vehicle,
         )
         for case in cases
     ]
+    _refuse_unused(study, given, cases)
+    return cases
+
+
+def _refuse_unused(study: Study, given: argparse.Namespace, cases: Sequence[Case]) -> None:
+    """ParameterError for what the command line sets or varies and no method of any case has."""
+    alike = {(c.scenario, c.run, c.files, *(v for v in c.values if v[1] == "method")): c for c in cases}
+    runs = []
+    for case in alike.values():
+        with suppress(ParameterError):  # a case that cannot be driven comes back as refused
+            runs.append(run_of(case))
+    varied = study.variations(given) if hasattr(study, "variations") else {}
+    places = [(*name.split(".", 1), None) for name in varied if "." in name]
+    if runs:
+        refuse_unused_values([*overrides(given).values, *places], runs)
 
 
 def _refuse_same_names(cases: Iterable[Case]) -> None:
@@ -82,7 +98,7 @@ def _told(common: Overrides) -> list[tuple[str, str]]:
     """Node and name of each parameter that goes before those of the cases; a file of parameters only names files so."""
     in_files = (name for file in common.files for name in ParameterFile(file).names())
     files = [(_EVERY_NODE, name) for name in in_files if name.endswith(_FILE)]
-    return [*((node, name) for node, name, _ in common.values), *files]
+    return [*((node, name) for node, name, _ in (*common.prepared, *common.values)), *files]
 
 
 def _refuse_what_it_sets(case: Case, told: Iterable[tuple[str, str]]) -> None:

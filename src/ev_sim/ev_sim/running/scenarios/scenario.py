@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.faults.fault import parsed
-from ev_msgs_py.lockstep.configuration import Configuration, chosen_method, configure
+from ev_msgs_py.lockstep.configuration import Configuration, chosen_method, configure, refuse_unused
 from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.nodes.master_parameters import LONGEST, MasterParameters
 from ev_msgs_py.parameters.config_folders import files_in_config
@@ -48,14 +48,17 @@ class Run:
 class Overrides:
     """What the command line says beyond the scenario's own files; later entries go before earlier ones.
 
-    `values`: (node, dotted parameter name, value). Node `*` means every role. `vehicle` is another car than that of the
-    scenario, as a name or a path; what the scenario itself changes about its car is left out then.
+    `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is driven must have each of
+    them; those that are `prepared`, which come before, may be for other methods, like what files say. `vehicle` is
+    another car than that of the scenario, as a name or a path; what the scenario itself changes about its car is left
+    out then.
     """
 
     files: Sequence[Path] = ()
     values: Sequence[tuple[str, str, Any]] = ()
     duration: float | None = None
     vehicle: str | None = None
+    prepared: Sequence[tuple[str, str, Any]] = ()
 
 
 @dataclass(frozen=True)
@@ -101,9 +104,12 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
         for run, namespace in namespaces.items()
         if not only or run in only
     )
+    refuse_unused_values(overrides.values, runs)
     left_out = sorted({key for key in own.names() if key.startswith(f"{VEHICLE}.")}) if overrides.vehicle else ()
-    notes = (f"left out for another vehicle: {', '.join(left_out)} of {own.path}",) if left_out else ()
-    return Scenario(name, about, runs, own.path, (*notes, *(note for run in runs for note in _late_faults(run))))
+    notes = [f"left out for another vehicle: {', '.join(left_out)} of {own.path}"] if left_out else []
+    notes += [] if only else _unused_in(files, runs, overrides)
+    notes += [note for run in runs for note in _late_faults(run)]
+    return Scenario(name, about, runs, own.path, tuple(notes))
 
 
 def _late_faults(run: Run) -> Iterator[str]:
@@ -126,6 +132,36 @@ def _refuse_unknown_overrides(overrides: Overrides) -> None:
         if node != "*" and node not in ROLES:
             hint = f"; the car is that of all nodes: '*.{node}.{key}'" if node == VEHICLE else ""
             raise ParameterError(f"{unknown_name('node', node, ROLES)}{hint}")
+
+
+def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
+    """ParameterError for (node, parameter, value) that nothing in these runs takes: it would silently do nothing."""
+    for node, key, _ in values:
+        played = [c for run in runs for role, c in run.configurations.items() if node in ("*", role)]
+        if not played:
+            raise ParameterError(f"{node}.{key} is refused: nobody plays {node}, allowed with --method {node}=NAME")
+        if not any(key not in each.unused for each in played):
+            try:
+                refuse_unused(key, [each for each in played if each.role == played[0].role])
+            except ParameterError as error:
+                raise ParameterError(f"{node}: {error}", key) from None
+
+
+def _unused_in(files: Sequence[ParameterFile], runs: Sequence[Run], overrides: Overrides) -> list[str]:
+    """What files say and no run uses, a note for each file, but for roles whose method the command line chooses."""
+    switched = {node for node, key, _ in overrides.values if key == "method"}
+    roles = [role for role in ROLES if role not in switched]
+    notes = []
+    for file in files:
+        said: dict[str, bool] = {}  # by name whether it is used
+        for run in runs:
+            for role in (role for role in roles if role in run.configurations):
+                for name in file.values_for(f"{run.namespace}/{role}"):
+                    is_used = name not in run.configurations[role].unused
+                    said[f"{role}.{name}"] = said.get(f"{role}.{name}", False) or is_used
+        if unused := [name for name, is_used in said.items() if not is_used]:
+            notes.append(f"used by no chosen method: {', '.join(unused)} of {file.path}")
+    return notes
 
 
 def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides, duration: float) -> Run:
@@ -180,5 +216,6 @@ def _values(role: str, namespace: str, files: Sequence[ParameterFile], overrides
     values: dict[str, Any] = {}
     for file in files:
         values.update(file.values_for(f"{namespace}/{role}"))
-    values.update({key: value for node, key, value in overrides.values if node in ("*", role)})
+    said = (*overrides.prepared, *overrides.values)
+    values.update({key: value for node, key, value in said if node in ("*", role)})
     return values
