@@ -3,6 +3,7 @@
 set -euo pipefail
 trap 'echo stopped >&2; exit 130' INT TERM
 here="${BASH_SOURCE[0]}"
+[[ ! -L "$here" ]] || here="$(readlink -f "$here")"
 [[ "$here" == */* ]] || here="./$here"
 # Without another process in it: Ctrl-C would leave this command without a path, before the trap has its turn.
 # shellcheck source=scripts/setup.sh

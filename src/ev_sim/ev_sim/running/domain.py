@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ev_sim.running.outcome import RunFailed
 
+_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _DOMAINS = range(1, 102)  # those that are safe on every operating system
 _LAST = 232  # whose ports still are ports
 _FIRST_PORT, _PORTS_PER_DOMAIN = 7400, 250  # of DDS: multicast discovery of a domain
@@ -27,11 +28,13 @@ class NoFreeDomain(RunFailed):
 def free_domain() -> Iterator[int]:
     """A domain id without participants, reserved against other runs of this kind until the end of the block.
 
-    NoFreeDomain if there is none, RunFailed if ROS_DOMAIN_ID is no domain.
+    NoFreeDomain if there is none, RunFailed if ROS_DOMAIN_ID is no domain, or if nodes are not to find each other.
 
     ROS_DOMAIN_ID goes before: whoever sets it wants to look at the run from outside.
     """
     given = os.environ.get("ROS_DOMAIN_ID", "")
+    if os.environ.get(_RANGE) == "OFF":
+        raise RunFailed(f"{_RANGE}=OFF is refused: no node would find another one, allowed is LOCALHOST or SUBNET")
     if given:
         if not (given.isdecimal() and int(given) <= _LAST):
             raise RunFailed(f"ROS_DOMAIN_ID={given} is refused, allowed is a whole number from 0 to {_LAST}")
