@@ -8,6 +8,8 @@ here="${BASH_SOURCE[0]}"
 # Without another process in it: Ctrl-C would leave this command without a path, before the trap has its turn.
 # shellcheck source=scripts/setup.sh
 source "${here%/*}/setup.sh"
+# Warnings of other packages end no run.
+unset PYTHONWARNINGS
 # Until the program can say that it was stopped, what would stop it has to wait.
 waiting=(env --block-signal=INT --block-signal=TERM)
 "${waiting[@]}" true 2>/dev/null || waiting=()

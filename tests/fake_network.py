@@ -31,6 +31,12 @@ class WatchedStepper(Stepper):
             configuration.method, lambda: part_of(self.configuration, compiled=False), configuration.period, may_skip
         )
 
+    def change(self, configuration: Configuration) -> None:
+        """As the parameters of a node change: from the next run on, or from the first one if it has not spoken."""
+        self.configuration = configuration
+        if self.answer is None:
+            self.part = part_of(configuration, compiled=False)
+
     def step_with(self, stamp: int, here: Frame) -> Answer:
         self.stepped.append(stamp)
         return super().step_with(stamp, here)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 
 import pytest
@@ -65,6 +66,19 @@ def test_a_state_that_was_kept_is_gone_on_from_with_the_same_bits():
     assert [second.step() for _ in range(20)] == expected
     first.state = pickle.loads(kept)
     assert [first.step() for _ in range(20)] == expected
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda car: pickle.loads(pickle.dumps(car))], ids=["copy", "pickle"])
+def test_a_copy_goes_on_with_the_same_bits_and_by_itself(copied):
+    """Its noise and its recording as well; a part is compiled code, which no copy takes along."""
+    car = simulation()
+    for _ in range(5):
+        car.step()
+    other = copied(car)
+    expected = [car.step() for _ in range(5)]
+    assert [other.step() for _ in range(5)] == expected
+    assert signal_hash(other.recording) == signal_hash(car.recording)
+    assert other.reset() == car.reset()
 
 
 def test_reset_begins_anew():

@@ -16,7 +16,6 @@ from ev_msgs_py.contract.bus_signals import SetPointFrames
 from ev_msgs_py.contract.frame import PLACES, TIME
 from ev_msgs_py.contract.roles import EXTRA, MASTER, REQUIRED, ROLES, RoleKind
 from ev_msgs_py.contract.shape import shape_of
-from ev_msgs_py.contract.stamps import RUN, RUNS
 from ev_msgs_py.contract.signals import (
     BodyPose,
     BodyVelocity,
@@ -27,6 +26,7 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
+from ev_msgs_py.contract.stamps import RUN, RUNS
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.graph import sequence
 from ev_msgs_py.lockstep.holding_inbox import HoldingInbox
@@ -154,7 +154,8 @@ def test_resets_and_changes_at_any_time_end_in_a_fresh_run_with_the_same_values(
     for turns, role, start in changes:
         play(network, turns)
         if role in configurations:
-            configurations[role] = network.steppers[role].configuration = begun_at(configurations[role], start)
+            configurations[role] = begun_at(configurations[role], start)
+            network.steppers[role].change(configurations[role])
         network.begin()
     network.run()
     assert network.signals() == lossless(configurations, 6).signals()

@@ -8,8 +8,10 @@ from rcl_interfaces.msg import ParameterType
 from rclpy.parameter import Parameter
 from ros_graph import node_of, ros_domain
 
+from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.lockstep.methods import all_methods
+from ev_msgs_py.lockstep.stepper import Answer
 from ev_msgs_py.nodes.runner_line import LINE
 from ev_msgs_py.parameters.declaration import entries
 from ev_sim.running.recording.recorder_parameters import RecorderParameters
@@ -94,6 +96,7 @@ def test_a_change_of_any_length_is_told_to_the_runner(context, monkeypatch, coun
 def test_a_change_is_taken_over_live_and_the_state_lasts(law):
     before = law.stepper.part
     before.state = [3.0]  # the integral
+    law.stepper.answer = Answer(0, Frame())
     assert tried(law, natural_frequency=9.0, max_torque_difference=80.0) == ""
     assert law.get_parameter("natural_frequency").value == law.configuration.parameters.natural_frequency == 9.0
     assert law.stepper.part is not before

@@ -29,9 +29,11 @@ class Inbox:
     `reads` are the signal types of one step, `period` is the step in nanoseconds. A node that has not stepped yet
     takes any stamp as its first; from then on steps follow each other without a gap, unless `may_skip` (realtime,
     where the master does not wait). A message may run ahead of the next step by one more step, because the writers
-    do not wait for each other within a step. The n-th run after a reset has stamps of n times `RUN` above its
-    instants: what is still under way of a run before is of no step. The first stamp of a later run, or stamp zero after others,
-    of one of the `heralds` begins a new run. A step is complete when all its inputs are there, and of the `followed` ones those of the step after it as well.
+    do not wait for each other within a step; the `heralds` need this node's step before they speak of the next one.
+
+    The n-th run after a reset has stamps of n times `RUN` above its instants: what is still under way of a run before
+    is of no step. The first stamp of a later run, or stamp zero after others, of one of the heralds begins a new run.
+    A step is complete when all its inputs are there, and of the `followed` ones those of the step after it as well.
     """
 
     def __init__(
@@ -93,7 +95,7 @@ class Inbox:
         return kind in self._heralds and (stamp == 0 or (self.run < stamp < RUNS and stamp % RUN == 0))
 
     def _leaves_out(self, kind: type, stamp: int) -> bool:
-        """Whether a message can belong to none of the next steps: it is too far ahead, or a herald leaves out a step."""
+        """Whether a message can be of none of the next steps: it is too far ahead, or a herald leaves out a step."""
         if self._may_skip or self.last is None:
             return False
         ahead = stamp - self.last

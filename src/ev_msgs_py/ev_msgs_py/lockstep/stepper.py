@@ -98,6 +98,8 @@ class Stepper:
         if arrival is Arrival.REPEATED and kind in self.upstream:
             answers += self._recent_answers()
         if self.integrates and self._at_rest and kind in self._pacing and self._must_begin(stamp):
+            if self.answer is not None:
+                self._begin_anew()  # of another run it may begin with other values
             self.answer = self._start(stamp)
             answers.append(self.answer)
         answer = self.step()

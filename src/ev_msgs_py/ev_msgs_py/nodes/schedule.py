@@ -137,7 +137,7 @@ class Schedule:
 
     @property
     def free_until(self) -> int:
-        """Stamp of the last instant at which time may go on as soon as all inputs are there; -1 if the clock has a say."""
+        """Stamp up to which time goes on as soon as all inputs are there; -1 if the clock has a say."""
         if self.realtime or self._factor:
             return -1
         end = self._end - self._stepper.period if self._end else stamps.LAST_EXACT

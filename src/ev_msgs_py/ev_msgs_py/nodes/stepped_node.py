@@ -95,9 +95,10 @@ class SteppedNode(Node, Polled):
         self.reports.pass_on_now_and_then(self.stepper.part)
 
     def successor(self, configuration: Configuration) -> Part:
-        """What goes on with other parameters; the state lasts."""
+        """What goes on with other parameters; the state lasts, of one that has spoken: before that there is none."""
         part = self.new_part(configuration)
-        hand_over(self.stepper.part, part)
+        if self.stepper.answer is not None:
+            hand_over(self.stepper.part, part)
         return part
 
     def _take_over(self, before: Configuration, given: dict[str, Any], part: Part) -> None:

@@ -10,21 +10,22 @@ from ev_sim.running.outcome import RunFailed
 from ev_sim.running.told import Told
 
 _TO_BEGIN = 3.0  # s for the first step behind a time of day that was set back; nodes tell each other things again
-_AT_ALL = 300.0  # s for the first step in any case: a node that was edited compiles its plant on a busy machine
+_AT_ALL = 300.0  # s for the first step of our own nodes: one that was edited compiles its plant on a busy machine
 
 
 class Beginning:
     """Watches a run up to its first step; made before its nodes are, and `is_missed` is to be asked often.
 
+    It is `patient` with nodes of others, which may load for long, or stand at a breakpoint.
     The middleware keeps what processes tell about themselves in the order of the time of day. Where that is set back
     while they find each other, one of them may never learn what another one has told. Processes that are started
     behind it do.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, patient: bool = False) -> None:
         self._set_back = SetBack(ahead())
         self._deadline = math.inf
-        self._given_up = time.monotonic() + _AT_ALL
+        self._given_up = math.inf if patient else time.monotonic() + _AT_ALL
 
     def is_missed(self, told: Told) -> bool:
         """Whether the time of day was set back and no step was taken in the seconds behind it.

@@ -43,7 +43,7 @@ def run_in_processes(
         parameters = node_parameters(run, directory, bag, bus)
         write_parameter_file(file, run, parameters)
         while True:
-            beginning = Beginning()
+            beginning = Beginning(patient=bool(own_nodes))
             with told(run.namespace) as words:
                 announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
                 with started_nodes(parameters, own_nodes or {}, run, file, domain, words) as nodes:
