@@ -304,15 +304,20 @@ def test_refused_messages_are_not_kept():
 
 
 def test_no_step_is_left_out_in_lockstep():
-    """A complete step waits for the one before it: leaving that out would be another run."""
-    box = inbox()
+    """A complete step waits for the one before it: leaving that out would be another run.
+
+    Who speaks before this node in the step has left one out if its period is another one, or ours.
+    """
+    box = Inbox((DriverCommand, SteeringColumnState), frozenset({DriverCommand}), PERIOD)
     fill(box, 0)
     box.take(0)
-    fill(box, 2 * PERIOD)
+    assert say(box, DriverCommand, 2 * PERIOD) is Arrival.GAP
+    assert say(box, SteeringColumnState, 2 * PERIOD, 2 * PERIOD + 1) is Arrival.NEW
     assert box.complete() is None
     fill(box, PERIOD)
     assert box.complete() == PERIOD
     box.take(PERIOD)
+    assert say(box, DriverCommand, 2 * PERIOD) is Arrival.NEW
     assert box.complete() == 2 * PERIOD
 
 

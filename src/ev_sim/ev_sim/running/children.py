@@ -35,5 +35,5 @@ def ending_with_us(group: int) -> subprocess.Popen:
 
     A shell that becomes no node, but starts one, hands no death signal on.
     """
-    words = ["sh", "-c", 'read -r _; kill -KILL -- "-$0"', str(group)]
+    words = ["bash", "-c", 'read -r _; kill -KILL -- "-$0"', str(group)]
     return subprocess.Popen(words, stdin=subprocess.PIPE, start_new_session=True)

@@ -48,6 +48,18 @@ def free_domain() -> Iterator[int]:
     raise NoFreeDomain(f"all ROS domains from {_DOMAINS[0]} to {_DOMAINS[-1]} are in use{_blocked()}")
 
 
+@contextmanager
+def own_namespace(domain: int, namespace: str) -> Iterator[None]:
+    """For the time of the block no other run of this user has nodes of the same names; RunFailed if one has them.
+
+    Nobody would believe either of two nodes of one name, and both runs would stand still.
+    """
+    with _reservation(f"{domain}_{os.getuid()}{namespace.replace('/', '_')}") as reserved:
+        if not reserved:
+            raise RunFailed(f"ROS domain {domain} has a run in the namespace {namespace} already: wait, or take another")
+        yield
+
+
 def reserved_domains() -> list[int]:
     """The domains in which runs of this kind are under way."""
     domains = []
@@ -65,11 +77,11 @@ def discovery_port(domain: int, participant: int) -> int:
 
 
 @contextmanager
-def _reservation(domain: int) -> Iterator[bool]:
-    """Whether the domain could be reserved, for the time of the block; also false if the lock is another user's."""
+def _reservation(what: object) -> Iterator[bool]:
+    """Whether it could be reserved, for the time of the block; also false if the lock is another user's."""
     with ExitStack() as stack:
         try:
-            lock = stack.enter_context(open(_lock_file(domain), "wb", opener=_opened_in_place))
+            lock = stack.enter_context(open(_lock_file(what), "wb", opener=_opened_in_place))
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             yield False
@@ -97,8 +109,8 @@ def _blocked() -> str:
     return ""
 
 
-def _lock_file(domain: int) -> Path:
-    return Path(tempfile.gettempdir()) / f"ev_stack_domain_{domain}.lock"
+def _lock_file(what: object) -> Path:
+    return Path(tempfile.gettempdir()) / f"ev_stack_domain_{what}.lock"
 
 
 def _is_silent(domain: int) -> bool:
