@@ -24,6 +24,9 @@ class SteppedLaw:
     """
 
     def __init__(self, configuration: Configuration) -> None:
+        self._set_up(configuration)
+
+    def _set_up(self, configuration: Configuration) -> None:
         if ROLES[configuration.role].kind is not RoleKind.ANSWERS:
             answering = [role.name for role in ROLES.values() if role.kind is RoleKind.ANSWERS]
             raise ParameterError(f"{configuration.role} integrates, allowed is one of {', '.join(answering)}")
@@ -41,7 +44,7 @@ class SteppedLaw:
         return {"configuration": self._configuration, "inputs": inputs, "state": copy.deepcopy(self.state)}
 
     def __setstate__(self, saved: dict[str, Any]) -> None:
-        self.__init__(saved["configuration"])  # type: ignore[misc]
+        self._set_up(saved["configuration"])
         for name, value in saved["inputs"].items():
             self._here.numbers[self._inputs[name]] = value
         self.state = saved["state"]

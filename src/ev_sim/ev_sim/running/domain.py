@@ -56,7 +56,9 @@ def own_namespace(domain: int, namespace: str) -> Iterator[None]:
     """
     with _reservation(f"{domain}_{os.getuid()}{namespace.replace('/', '_')}") as reserved:
         if not reserved:
-            raise RunFailed(f"ROS domain {domain} has a run in the namespace {namespace} already: wait, or take another")
+            raise RunFailed(
+                f"ROS domain {domain} has a run in the namespace {namespace} already: wait, or take another"
+            )
         yield
 
 
