@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Build the wheels of the three packages, for `pip install` without ROS: scripts/build_wheels.sh [DIR], by default dist.
 set -euo pipefail
-root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
-folder="$(mkdir -p "${1:-$root/dist}" && cd "${1:-$root/dist}" && pwd)"
+root="$(readlink -f "${BASH_SOURCE[0]}")" && root="${root%/*/*}"
+mkdir -p "${1:-$root/dist}"
+folder="$(readlink -f "${1:-$root/dist}")"
 wheel=(python3 -m pip wheel)
 [[ ! -x "$root/.venv/bin/python" ]] || wheel=("$root/.venv/bin/python" -m pip wheel --no-build-isolation)
 copy="$(mktemp -d)"

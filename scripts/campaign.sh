@@ -2,7 +2,7 @@
 # Drive many short runs with a fault each, drawn by seed, and look at what comes of them; --help lists the options.
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
 export PYTHONPATH="$EV_STACK_ROOT/tools:$PYTHONPATH"
 # Small disks are mounted where nobody else sees them, and are gone with us; where that is not granted, these are skipped.
 # Shared memory is that of these runs alone: what other programs leave behind there is not their fault.

@@ -2,5 +2,5 @@
 # Drive every scenario many times in all ways, on machines of all kinds as far as one can act them; --help lists the options.
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
 PYTHONPATH="$EV_STACK_ROOT/tools:$PYTHONPATH" exec python -m determinism "$@"

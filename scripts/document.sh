@@ -2,5 +2,5 @@
 # Write the generated parts of README.md and docs/ anew; --runs also drives the scenarios, --check only looks.
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
 PYTHONPATH="$EV_STACK_ROOT/tools:$PYTHONPATH" exec python -m documentation "$EV_STACK_ROOT" "$@"

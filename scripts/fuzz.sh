@@ -6,4 +6,4 @@ if [[ "${1:-}" == "--help" ]]; then
     exit 0
 fi
 export EV_FUZZ_CASES="${1:-100000}"
-exec "$(dirname "${BASH_SOURCE[0]}")/test.sh" tests/fuzz --numprocesses auto --dist worksteal --timeout 0 --hypothesis-show-statistics --hypothesis-seed "${2:-1}"
+exec "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/test.sh" tests/fuzz --numprocesses auto --dist worksteal --timeout 0 --hypothesis-show-statistics --hypothesis-seed "${2:-1}"

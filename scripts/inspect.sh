@@ -2,5 +2,5 @@
 # Show the running graph, its topics and their rates without the ros2 command; --help lists the options.
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
 exec "$EV_STACK_ROOT/install/ev_sim/lib/ev_sim/ev-stack" inspect "$@"

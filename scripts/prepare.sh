@@ -5,12 +5,13 @@
 # nothing that a later one would take for finished. Details of each step are in log/prepare.log.
 set -euo pipefail
 
-root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+root="$(readlink -f "${BASH_SOURCE[0]}")" && root="${root%/*/*}"
 cd "$root"
 if [[ "$root" == *[[:space:]]* ]]; then
     echo "colcon cannot build in a folder with a blank in its path: $root" >&2
     exit 1
 fi
+unset CDPATH # by which `cd` would lead elsewhere
 export LC_ALL=C PIP_DISABLE_PIP_VERSION_CHECK=1
 
 # A ROS 2 distribution that is sourced goes before the wheels of requirements.lock.

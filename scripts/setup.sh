@@ -13,10 +13,11 @@ if [[ "${BASH_SOURCE[0]}" == "$0" ]]; then
         [[ "$1" == "--help" ]]
         exit
     fi
-    exec "$(dirname "$0")/prepare.sh"
+    exec "$(dirname "$(readlink -f "$0")")/prepare.sh"
 fi
 
-EV_STACK_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+# Through links, and without `cd`, which CDPATH leads elsewhere.
+EV_STACK_ROOT="$(readlink -f "${BASH_SOURCE[0]}")" && EV_STACK_ROOT="${EV_STACK_ROOT%/*/*}"
 
 # The ROS 2 wheels start Python anew with their libraries on LD_LIBRARY_PATH and mark that by a variable:
 # what another environment left there must not reach ours.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Build the documentation as a site with search: build/site/index.html. A broken link ends it with status 1.
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 environment=build/site_environment
 if ! cmp --silent docs/requirements-site.txt "$environment/requirements.txt"; then
     rm -rf "$environment"

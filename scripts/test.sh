@@ -13,7 +13,7 @@ if [[ "${1:-}" == "--help" ]]; then
 fi
 
 # shellcheck source=scripts/setup.sh
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
 cd "$EV_STACK_ROOT"
 on_all_cores=(--numprocesses auto --dist worksteal)
 for word in "$@"; do

@@ -26,9 +26,16 @@ class WatchedStepper(Stepper):
     def __init__(self, configuration: Configuration, may_skip: bool = False) -> None:
         self.stepped: list[int] = []
         self.writes = configuration.method.writes
+        self.configuration = configuration  # what a run begins with
         super().__init__(
-            configuration.method, lambda: part_of(configuration, compiled=False), configuration.period, may_skip
+            configuration.method, lambda: part_of(self.configuration, compiled=False), configuration.period, may_skip
         )
+
+    def change(self, configuration: Configuration) -> None:
+        """As the parameters of a node change: from the next run on, or from the first one if it has not spoken."""
+        self.configuration = configuration
+        if self.answer is None:
+            self.part = part_of(configuration, compiled=False)
 
     def step_with(self, stamp: int, here: Frame) -> Answer:
         self.stepped.append(stamp)
@@ -75,7 +82,7 @@ class FakeNetwork:
     @property
     def now(self) -> int:
         """The instant of the master."""
-        return self.master.answer.stamp
+        return self.master.answer.stamp - self.master.inbox.run
 
     @property
     def at_end(self) -> bool:
@@ -159,7 +166,8 @@ class FakeNetwork:
 
     def instants(self) -> list[int]:
         """The stamps of the run."""
-        return list(range(0, self._end + 1, self.master.period))
+        run = self.master.inbox.run
+        return list(range(run, run + self._end + 1, self.master.period))
 
     def signals(self) -> dict[str, list[str]]:
         """Every number that was sent up to the end, by channel, as hexadecimal text: equal text is equal bits."""

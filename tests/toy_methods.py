@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ev_msgs_py.contract.roles import ROLES, RoleKind
@@ -27,9 +27,10 @@ class Mixer:
     """A state of one number that never comes to rest, stirred by all inputs."""
 
     parameters = ToyParameters
+    start = 0.1
 
     def __init__(self, parameters: ToyParameters, vehicle: Any, period: float) -> None:
-        self.state = 0.1
+        self.state = self.start
 
     def stir(self, signals: tuple[Any, ...]) -> None:
         """A chaotic map, so that a wrong, missing or additional input shows in all that follows."""
@@ -71,6 +72,12 @@ def toy(role: str, reads: tuple[type, ...] | None = None, period: float = 0.01) 
     method = Method(role, "toy", kind, everything if reads is None else reads, ToyParameters)
     common = build(CommonParameters, {"control_period": period})
     return Configuration(role, method, ToyParameters(), common, None)
+
+
+def begun_at(configuration: Configuration, start: float) -> Configuration:
+    """The same toy with another state to begin with."""
+    factory = type("Begun", (configuration.method.factory,), {"start": start})
+    return replace(configuration, method=replace(configuration.method, factory=factory))
 
 
 def toy_graph(

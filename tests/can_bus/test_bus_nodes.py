@@ -265,6 +265,26 @@ def test_limits_change_while_it_runs_and_bad_ones_do_not():
         node.close()
 
 
+def test_a_change_that_raises_half_way_is_taken_back(monkeypatch):
+    """Both circuits have the parameters of before, and the node lives."""
+    with ros_domain() as context:
+        node = made(InverterNode, context, {"bus.interface": "virtual"})
+        before, change = node.parameters, node.circuits["12"].change
+
+        def fail(parameters):
+            change(parameters)
+            if parameters is not before:
+                raise ValueError("too hot")
+
+        monkeypatch.setattr(node.circuits["12"], "change", fail)
+        refused = node.set_parameters([Parameter("drive.machine.torque_lag", value=0.05)])[0]
+        assert (refused.successful, refused.reason) == (False, "too hot")
+        assert node.parameters is before
+        lags = [circuit.p.drive.machine.torque_lag for circuit in node.circuits.values()]
+        assert lags == [before.drive.machine.torque_lag] * 2
+        node.close()
+
+
 def test_a_log_is_written(tmp_path: Path):
     file = tmp_path / "bus.log"
     with rig("logged", {"bus.log": str(file)}) as r:

@@ -68,6 +68,7 @@ def test_the_descriptions_are_valid_and_say_what_is_needed(files):
     assert all(validate_fmu(file) == [] for file in files.values())
     described = fmpy.read_model_description(files["body"])
     assert "needs Python with ev_sim " in described.description
+    assert described.coSimulation.canBeInstantiatedOnlyOncePerProcess
     inputs = {v.name.rpartition(".")[0] for v in described.modelVariables if v.causality == "input"}
     assert inputs == {"driver.command", "torque_command.drive", "torque_command.brake"}
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import runpy
 import sys
 from pathlib import Path
@@ -14,6 +16,7 @@ from gymnasium.utils.env_checker import check_env
 import ev_sim
 import ev_sim.learning
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.learning.actions import ACTIONS
 from ev_sim.learning.environment import Environment
 from ev_sim.running.recording.recording import signal_hash
 
@@ -65,6 +68,31 @@ def test_what_is_observed_rewarded_and_ended_is_the_users():
     again, _ = environment.reset(seed=1)
     other, _ = environment.reset()
     assert first.tolist() == again.tolist() != other.tolist()
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))], ids=["copy", "pickle"])
+@pytest.mark.parametrize("action", ACTIONS)
+def test_a_copy_goes_on_with_the_same_bits_and_by_itself(action, copied):
+    environment = Environment("double_lane_change", action, set=NOISE)
+    _, info = environment.reset(seed=2)
+    for _ in range(3):
+        info = environment.step(info["own"])[4]
+    other = copied(environment)
+    seen, reward, *_ = environment.step(info["own"])
+    seen_by_other, reward_of_other, *_ = other.step(info["own"])
+    assert (seen.tolist(), reward) == (seen_by_other.tolist(), reward_of_other)
+    assert environment.reset()[0].tolist() == other.reset()[0].tolist()  # the next seed, too
+
+
+@pytest.mark.parametrize("action", [1.0, [1.0], [1.0, 2.0, 3.0], [[1.0, 2.0]]])
+def test_an_action_of_another_shape_is_refused_and_nothing_is_done(action):
+    environment = Environment("double_lane_change")
+    environment.reset(seed=1)
+    with pytest.raises(ParameterError) as error:
+        environment.step(np.array(action))
+    channels = "torque_request.drive.front_left, torque_request.drive.front_right"
+    assert str(error.value) == f"action of shape {np.shape(action)} is refused, allowed is (2,), of {channels}"
+    assert environment.simulation.time == 0.0
 
 
 def test_what_an_action_means():

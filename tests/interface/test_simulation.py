@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 from dataclasses import replace
 
@@ -153,6 +154,19 @@ def test_a_state_of_other_sizes_or_of_something_else_is_refused():
         car.state = replace(saved, parts=short)
     with pytest.raises(ParameterError, match="allowed is the state of a Simulation"):
         car.state = {"instant": 3}
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda car: pickle.loads(pickle.dumps(car))], ids=["copy", "pickle"])
+def test_a_copy_goes_on_with_the_same_bits_and_by_itself(copied):
+    """Its noise and its recording as well; a part is compiled code, which no copy takes along."""
+    car = simulation()
+    for _ in range(5):
+        car.step()
+    other = copied(car)
+    expected = [car.step() for _ in range(5)]
+    assert [other.step() for _ in range(5)] == expected
+    assert signal_hash(other.recording) == signal_hash(car.recording)
+    assert other.reset() == car.reset()
 
 
 def test_reset_begins_anew():

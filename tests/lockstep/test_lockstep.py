@@ -8,7 +8,7 @@ import pytest
 from fake_network import FakeNetwork, Faults, WatchedStepper
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from toy_methods import OFFERED, toy, toy_graph
+from toy_methods import OFFERED, begun_at, toy, toy_graph
 
 from ev_msgs_py.contract.actuator_signals import RearSteeringState
 from ev_msgs_py.contract.bench_signals import BenchShafts
@@ -26,6 +26,7 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
+from ev_msgs_py.contract.stamps import RUN, RUNS
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.graph import sequence
 from ev_msgs_py.lockstep.holding_inbox import HoldingInbox
@@ -47,6 +48,9 @@ ESSENTIAL = {
     "test_bench": (SetPointFrames,),
 }
 faults = st.builds(Faults, st.floats(0, 0.4), st.floats(0, 0.3), st.sampled_from((0.0, 0.002)))
+
+# Turns up to a reset, and before it another start state of somebody.
+changes = st.tuples(st.integers(0, 80), st.sampled_from(tuple(ROLES)), st.floats(0.01, 0.99))
 
 
 @st.composite
@@ -142,21 +146,19 @@ def test_topics_that_connect_late_change_no_bit(configurations, seed, faults):
 
 @pytest.mark.slow
 @settings(max_examples=40)
-@given(graphs(), st.integers(0, 2**32), faults, st.integers(0, 300))
-def test_a_reset_in_mid_run_begins_the_same_run_anew(configurations, seed, faults, turns):
-    """Stamp zero makes new objects at rest, while messages of the run before are still under way.
-
-    From the fourth step on: a reset within the first steps finds nodes that still hold stamp zero.
-    """
-    network = FakeNetwork(configurations, 12, seed, faults)
+@given(graphs(), st.integers(0, 2**32), faults, st.lists(changes, max_size=5))
+def test_resets_and_changes_at_any_time_end_in_a_fresh_run_with_the_same_values(configurations, seed, faults, changes):
+    """Also at the first instants, of what answers and what integrates, while messages of runs before are under way."""
+    network = FakeNetwork(configurations, 6, seed, faults)
     network.begin()
-    while network.now < 3 * PERIOD:
-        network.turn()
-    play(network, turns)
-    network.forgives = True  # who has not heard of the reset yet goes on speaking of the run before
-    network.begin()
+    for turns, role, start in changes:
+        play(network, turns)
+        if role in configurations:
+            configurations[role] = begun_at(configurations[role], start)
+            network.steppers[role].change(configurations[role])
+        network.begin()
     network.run()
-    assert network.signals() == lossless(configurations, 12).signals()
+    assert network.signals() == lossless(configurations, 6).signals()
 
 
 @pytest.mark.slow
@@ -256,17 +258,22 @@ def test_the_first_of_two_messages_of_one_stamp_counts():
         (PERIOD, Arrival.OLD),
         (0, Arrival.RESTART),
         (6 * PERIOD, Arrival.NEW),
-        (7 * PERIOD, Arrival.NEW),
+        (7 * PERIOD, Arrival.GAP),
         (8 * PERIOD, Arrival.GAP),
         (6 * PERIOD + 1, Arrival.GAP),
         (6 * PERIOD - 1, Arrival.GAP),
-        (5 * PERIOD - 1, Arrival.OLD),
+        (5 * PERIOD - 1, Arrival.GAP),
+        (RUN, Arrival.RESTART),
+        (7 * RUN, Arrival.RESTART),
+        (RUN + 1, Arrival.GAP),
+        (RUNS, Arrival.GAP),
+        (6 * PERIOD + RUN, Arrival.OLD),
         (10**18, Arrival.GAP),
         (-PERIOD, Arrival.OLD),
     ],
 )
 def test_what_a_stamp_means_after_the_step_five(stamp, arrival):
-    """Table of docs/lockstep.md: one step may run ahead of the next one, stamp zero begins a new run."""
+    """Table of docs/lockstep.md: the first stamp of a run begins a new one, and no herald leaves out a step."""
     box = inbox()
     fill(box, 5 * PERIOD)
     box.take(5 * PERIOD)
@@ -297,15 +304,20 @@ def test_refused_messages_are_not_kept():
 
 
 def test_no_step_is_left_out_in_lockstep():
-    """A complete step waits for the one before it: leaving that out would be another run."""
-    box = inbox()
+    """A complete step waits for the one before it: leaving that out would be another run.
+
+    Who speaks before this node in the step has left one out if its period is another one, or ours.
+    """
+    box = Inbox((DriverCommand, SteeringColumnState), frozenset({DriverCommand}), PERIOD)
     fill(box, 0)
     box.take(0)
-    fill(box, 2 * PERIOD)
+    assert say(box, DriverCommand, 2 * PERIOD) is Arrival.GAP
+    assert say(box, SteeringColumnState, 2 * PERIOD, 2 * PERIOD + 1) is Arrival.NEW
     assert box.complete() is None
     fill(box, PERIOD)
     assert box.complete() == PERIOD
     box.take(PERIOD)
+    assert say(box, DriverCommand, 2 * PERIOD) is Arrival.NEW
     assert box.complete() == 2 * PERIOD
 
 

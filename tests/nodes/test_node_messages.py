@@ -155,6 +155,14 @@ def test_a_stamp_of_no_step_that_can_come_is_reported_once_and_changes_nothing(l
     assert f"steering_column/state at {seconds} s ignored (reported once): 0.01 s is due" in report
 
 
+def test_a_graph_with_another_period_is_reported(law):
+    """The driver leaves out the step that is due, as it does if its steps are twice as long: it will never come."""
+    law.say(2 * PERIOD, DRIVER)
+    law.run(lambda: law.probe.reports)
+    (report,) = law.probe.reports
+    assert "driver/command at 0.02 s ignored (reported once): 0.01 s is due" in report
+
+
 def test_joints_in_another_order_are_read_by_name(law):
     """A stranger's node may list them as it likes."""
 

@@ -4,12 +4,18 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from rcl_interfaces.msg import ParameterType
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.parameter import Parameter
 from ros_graph import node_of, ros_domain
+from std_srvs.srv import Trigger
 
+from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.lockstep.methods import all_methods
+from ev_msgs_py.lockstep.stepper import Answer
+from ev_msgs_py.nodes.refusing import refuse_what_raises
 from ev_msgs_py.nodes.runner_line import LINE
 from ev_msgs_py.parameters.declaration import entries
 from ev_sim.running.recording.recorder_parameters import RecorderParameters
@@ -94,6 +100,7 @@ def test_a_change_of_any_length_is_told_to_the_runner(context, monkeypatch, coun
 def test_a_change_is_taken_over_live_and_the_state_lasts(law):
     before = law.stepper.part
     before.state = [3.0]  # the integral
+    law.stepper.answer = Answer(0, Frame())
     assert tried(law, natural_frequency=9.0, max_torque_difference=80.0) == ""
     assert law.get_parameter("natural_frequency").value == law.configuration.parameters.natural_frequency == 9.0
     assert law.stepper.part is not before
@@ -109,6 +116,7 @@ REFUSED = {
     "read-only": ({"vehicle.mass": 1000.0}, "vehicle.mass"),
     "the method": ({"method": "equal_torque"}, "method"),
     "one good and one bad": ({"natural_frequency": 9.0, "damping_ratio": -1.0}, "damping_ratio"),
+    "beside one of ROS": ({"natural_frequency": 9.0, "use_sim_time": True}, "use_sim_time is refused beside"),
 }
 
 
@@ -129,6 +137,64 @@ def test_a_bad_value_is_refused_with_a_reason_and_nothing_changes(law, values, n
     assert {name: parameter.value for name, parameter in law.get_parameters_by_prefix("").items()} == everything
     assert law.configuration is configuration
     assert law.stepper.part is played
+
+
+def test_a_change_of_which_the_law_makes_an_error_of_any_kind_is_refused(law, monkeypatch):
+    def fail(configuration):
+        raise ZeroDivisionError("float division by zero")
+
+    monkeypatch.setattr(law, "new_part", fail)
+    configuration, played = law.configuration, law.stepper.part
+    assert tried(law, natural_frequency=9.0) == "float division by zero"
+    assert (law.configuration, law.stepper.part) == (configuration, played)
+
+
+def test_a_limit_of_real_time_is_that_of_the_start(context):
+    """A plant whose command is too old in every step has no torque."""
+    plant = node_of(context, "plant", {"mode": "realtime", "method": "kinematic"})
+    assert tried(plant, command_timeout=0.02) == (
+        "command_timeout: 0.02 s is refused, allowed is more than two control periods"
+    )
+    assert tried(plant, command_timeout=0.021) == ""
+    plant.destroy_node()
+
+
+def asked(node: Any, service: str, request: Any) -> Any:
+    """What a service of a node that is spun answers."""
+    refuse_what_raises(node)
+    (found,) = [each for each in node.services if each.srv_name.endswith(f"/{service}")]
+    return found.callback(request, found.srv_type.Response())
+
+
+def no_type(name: str, kind: int) -> ParameterMessage:
+    return ParameterMessage(name=name, value=ParameterValue(type=kind, double_value=3.0))
+
+
+def test_no_request_of_any_service_ends_a_node_or_is_done_by_half(law):
+    """A type that is none, names that are none, of one and of several values; and what a callback itself raises."""
+    frequency = law.configuration.parameters.natural_frequency
+    good = Parameter("natural_frequency", value=9.0).to_parameter_msg()
+    for kind in (10, 77, 255):
+        for wrong in (no_type("natural_frequency", kind), no_type("nobody", kind), no_type("", kind)):
+            each = asked(law, "set_parameters", SetParameters.Request(parameters=[good, wrong])).results
+            assert [(one.successful, f"{kind} is not a valid" in one.reason) for one in each] == [(False, True)] * 2
+            all_ = asked(law, "set_parameters_atomically", SetParametersAtomically.Request(parameters=[good, wrong]))
+            assert not all_.result.successful and f"{kind} is not a valid" in all_.result.reason
+    assert law.configuration.parameters.natural_frequency == frequency
+    for service in law.services:
+        service.callback._callback = lambda *_: {}[1]
+        answer = service.callback(service.srv_type.Request(), service.srv_type.Response())
+        assert type(answer) is service.srv_type.Response
+
+
+def test_a_service_that_raises_says_why(context):
+    plant = node_of(context, "plant", {"method": "kinematic"})
+    plant._granted._begin = lambda: {}["nothing"]
+    (reset,) = [each for each in plant.services if each.srv_name.endswith("/reset")]
+    reset.callback = plant._granted._reset
+    answer = asked(plant, "reset", Trigger.Request())
+    assert (answer.success, answer.message) == (False, "refused: 'nothing'")
+    plant.destroy_node()
 
 
 def test_an_unknown_choice_lists_the_known_ones(context):

@@ -159,6 +159,26 @@ def test_a_stop_at_the_very_end_changes_nothing(who, kind):
     assert said == "stopped\n" if who == "the runner, stopped" else "stopped" not in said
 
 
+STOPPED_BEFORE_ITS_TIME = """
+import signal
+import sys
+
+signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGTERM,))  # as scripts/run.sh starts the program
+signal.raise_signal(signal.SIGTERM)
+from ev_sim.commands import ev_stack
+
+sys.argv = ["ev-stack"]
+ev_stack.main()
+"""
+
+
+def test_a_stop_while_the_runner_is_loaded_is_one_line():
+    """SIGTERM was let in before it had a handler, and killed the program without a word."""
+    process = start([sys.executable, "-c", STOPPED_BEFORE_ITS_TIME])
+    assert process.communicate(timeout=PATIENCE)[0] == "stopped\n"
+    assert process.returncode == 130
+
+
 STOPPED_IN_A_DESTRUCTOR = """
 import signal
 from ev_msgs_py.nodes import stop_request

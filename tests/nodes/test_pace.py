@@ -28,6 +28,21 @@ def test_time_that_was_lost_counts_in_the_summary_but_makes_nothing_due(wall):
     assert pace.summary(NANOSECONDS, PERIOD) == "1 s simulated in 2.000 s, 50.0 steps/s"
 
 
+def test_a_rest_counts_nowhere(wall):
+    """A second driven, ten of rest, which a change of the pace in between does not end, and half a second driven."""
+    pace = Pace()
+    wall[0] += 1.0
+    pace.rest()
+    wall[0] += 4.0
+    pace.go_on(NANOSECONDS)
+    wall[0] += 6.0
+    assert pace.summary(NANOSECONDS, PERIOD) == "1 s simulated in 1.000 s, 100.0 steps/s"
+    pace.resume(NANOSECONDS)
+    assert pace.due(NANOSECONDS + PERIOD, 1.0) == pytest.approx(wall[0] + 0.01)
+    wall[0] += 0.5
+    assert pace.summary(3 * NANOSECONDS // 2, PERIOD) == "1.5 s simulated in 1.500 s, 100.0 steps/s"
+
+
 def test_what_has_waited_for_others_is_neither_lost_nor_counted(wall):
     pace = Pace()
     wall[0] += 5.0

@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.stamps import RUN
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 from ev_sim.running.recording import spool
@@ -26,8 +27,8 @@ NAMES = ("imu", "driver/command", "torque_request")  # the first one is the mast
 USED = [topic for name in NAMES for topic in TOPICS.values() if topic.name == name]
 
 
-def message(topic: Topic, step: int, value: float) -> bytes:
-    return MessageTable(topic).serialize(np.array([step * PERIOD]), np.full((1, frame.SIZE), value))[0]
+def message(topic: Topic, step: int, value: float, run: int = 0) -> bytes:
+    return MessageTable(topic).serialize(np.array([step * PERIOD + run]), np.full((1, frame.SIZE), value))[0]
 
 
 class KeepsAll:
@@ -35,12 +36,17 @@ class KeepsAll:
 
     def __init__(self, may_skip: bool, last: int) -> None:
         self.may_skip, self.last, self.kept, self.stale, self.loss = may_skip, last, [[] for _ in USED], False, False
+        self.run = 0
 
     def add(self, index: int, new: bytes) -> None:
-        kept, step = self.kept[index], stamp_of(new) // PERIOD
-        if index == 0 and step == 0 and kept and kept != [new]:
-            self.kept, self.stale, self.loss = [[] for _ in USED], True, False
+        kept, (step, run) = self.kept[index], divmod(stamp_of(new), PERIOD)
+        later = run > self.run or (run < self.run and run == 0 and not self.stale)
+        if index == 0 and step == 0 and (later or (run == self.run and kept and kept != [new])):
+            self.stale, self.loss = self.stale or any(self.kept), self.loss and not any(self.kept)
+            self.kept, self.run = [[] for _ in USED], run
             kept = self.kept[0]
+        if run != self.run:
+            return
         if step > self.last or step < len(kept) or (self.stale and index):
             return
         if self.may_skip and index and step > len(self.kept[0]) + 1:
@@ -65,9 +71,12 @@ class KeepsAll:
         return Recording(np.arange(steps) * PERIOD / 1e9, channels)
 
 
-# Of which topic, so many steps behind or ahead of the next one (none: back to step zero), and a value.
+# Of which topic, so many steps behind or ahead of the next one (none: back to step zero), a value, and of which run.
 heard = st.tuples(
-    st.sampled_from(range(len(USED))), st.sampled_from((0, 0, 0, 0, 0, -1, 1, 2, 7, None)), st.floats(-9, 9)
+    st.sampled_from(range(len(USED))),
+    st.sampled_from((0, 0, 0, 0, 0, -1, 1, 2, 7, None)),
+    st.floats(-9, 9),
+    st.sampled_from((0, 0, 0, 0, 0, 0, -RUN, RUN)),
 )
 
 
@@ -85,10 +94,12 @@ def test_what_is_held_is_what_has_come(
                 recorder.took_all()
                 expected.stale = False
                 continue
-            index, ahead, value = word
+            index, ahead, value, other = word
             step = 0 if ahead is None else max(0, len(expected.kept[index]) + ahead)
-            recorder.add(index, message(USED[index], step, value), 0)
-            expected.add(index, message(USED[index], step, value))
+            said = message(USED[index], step, value, max(expected.run + other, 0))
+            recorder.add(index, said, 0)
+            expected.add(index, said)
+            assert recorder.held_stamp == recorder.held + expected.run
             assert recorder.held == (expected.steps() - 1) * PERIOD
             assert bool(recorder.loss) == expected.loss
             assert recorder.silent == [name for name, kept in zip(NAMES, expected.kept, strict=True) if not kept]

@@ -11,6 +11,7 @@ from ros_graph import offline_hash, recorded_hash, shchur
 from ev_msgs_py.nodes import time_of_day
 from ev_sim.running import beginning, processes
 from ev_sim.running.beginning import Beginning
+from ev_sim.running.outcome import RunFailed
 
 HOUR = 3600 * 10**9  # ns
 PATIENCE = 3.0  # s
@@ -51,9 +52,18 @@ def test_a_run_that_takes_no_step_behind_a_set_back_has_not_begun(clocks):
 @pytest.mark.parametrize("jump", [0, HOUR, -500_000], ids=["none", "ahead", "by half a millisecond"])
 def test_without_a_set_back_a_run_may_take_its_time(jump, clocks):
     """A node of a user's own may load for a minute, or stand at a breakpoint; clocks are slewed all the time."""
-    begins = Beginning()
+    begins = Beginning(patient=True)
     clocks.ahead += jump
     assert waited(begins, standing(), clocks) == math.inf
+
+
+def test_a_run_of_our_own_nodes_that_takes_no_step_at_all_ends_in_one_line(clocks):
+    """As where the middleware lets no node find another one; a run that a service has stopped may stand for ever."""
+    begins, run = Beginning(), standing()
+    with pytest.raises(RunFailed, match=r"^no step was taken within 300 s: the nodes do not find or answer each"):
+        waited(begins, run, clocks, 301.0)
+    begins, run.rests = Beginning(), True
+    assert waited(begins, run, clocks, 301.0) == math.inf
 
 
 def test_a_run_that_goes_on_has_begun(clocks):
@@ -87,7 +97,7 @@ def test_the_nodes_of_a_run_that_has_not_begun_are_started_anew(tmp_path, monkey
     begun = []
 
     class OnceNotBegun(Beginning):
-        def __init__(self) -> None:
+        def __init__(self, patient: bool) -> None:
             begun.append(self)
 
         def is_missed(self, observer) -> bool:

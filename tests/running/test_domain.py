@@ -5,7 +5,7 @@ import socket
 import pytest
 
 from ev_sim.running import domain
-from ev_sim.running.domain import NoFreeDomain, free_domain, reserved_domains
+from ev_sim.running.domain import NoFreeDomain, free_domain, own_namespace, reserved_domains
 from ev_sim.running.outcome import RunFailed
 
 FIRST_PORT = 2000
@@ -24,6 +24,24 @@ def test_runs_at_the_same_time_get_different_domains():
         assert {first, second} == {1, 2}
         assert reserved_domains() == [1, 2]
     assert reserved_domains() == []
+
+
+def test_in_a_domain_of_the_users_a_second_run_needs_another_namespace(monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", "2")
+    with free_domain() as given, own_namespace(given, "/ev"):
+        with free_domain() as again, own_namespace(again, "/ev/all_equal"):
+            assert again == given == 2
+        refused = "^ROS domain 2 has a run in the namespace /ev already"
+        with free_domain() as again, pytest.raises(RunFailed, match=refused), own_namespace(again, "/ev"):
+            pass
+    with own_namespace(2, "/ev"):
+        assert reserved_domains() == []
+
+
+def test_no_run_begins_where_no_node_finds_another(monkeypatch):
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF")
+    with pytest.raises(RunFailed, match=r"^ROS_AUTOMATIC_DISCOVERY_RANGE=OFF is refused: "), free_domain():
+        pass
 
 
 def test_a_domain_is_free_again_after_the_run():

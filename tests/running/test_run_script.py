@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
-from run_script import ENVIRONMENT, RUN, Running
+from run_script import ENVIRONMENT, ROOT, RUN, Running
 
 from ev_sim.running.recording.recording import load
 
@@ -145,6 +145,51 @@ def test_bad_input_is_one_line_and_a_status(arguments: tuple[str, ...], said: st
     assert re.search(said, result.stderr)
     assert len(result.stderr.strip().splitlines()) == 1
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "said"),
+    [
+        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF", "no node would find another one, allowed is LOCALHOST or SUBNET"),
+        ("RMW_IMPLEMENTATION", "rmw_of_nobody", "allowed is one that is installed, or none"),
+    ],
+)
+def test_where_no_node_can_hear_another_a_run_is_refused_in_one_line(variable, value, said, tmp_path: Path):
+    words = [RUN, "shchur2019", "--duration", "0.1", "--out", tmp_path / "out"]
+    ended = subprocess.run(words, env={**ENVIRONMENT, variable: value}, capture_output=True, text=True, timeout=100)
+    assert ended.returncode == 1
+    (line,) = [line for line in re.split("[\r\n]+", ended.stderr) if "error" in line.lower()]
+    assert line.startswith(f"error: {variable}=") and line.endswith(said)
+
+
+@pytest.mark.parametrize("name", ["run.sh", "setup.sh", "inspect.sh"])
+def test_a_script_is_found_through_a_link_and_whatever_cdpath_says(name: str, tmp_path: Path):
+    """`cd scripts` leads to the first folder of that name in CDPATH, and says so."""
+    (tmp_path / "scripts").mkdir()
+    (tmp_path / "link").symlink_to(RUN.parent / name)
+    environment = {**ENVIRONMENT, "CDPATH": str(tmp_path)}
+    for script, folder in (("./link", tmp_path), (f"scripts/{name}", RUN.parents[1])):
+        ended = subprocess.run([script, "--help"], cwd=folder, env=environment, capture_output=True, text=True)
+        assert (ended.returncode, ended.stderr) == (0, "")
+        assert str(tmp_path) not in ended.stdout
+
+
+def test_warnings_of_other_packages_end_no_run(tmp_path: Path):
+    words = [RUN, "shchur2019", "--in-process", "--duration", "0.1", "--no-record", "--no-report", "--out", tmp_path]
+    subprocess.run(words, env={**ENVIRONMENT, "PYTHONWARNINGS": "error"}, check=True, capture_output=True, timeout=100)
+
+
+def test_nothing_that_a_shell_has_started_outlives_a_runner_that_is_killed(tmp_path: Path):
+    """A shell that starts a node hands on no death signal."""
+    node = ROOT / "docs" / "examples" / "own_node.py"
+    running = Running(tmp_path / "out", "--node", f"asr=sh -c 'python {node} \"$@\"; true' sh")
+    (runner,) = [pid for pid, words in running.processes().items() if "ev-stack run" in words]
+    os.kill(runner, signal.SIGKILL)
+    assert running.end(within=10.0) != 0
+    deadline = time.monotonic() + 20.0
+    while running.processes():
+        assert time.monotonic() < deadline, running.processes()
+        time.sleep(0.05)
 
 
 def test_broken_yaml_is_named_with_its_line(tmp_path: Path):

@@ -8,7 +8,7 @@ from ros_graph import NAMESPACE, ros_domain
 from std_srvs.srv import Trigger
 
 from ev_sim.nodes.test_bench import TestBenchNode
-from ev_sim.test_bench.sequence import SERVICES, STEPS, Sequence, begun
+from ev_sim.test_bench.sequence import SERVICES, STEPS, Sequence, Stage, begun
 
 
 def test_six_steps_in_this_order_and_no_other():
@@ -35,6 +35,38 @@ def test_after_an_emergency_stop_only_disconnect_is_left():
     with pytest.raises(ValueError, match="after an emergency stop"):
         stopped.after("siemens_rev_0", cooling=True)
     assert stopped.after("disconnect", cooling=False) == Sequence()
+
+
+def test_who_enables_circuits_by_the_parameter_is_in_the_sequence():
+    """Its next step is due then; the emergency switch holds against parameters, too."""
+
+    def call(name):
+        answer = {each.srv_name.rpartition("/")[2]: each for each in node.services}[name].callback(
+            Trigger.Request(), Trigger.Response()
+        )
+        return answer.success
+
+    def enable(circuits):
+        return node.set_parameters_atomically([Parameter("enabled", value=circuits)]).reason
+
+    with ros_domain() as context:
+        node = TestBenchNode(
+            context=context, namespace=NAMESPACE, parameter_overrides=[Parameter("enabled", value="none")]
+        )
+        try:
+            assert call("choose_left")
+            assert enable("right") == ""
+            assert node.sequence == Sequence(Stage.RUNNING, "right")
+            assert not call("connect") and call("siemens_rev_0") and call("disconnect")
+            assert enable("both") == "" and enable("none") == ""
+            assert node.sequence == Sequence()
+            assert enable("both") == "" and call("emergency_stop")
+            assert enable("both") == "enabled is refused after an emergency stop, allowed is none until disconnect"
+            assert node.configuration.parameters.enabled == "none" and node.sequence.emergency
+            assert call("disconnect") and enable("both") == ""
+        finally:
+            node.close()
+            node.destroy_node()
 
 
 def test_the_node_serves_the_steps():

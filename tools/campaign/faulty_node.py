@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from campaign.spoiling import spoilt
+from ev_msgs_py.contract.stamps import RUNS
 from ev_msgs_py.nodes.ordinary_steps import OrdinarySteps
 from ev_msgs_py.nodes.run_role import run_role
 from ev_msgs_py.nodes.signal_io import SignalWriter
@@ -44,7 +45,7 @@ class Faulty:
         elif self._how == "reorder":
             say(message)
             before = self._last.get(id(writer), message)
-            if stamp_of(before):  # stamp zero behind others means a reset
+            if stamp_of(before) >= RUNS:  # the first stamp of a run behind others means a reset
                 say(before)
         elif self._how != "loss":
             say(spoilt(message, self._how, self._chance))

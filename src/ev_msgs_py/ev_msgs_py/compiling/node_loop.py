@@ -15,7 +15,7 @@ from ev_msgs_py.compiling.tally import address as tally_address
 HEAD = np.dtype(
     [
         *integers("inputs", "outputs", "runs", "senders", "width", "size"),  # how many there are
-        *integers("due", "period", "limit", "integrates", "row", "until", "patience"),  # stamps and times in ns
+        *integers("due", "run", "period", "limit", "integrates", "row", "until", "patience"),  # stamps and times in ns
         *integers("taken", "said", "spoke", "odd"),  # steps, the row of the last answer, when it was given; an input
         *integers("function", "state", "constants", "begin", "end"),  # of the part
         *integers("rcl_take", "rcl_publish", "rcl_count", "rcl_clear", "rcl_add", "rcl_add_guard"),  # addresses

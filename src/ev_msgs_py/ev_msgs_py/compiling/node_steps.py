@@ -110,9 +110,10 @@ def _take(head: Any, one: Any, senders: Any, runs: Any, frames: Any, memory: Any
 def _step(head: Any, inputs: Any, frames: Any, tally: Any) -> int:
     """One step of the part; what it says stands in the row of the inputs or, if it integrates, two rows behind."""
     said = head.row + 2 if head.integrates else head.row
-    frames[head.row, TIME] = head.due / NANOSECONDS
+    due = head.due - head.run
+    frames[head.row, TIME] = due / NANOSECONDS
     if head.integrates:
-        frames[said, TIME] = (head.due + head.period) / NANOSECONDS
+        frames[said, TIME] = (due + head.period) / NANOSECONDS
     head.said = said
     first, width = frames.ctypes.data, 8 * frames.shape[1]
     if call(head.function, first + head.row * width, first + said * width, head.state, head.constants) != 0:
@@ -121,7 +122,7 @@ def _step(head: Any, inputs: Any, frames: Any, tally: Any) -> int:
         if frames[said, n] - frames[said, n] != 0.0:
             return NOT_FINITE
     if head.tallied:
-        step = head.due // head.period
+        step = due // head.period
         add_up(tally, 0, head.taken_topics, step, frames[head.row])
         add_up(tally, head.taken_topics, head.tallied, step + 1 if head.integrates else step, frames[said])
     for i in range(len(inputs)):

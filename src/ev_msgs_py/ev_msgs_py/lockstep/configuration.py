@@ -79,6 +79,10 @@ class Configuration:
         """A new object of the method, at rest, in plain Python and in front of its sensors."""
         return create(self.method, self.told, self.common.vehicle, self.common.control_period)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickle and deepcopy: by names and values, for a method is code."""
+        return configure, (self.role, self.values(), type(self.extra) if self.extra is not None else None)
+
     def entries(self) -> tuple[Entry, ...]:
         """Every parameter of the node with its present value as default."""
         fixed = [dataclasses.replace(e, spec=dataclasses.replace(e.spec, read_only=True)) for e in entries(self.common)]

@@ -39,7 +39,7 @@ class HoldingInbox(Inbox):
         Those of a step that was taken without them are held for the next one, too: who is late each time is heard.
         """
         arrival = super().offer(kind, stamp, numbers)
-        if arrival is not Arrival.GAP and stamp > self.newest(kind):
+        if arrival is not Arrival.GAP and stamp > self.newest(kind) and self._is_of_run(stamp):
             if arrival is Arrival.REPEATED:  # it is not: the step has been taken without it
                 arrival = Arrival.OLD
             self._heard[kind] = stamp

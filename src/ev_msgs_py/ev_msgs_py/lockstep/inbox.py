@@ -7,6 +7,7 @@ from collections.abc import Sequence, Set
 from enum import Enum
 
 from ev_msgs_py.contract.frame import PLACES, Frame
+from ev_msgs_py.contract.stamps import RUN, RUNS
 
 _KEPT_AHEAD = 8  # incomplete steps that a node keeps at most
 _NONE: Set[type] = frozenset()
@@ -17,9 +18,9 @@ class Arrival(Enum):
 
     NEW = "it is kept for its step"
     REPEATED = "it is known already: somebody misses our answer"
-    OLD = "its step is over and answered, and so is the next"
+    OLD = "its step is over and answered, and so is the next; or it is of another run"
     GAP = "it is too far ahead, or between two steps: it cannot belong to this run of steps"
-    RESTART = "time went back to zero: a new run begins"
+    RESTART = "time went back to zero, or it is the first instant of a later run: a new run begins"
 
 
 class Inbox:
@@ -28,7 +29,10 @@ class Inbox:
     `reads` are the signal types of one step, `period` is the step in nanoseconds. A node that has not stepped yet
     takes any stamp as its first; from then on steps follow each other without a gap, unless `may_skip` (realtime,
     where the master does not wait). A message may run ahead of the next step by one more step, because the writers
-    do not wait for each other within a step. Stamp zero of one of the `heralds` after other stamps begins a new run.
+    do not wait for each other within a step; the `heralds` need this node's step before they speak of the next one.
+
+    The n-th run after a reset has stamps of n times `RUN` above its instants: what is still under way of a run before
+    is of no step. The first stamp of a later run, or stamp zero after others, of one of the heralds begins a new run.
     A step is complete when all its inputs are there, and of the `followed` ones those of the step after it as well.
     """
 
@@ -54,12 +58,15 @@ class Inbox:
         arrival, last = Arrival.NEW, self.last
         if last is not None and stamp != last + self.period:
             ahead = stamp - last
-            if stamp == 0 and ahead < 0 and kind in self._heralds:
-                self.expect(0)
+            if ahead and self._begins_run(kind, stamp):
+                self.expect(stamp)
                 arrival = Arrival.RESTART
+            elif not self._is_of_run(stamp):
+                number = stamp % self.period
+                return Arrival.GAP if number % RUN or number >= RUNS else Arrival.OLD
             elif ahead <= 0:
                 return Arrival.OLD if ahead else Arrival.REPEATED
-            elif ahead % self.period or (ahead > 2 * self.period and not self._may_skip):
+            elif self._leaves_out(kind, stamp):
                 return Arrival.GAP
         step = self.pending.get(stamp)
         if step is None:
@@ -73,6 +80,26 @@ class Inbox:
         self._missing = None
         inputs.numbers[PLACES[kind]] = array("d", numbers)
         return arrival
+
+    @property
+    def run(self) -> int:
+        """What stamps are above the instants that they mean [ns]."""
+        return 0 if self.last is None else self.last % self.period
+
+    def _is_of_run(self, stamp: int) -> bool:
+        """Whether a stamp is that of an instant of this run; of any before the first step."""
+        return self.last is None or (stamp - self.last) % self.period == 0
+
+    def _begins_run(self, kind: type, stamp: int) -> bool:
+        """Whether a message is of a later run, or of a master that is another one and counts from zero."""
+        return kind in self._heralds and (stamp == 0 or (self.run < stamp < RUNS and stamp % RUN == 0))
+
+    def _leaves_out(self, kind: type, stamp: int) -> bool:
+        """Whether a message can be of none of the next steps: it is too far ahead, or a herald leaves out a step."""
+        if self._may_skip or self.last is None:
+            return False
+        ahead = stamp - self.last
+        return ahead > 2 * self.period or (kind in self._heralds and kind not in self._came(self.last + self.period))
 
     def expect(self, stamp: int) -> None:
         """Forget everything; the next step is the one of this stamp."""

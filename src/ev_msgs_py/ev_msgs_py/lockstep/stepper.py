@@ -98,6 +98,8 @@ class Stepper:
         if arrival is Arrival.REPEATED and kind in self.upstream:
             answers += self._recent_answers()
         if self.integrates and self._at_rest and kind in self._pacing and self._must_begin(stamp):
+            if self.answer is not None:
+                self._begin_anew()  # of another run it may begin with other values
             self.answer = self._start(stamp)
             answers.append(self.answer)
         answer = self.step()
@@ -117,7 +119,7 @@ class Stepper:
         return tuple(answer for answer in (self.before, self.answer) if answer is not None)
 
     def _start(self, stamp: int) -> Answer:
-        there = _frame_at(stamp)
+        there = self._frame_at(stamp)
         self.part.start(there)
         if self.tally is not None:
             self.tally.add_said(stamp // self.period, there.address)
@@ -131,10 +133,11 @@ class Stepper:
             self.tally.forget()
 
     def begin_run(self) -> Answer:
-        """Begin anew at time zero; the answer is the initial state of an integrating object."""
+        """Begin the next run at time zero; the answer is the initial state of an integrating object."""
+        run = 0 if self.inbox.last is None else (self.inbox.run + stamps.RUN) % stamps.RUNS
         self._begin_anew()
-        self.inbox.expect(0)
-        self.answer = self._start(0)
+        self.inbox.expect(run)
+        self.answer = self._start(run)
         return self.answer
 
     def step(self) -> Answer | None:
@@ -152,11 +155,11 @@ class Stepper:
 
     def step_with(self, stamp: int, here: Frame) -> Answer:
         """One step with the inputs in a frame."""
-        here.numbers[TIME] = stamp / stamps.NANOSECONDS
+        here.numbers[TIME] = self._instant(stamp)
         self._at_rest = False
         if self.integrates:
             self.before = self.answer
-            there = _frame_at(stamp + self.period)
+            there = self._frame_at(stamp + self.period)
             self.part.step(here, there)
             self.answer = Answer(stamp + self.period, there)
             if self.tally is not None:
@@ -169,8 +172,11 @@ class Stepper:
                 self.tally.add(stamp // self.period, here.address)
         return self.answer
 
+    def _instant(self, stamp: int) -> float:
+        """The time that a stamp means [s]."""
+        return (stamp - stamp % self.period) / stamps.NANOSECONDS
 
-def _frame_at(stamp: int) -> Frame:
-    there = Frame()
-    there.numbers[TIME] = stamp / stamps.NANOSECONDS
-    return there
+    def _frame_at(self, stamp: int) -> Frame:
+        there = Frame()
+        there.numbers[TIME] = self._instant(stamp)
+        return there

@@ -30,9 +30,9 @@ class Advance:
                 return
             answer = self._held_step() if realtime else self._stepper.step()
             assert answer is not None, "the schedule lets time go on only with all inputs"
-            self._stepped(answer)
             if schedule.now == self._stepper.period:
                 schedule.pace_from_here()  # the first step has waited for all nodes to come up
+            self._stepped(answer)
             if realtime:
                 schedule.timing.stepped(late)
                 if late > stamps.to_seconds(self._stepper.period):
@@ -41,7 +41,7 @@ class Advance:
     def _held_step(self) -> Answer:
         """One step with the newest inputs; without a torque command that is fresh enough the torque is zero."""
         now = self._schedule.now
-        return self._stepper.step_with(now, self._schedule.held_inputs(now))
+        return self._stepper.step_with(now + self._stepper.inbox.run, self._schedule.held_inputs(now))
 
     def _note_overrun(self) -> None:
         """A burst of late steps would be no real time."""

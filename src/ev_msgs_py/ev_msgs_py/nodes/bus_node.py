@@ -19,7 +19,8 @@ from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.bus_cycles import BusCycles, WithBus
 from ev_msgs_py.nodes.reports import Reports
-from ev_msgs_py.parameters.declaration import ParameterError, entries
+from ev_msgs_py.parameters.declaration import entries
+from ev_msgs_py.parameters.shown import LINE, shown
 from ev_msgs_py.parameters.values import build, replaced
 
 
@@ -89,11 +90,12 @@ class BusNode(WithBus, Node):
         """No message wakes it up: it looks every millisecond."""
 
     def _on_set(self, changes: list[Parameter]) -> SetParametersResult:
-        given = {change.name: change.value for change in changes if not ros_parameters.is_ros_own(change.name)}
+        before = self.parameters
         try:
-            self.parameters = replaced(self.parameters, given)
-        except ParameterError as error:
-            return SetParametersResult(successful=False, reason=str(error))
-        if given:
+            self.parameters = replaced(before, ros_parameters.asked_for(changes))
             self.changed()
+        except Exception as error:  # by what it raises nothing shall be half changed
+            self.parameters = before
+            self.changed()
+            return SetParametersResult(successful=False, reason=shown(str(error) or repr(error), LINE))
         return SetParametersResult(successful=True)

@@ -11,12 +11,13 @@ from rclpy.parameter import Parameter
 
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.nodes import ros_parameters
+from ev_msgs_py.parameters.shown import LINE, shown
 
 
 class LiveParameters:
     """The present configuration of a node; `changed(before, given)` is called when another one is taken over.
 
-    `try_out(configuration)` makes what the new configuration needs, and ValueError of it refuses the change.
+    `try_out(configuration)` makes what the new configuration needs; whatever it raises refuses the change.
     """
 
     def __init__(
@@ -32,14 +33,14 @@ class LiveParameters:
         node.add_on_set_parameters_callback(self._on_set)
 
     def _on_set(self, changes: list[Parameter]) -> SetParametersResult:
-        given = {change.name: change.value for change in changes if not ros_parameters.is_ros_own(change.name)}
-        if not given:
-            return SetParametersResult(successful=True)
         try:
+            given = ros_parameters.asked_for(changes)
+            if not given:
+                return SetParametersResult(successful=True)
             configuration = self.configuration.changed(given)
             made = self._try_out(configuration)
-        except ValueError as error:
-            return SetParametersResult(successful=False, reason=str(error))
+        except Exception as error:  # also of a law that somebody has brought along
+            return SetParametersResult(successful=False, reason=shown(str(error) or repr(error), LINE))
         before, self.configuration = self.configuration, configuration
         self._changed(before, given, made)
         return SetParametersResult(successful=True)

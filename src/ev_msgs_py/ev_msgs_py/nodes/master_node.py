@@ -10,8 +10,11 @@ from typing import Any
 from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
 
+from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES
 from ev_msgs_py.contract.topics import Topic
+from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.lockstep.part import Part
 from ev_msgs_py.lockstep.stepper import Answer
 from ev_msgs_py.nodes.advance import Advance
 from ev_msgs_py.nodes.master_inputs import MasterInputs
@@ -23,6 +26,7 @@ from ev_msgs_py.nodes.state_publisher import StatePublisher
 from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.time_services import TimeServices
+from ev_msgs_py.parameters.declaration import ParameterError
 
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 # It doubles up to this where that does not help: each repetition is answered by all, and publishers keep 256 messages,
@@ -41,11 +45,21 @@ class MasterNode(SteppedNode):
         self._retry_period = _RETRY_PERIOD
         self._silence = Silence(self)
         self._advance = Advance(self.stepper, self.schedule, self._stepped, self.reports.warn)
-        self._granted = TimeServices(self, lambda: self.now, self._begin, self.schedule.pace_from_here, self.reports)
+        schedule = self.schedule
+        self._granted = TimeServices(
+            self, lambda: self.now, self._begin, schedule.rest_here, schedule.go_on_here, self.reports
+        )
         self.schedule.rests = self._granted.rests
         # For rclpy's own executors; `spinning.spin` calls idle() by itself. The clock is the wall's, not /clock.
         self.create_timer(_RETRY_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
         self._begin()
+
+    def new_part(self, configuration: Configuration) -> Part:
+        """What plays the plant; ParameterError if in real time it would lose its command from step to step."""
+        timeout = configuration.extra.command_timeout
+        if configuration.common.mode == "realtime" and stamps.from_seconds(timeout) <= 2 * configuration.period:
+            raise ParameterError(f"command_timeout: {timeout:g} s is refused, allowed is more than two control periods")
+        return super().new_part(configuration)
 
     @cached_property
     def schedule(self) -> Schedule:
@@ -54,7 +68,7 @@ class MasterNode(SteppedNode):
 
     @property
     def now(self) -> int:
-        """Stamp of the present instant, in nanoseconds."""
+        """The present instant, in nanoseconds since the run began."""
         return self.schedule.now
 
     def also_reads(self, reads: tuple[type, ...]) -> tuple[type, ...]:
@@ -86,7 +100,7 @@ class MasterNode(SteppedNode):
             self._silence.name_after(self.configuration.extra.answer_timeout, self.schedule.missing, self.now)
 
     def free_until(self) -> int:
-        """The last instant at which time may go on as soon as all inputs are there."""
+        """Stamp of the last instant at which time may go on as soon as all inputs are there."""
         return -1 if self._granted.paused else self.schedule.free_until
 
     def ends(self) -> list[End]:
@@ -105,7 +119,6 @@ class MasterNode(SteppedNode):
         self.schedule.follow(self.configuration.extra)
 
     def _begin(self) -> None:
-        self.forget(RECORDER_WRITES)  # what it has said of a run before would be taken for this one's
         self._stepped(self.stepper.begin_run())
         self.schedule.begin()
 

@@ -90,7 +90,7 @@ class OrdinarySteps:
     def _hand_over(self, head: Any) -> None:
         """Tell the loop what has come, and who may speak."""
         inbox, memory = self._stepper.inbox, self._memory
-        head["due"], head["row"], head["taken"] = inbox.last + inbox.period, 0, 0
+        head["due"], head["run"], head["row"], head["taken"] = inbox.last + inbox.period, inbox.run, 0, 0
         for row, came in enumerate(("came", "came_next")):
             numbers, kinds = inbox.pending.get(inbox.last + (1 + row) * inbox.period, (None, ()))
             memory.inputs[came] = [kind in kinds for kind in self._kinds]

@@ -18,12 +18,25 @@ class Pace:
 
     def start(self, stamp: int) -> None:
         """Both times begin here."""
+        self._rests: float | None = None
         self.go_on(stamp)
         self._begun = self._wall, self._stamp
+
+    def rest(self) -> None:
+        """Both stand still until `resume`."""
+        if self._rests is None:
+            self._rests = time.monotonic()
 
     def go_on(self, stamp: int) -> None:
         """The next instants are due as if this one were in time."""
         self._wall, self._stamp = time.monotonic(), stamp
+
+    def resume(self, stamp: int) -> None:
+        """The same behind a rest, which counts nowhere."""
+        self.go_on(stamp)
+        if self._rests is not None:
+            self._begun = self._begun[0] + self._wall - self._rests, self._begun[1]
+            self._rests = None
 
     def due(self, stamp: int, factor: float) -> float:
         """Wall time [s] at which an instant is due; `factor` is simulated over wall time, above zero."""
@@ -32,5 +45,5 @@ class Pace:
     def summary(self, stamp: int, period: int) -> str:
         """What was simulated up to an instant, and how fast."""
         begun, first = self._begun
-        wall, simulated = time.monotonic() - begun, stamp - first
+        wall, simulated = (self._rests or time.monotonic()) - begun, stamp - first
         return f"{stamps.to_seconds(simulated):g} s simulated in {wall:.3f} s, {simulated // period / wall:.1f} steps/s"

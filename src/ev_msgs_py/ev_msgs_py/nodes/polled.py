@@ -73,11 +73,6 @@ class Polled:
             while (message := reader.take()) is not None:
                 reader.receive(message)
 
-    def forget(self, signal: type) -> None:
-        """Take what has come of a signal, if the node reads it, and do nothing with it."""
-        while signal in self.readers and self.readers[signal].take() is not None:
-            pass
-
     def awaits(self) -> SubscriptionHandle:
         """The subscription to wake up for: of the inputs that are missing, or of all, the one that arrives last."""
         return self.readers[(self.wanted() or tuple(self.readers))[-1]].handle

@@ -22,7 +22,6 @@ class Reception:
         self.refused = 0  # messages that could not be read, or that the topic table does not allow
         self._gaps: set[Topic] = set()
         self._joined_late = False
-        self._before_reset = -1  # stamp up to which late messages may still be of the run before a reset
 
     def receiver(self, topic: Topic) -> Callable[[bytes], None]:
         """A function that takes a message of a topic, steps if that completes the inputs, and answers."""
@@ -35,10 +34,10 @@ class Reception:
             except MessageError as error:
                 self.refuse(topic, message, error)
                 return
-            last, fresh = inbox.last, stepper.answer is None
+            fresh = stepper.answer is None
             arrival = inbox.offer(kind, stamp, numbers)
             if arrival is not new:
-                self._note(topic, stamp, arrival, last)
+                self._note(topic, stamp, arrival)
             for answer in stepper.answers_to(kind, stamp, arrival):
                 publish(answer)
                 if fresh:
@@ -46,17 +45,15 @@ class Reception:
 
         return receive
 
-    def _note(self, topic: Topic, stamp: int, arrival: Arrival, last: int | None) -> None:
-        """Report what cannot belong to the run; remember up to where messages may be of a run before."""
+    def _note(self, topic: Topic, stamp: int, arrival: Arrival) -> None:
+        """Count it, and report what cannot belong to the run."""
         self.arrivals[arrival] += 1
         if arrival is Arrival.GAP:
             self._report_gap(topic, stamp)
-        elif arrival is Arrival.RESTART and last is not None:
-            self._before_reset = last + 2 * self._stepper.period
 
     def _note_beginning(self, stamp: int) -> None:
         """Report a first answer that is not that of the beginning of a run."""
-        if stamp > 0 and not self._joined_late:
+        if stamp >= self._stepper.period and not self._joined_late:
             self._joined_late = True
             self._reports.warn(
                 f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible"
@@ -82,7 +79,7 @@ class Reception:
 
     def _report_gap(self, topic: Topic, stamp: int) -> None:
         last = self._stepper.inbox.last
-        if last is None or topic in self._gaps or stamp <= self._before_reset:
+        if last is None or topic in self._gaps:
             return
         self._gaps.add(topic)
         due = stamps.to_seconds(last + self._stepper.period)

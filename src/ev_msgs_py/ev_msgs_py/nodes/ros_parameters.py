@@ -70,6 +70,15 @@ def is_ros_own(name: str) -> bool:
     return name in _ROS_OWN or name.startswith("qos_overrides.")
 
 
+def asked_for(changes: Sequence[Parameter]) -> dict[str, Any]:
+    """The values of a change that are ours; ParameterError if ROS's own are among them, for ROS might refuse these."""
+    ours = {change.name: change.value for change in changes if not is_ros_own(change.name)}
+    if ours and len(ours) < len(changes):
+        own = ", ".join(change.name for change in changes if is_ros_own(change.name))
+        raise ParameterError(f"{own} is refused beside {', '.join(ours)}, allowed is each in a change of its own")
+    return ours
+
+
 def declare(node: Node, entries: Sequence[Entry]) -> None:
     """Declare parameters with type, description, unit and range; the values are the defaults of the entries."""
     for name in overrides(node):

@@ -34,13 +34,13 @@ class Schedule:
         self._end = stamps.from_seconds(parameters.duration)
         self._factor = 1.0 if self.realtime else parameters.real_time_factor
         self._parameters = parameters
-        self.pace_from_here()
+        self.lose_what_is_late()
 
     @property
     def now(self) -> int:
-        """Stamp of the present instant, in nanoseconds."""
+        """The present instant, in nanoseconds since the run began."""
         answer = self._stepper.answer
-        return 0 if answer is None else answer.stamp
+        return 0 if answer is None else answer.stamp - self._stepper.inbox.run
 
     def begin(self) -> None:
         """A new run begins."""
@@ -53,16 +53,26 @@ class Schedule:
         """Wall clock and simulated time count from now on."""
         self._pace.start(self.now)
 
+    def rest_here(self) -> None:
+        """Time stands still from now on."""
+        self._pace.rest()
+
+    def go_on_here(self) -> None:
+        """Time goes on: what it has rested is neither late nor driven, and makes no command older."""
+        self._pace.resume(self.now)
+        self.held.came_now()
+        self.timing.rested()
+
     def lose_what_is_late(self) -> None:
         """Wall time that was lost stays lost."""
         self._pace.go_on(self.now)
 
     def note_recorded(self, stamp: int) -> None:
-        """The recorder holds everything up to a stamp; one beyond now was said of the run before a reset."""
-        if stamp <= self.now:
+        """The recorder holds everything up to a stamp, if it is one of this run."""
+        if stamp % self._stepper.period == self._stepper.inbox.run:
             if self._recorded < 0:
                 self._begin_here()
-            self._recorded = max(self._recorded, stamp)
+            self._recorded = max(self._recorded, stamp - self._stepper.inbox.run)
 
     def held_inputs(self, now: int) -> Frame:
         """What realtime integrates with at a stamp."""
@@ -73,11 +83,13 @@ class Schedule:
     def hold(self, kind: type, stamp: int, numbers: Sequence[float]) -> None:
         """Keep an input of realtime, which begins when everybody has spoken."""
         waited = not self.all_are_here
+        instant = stamp - self._stepper.inbox.run
         # What integrates speaks of the next instant.
-        if not self.held.take(kind, stamp, numbers, self.now + 2 * self._stepper.period):
-            self.timing.refused[kind] += stamp != self.held.stamp_of(kind)  # repeated ones are none the worse for it
+        limit = self.now + 2 * self._stepper.period if instant % self._stepper.period == 0 else -1
+        if not self.held.take(kind, instant, numbers, limit):
+            self.timing.refused[kind] += instant != self.held.stamp_of(kind)  # repeated ones are none the worse for it
             return
-        self.timing.arrival[kind].add(time.monotonic() - self._pace.due(stamp, self._factor))
+        self.timing.arrival[kind].add(time.monotonic() - self._pace.due(instant, self._factor))
         if waited:
             self._begin_here()
 
@@ -125,11 +137,12 @@ class Schedule:
 
     @property
     def free_until(self) -> int:
-        """The last instant at which time may go on as soon as all inputs are there; -1 if the clock has a say."""
+        """Stamp up to which time goes on as soon as all inputs are there; -1 if the clock has a say."""
         if self.realtime or self._factor:
             return -1
         end = self._end - self._stepper.period if self._end else stamps.LAST_EXACT
-        return min(end, self._recorded + RECORDER_LAG * self._stepper.period) if self._await_recorder else end
+        free = min(end, self._recorded + RECORDER_LAG * self._stepper.period) if self._await_recorder else end
+        return free + self._stepper.inbox.run
 
     @property
     def lateness(self) -> float:

@@ -19,6 +19,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.service import Service
 
 from ev_msgs_py.nodes.alarm import Alarm
+from ev_msgs_py.nodes.refusing import refuse_what_raises
 from ev_msgs_py.nodes.signal_io import PolledGroup, SubscriptionHandle
 
 _SERVICE_PERIOD = 0.05  # s between looks at services
@@ -58,6 +59,7 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
     context = in_order[0].context
     executor = SingleThreadedExecutor(context=context)
     for node in in_order:
+        refuse_what_raises(node)
         executor.add_node(node)
     services = [service for node in in_order for service in node.services]
     alone = len(in_order) == 1  # who has stepped waits for others; nodes of one process wait for each other first

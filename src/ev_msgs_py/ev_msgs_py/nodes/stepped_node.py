@@ -42,7 +42,7 @@ class SteppedNode(Node, Polled):
         configuration = configure(role, ros_parameters.given(self, node_arguments), self.extra_parameters)
         self.polling_place = _POLLING_ORDER.index(role)
         self.reports = Reports(self, role)
-        self.live = LiveParameters(self, configuration, self.new_part, self._take_over)
+        self.live = LiveParameters(self, configuration, self.successor, self._take_over)
         self.stepper = Stepper(
             configuration.method,
             lambda: self.new_part(self.configuration),
@@ -94,11 +94,17 @@ class SteppedNode(Node, Polled):
             writer.write(answer.stamp, answer.frame)
         self.reports.pass_on_now_and_then(self.stepper.part)
 
+    def successor(self, configuration: Configuration) -> Part:
+        """What goes on with other parameters; the state lasts, of one that has spoken: before that there is none."""
+        part = self.new_part(configuration)
+        if self.stepper.answer is not None:
+            hand_over(self.stepper.part, part)
+        return part
+
     def _take_over(self, before: Configuration, given: dict[str, Any], part: Part) -> None:
-        """Go on with other parameters; the state lasts."""
+        """Go on with other parameters."""
         after = self.configuration
         if (after.parameters, after.sensors, after.faults) != (before.parameters, before.sensors, before.faults):
-            hand_over(self.stepper.part, part)
             self.stepper.part = part
             self.reports.warn(f"parameters changed to {given}: the run is not reproducible")
         self.reconfigured()

@@ -34,6 +34,10 @@ class Timing:
         self.steps += 1
         self.lateness.add(lateness)
 
+    def rested(self) -> None:
+        """Time stood still until now: that was no period."""
+        self._stepped = None
+
     def as_json(self) -> dict[str, Any]:
         """All of it; times in seconds."""
         return {

@@ -5,10 +5,13 @@ from __future__ import annotations
 import argparse
 import os
 import shutil
+import subprocess
+import sys
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.commands.command_line import overrides, own_nodes
 from ev_sim.report.figures.saving import figure_files
@@ -25,6 +28,7 @@ from ev_sim.running.scenarios.configured_file import is_path
 from ev_sim.running.scenarios.scenario import Run, load_scenario, scenario_names
 from ev_sim.study.study import STUDIES
 
+_MIDDLEWARE = "RMW_IMPLEMENTATION"
 _SHARED_MEMORY, _ROOM = "/dev/shm", 65536  # bytes; where there are fewer, LTTng of ROS 2 ends the process by SIGBUS
 
 
@@ -61,10 +65,19 @@ def _refuse_without_ros(given: argparse.Namespace) -> None:
     """RunFailed, before anything is made, if ROS 2 is needed and not installed or cannot start."""
     if not given.offline and find_spec("rclpy") is None:
         raise RunFailed("nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs none")
+    middleware = os.environ.get(_MIDDLEWARE, "")
+    if not given.offline and middleware not in ("", "rmw_fastrtps_cpp") and not _can_be_loaded():
+        raise RunFailed(f"{_MIDDLEWARE}={quoted(middleware)} is refused, allowed is one that is installed, or none")
     if not given.offline and os.access(_SHARED_MEMORY, os.W_OK) and shutil.disk_usage(_SHARED_MEMORY).free < _ROOM:
         raise RunFailed(f"{_SHARED_MEMORY} is full: the libraries of ROS 2 need {_ROOM} bytes there")
     if not given.no_record and None in (find_spec("rosbags"), find_spec("sensor_msgs")):
         raise RunFailed("a bag needs rosbags and the messages of ROS 2, which are not installed here: add --no-record")
+
+
+def _can_be_loaded() -> bool:
+    """Whether ROS 2 starts; where it does not find its middleware it ends the process that tries, in words of C."""
+    words = [sys.executable, "-c", "import rclpy; rclpy.utilities.get_rmw_implementation_identifier()"]
+    return subprocess.run(words, capture_output=True).returncode == 0
 
 
 def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:

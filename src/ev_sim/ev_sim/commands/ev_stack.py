@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from ev_msgs_py.nodes.stop_request import interrupt_destructors, let_in, turn_deaf, was_interrupted
+from ev_msgs_py.nodes.stop_request import interrupt, interrupt_destructors, let_in, turn_deaf, was_interrupted
 from ev_msgs_py.parameters.shown import quoted
 from ev_sim.commands.refusal import refuse
 
@@ -39,6 +40,7 @@ def main() -> None:
     """ev-stack COMMAND [options]"""
     try:
         interrupt_destructors()
+        signal.signal(signal.SIGTERM, interrupt)
         let_in()  # scripts/run.sh holds signals back until here, where they are one line
         perform(sys.argv[1:])
     except BaseException as error:  # while a command is loaded as well, which takes half a second

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import io
 import os
-import signal
 import sys
 from importlib import import_module
 
 from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.lockstep.installed_methods import not_loaded
 from ev_msgs_py.lockstep.methods import all_methods
-from ev_msgs_py.nodes.stop_request import interrupt
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import arguments
 from ev_sim.commands.refusal import refuse
@@ -33,7 +31,6 @@ _NOT_LOADED = "failed to map segment"  # what the loader says of a library for w
 def main(argv: list[str] | None = None) -> None:
     """scripts/run.sh SCENARIO [options]"""
     words = sys.argv[1:] if argv is None else argv
-    signal.signal(signal.SIGTERM, interrupt)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal may know ASCII only

@@ -71,8 +71,12 @@ class Slave(Fmi2Slave):
         return set_value
 
     def to_xml(self, model_options: Mapping[str, Any] | None = None) -> Any:
-        """The description; all outputs have a value before the first step, which PythonFMU does not say by itself."""
+        """The description, with what PythonFMU does not say by itself.
+
+        All outputs have a value before the first step; and a second instance in one process ends it in PythonFMU.
+        """
         root = super().to_xml(dict(model_options or {}))
+        root.find("CoSimulation").set("canBeInstantiatedOnlyOncePerProcess", "true")
         structure = root.find("ModelStructure")
         unknowns = SubElement(structure, "InitialUnknowns")
         for output in structure.find("Outputs"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -23,15 +24,30 @@ class SteppedLaw:
     """
 
     def __init__(self, configuration: Configuration) -> None:
+        self._set_up(configuration)
+
+    def _set_up(self, configuration: Configuration) -> None:
         if ROLES[configuration.role].kind is not RoleKind.ANSWERS:
             answering = [role.name for role in ROLES.values() if role.kind is RoleKind.ANSWERS]
             raise ParameterError(f"{configuration.role} integrates, allowed is one of {', '.join(answering)}")
+        self._configuration = configuration
         self._part = part_of(configuration, compiled=True)
         self._here = Frame()
         places = frame.channels()
         self._inputs = {name: places[name] for name in _channels(configuration.method.reads)}
         self._outputs = {name: places[name] for name in _channels(configuration.method.writes)}
         self.inputs, self.outputs = tuple(self._inputs), tuple(self._outputs)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For pickle and deepcopy: the part is compiled code, so it is made anew and goes on from its state."""
+        inputs = {name: self._here.numbers[place] for name, place in self._inputs.items()}
+        return {"configuration": self._configuration, "inputs": inputs, "state": copy.deepcopy(self.state)}
+
+    def __setstate__(self, saved: dict[str, Any]) -> None:
+        self._set_up(saved["configuration"])
+        for name, value in saved["inputs"].items():
+            self._here.numbers[self._inputs[name]] = value
+        self.state = saved["state"]
 
     def answer(self, time: float, given: Mapping[str, float]) -> dict[str, float]:
         """What it writes at an instant [s], by channel in SI units; inputs that are not given keep their last value.

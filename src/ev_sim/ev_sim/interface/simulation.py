@@ -102,12 +102,25 @@ class Simulation:
         """Begin again, at rest, with another seed of everything random if one is given; the first frame comes back."""
         if seed is not None:
             self.configurations = {role: each.changed({"seed": seed}) for role, each in self.configurations.items()}
-        self._parts = {role: compiled_parts(self.configurations[role]) for role in self.kept}
+        self._make_parts()
         self._here, self._next = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
         self._instant, self._frames = 0, []
         for role in self._integrating:
             self._call(role, None, self._here)
         return self._begin_instant()
+
+    def _make_parts(self) -> None:
+        self._parts = {role: compiled_parts(self.configurations[role]) for role in self.kept}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For pickle and deepcopy: parts are compiled code, so they are made anew and go on from their state."""
+        return {name: value for name, value in vars(self).items() if name != "_parts"} | {"state": self.state}
+
+    def __setstate__(self, saved: dict[str, Any]) -> None:
+        state = saved.pop("state")
+        vars(self).update(saved)
+        self._make_parts()
+        self.state = state
 
     def step(self, inputs: Mapping[str, float] | None = None) -> Mapping[str, float]:
         """Go on by one control period and give the frame that is shown then.

@@ -10,14 +10,20 @@ import gymnasium
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.interface.law import SteppedLaw
 from ev_sim.interface.simulation import Simulation
-from ev_sim.learning.actions import ACTIONS
-from ev_sim.learning.rewards import Reward, calm_yaw, like_the_driver, quick_without_slip
+from ev_sim.learning.actions import ACTIONS, Action
+from ev_sim.learning.rewards import CalmYaw, Reward, like_the_driver, quick_without_slip
 
 _LARGEST_SEED = 2**31 - 1
 OBSERVED = ("driver.command", "steering_column.state", "twist", "imu", "wheel_states.velocity")
+
+
+def never(frame: Mapping[str, float]) -> bool:
+    """Whether an episode is over: none is."""
+    return False
 
 
 class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
@@ -43,14 +49,14 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         action: str = "torque_split",
         observe: Sequence[str] = OBSERVED,
         reward: Reward | None = None,
-        ends: Callable[[Mapping[str, float]], bool] = lambda frame: False,
+        ends: Callable[[Mapping[str, float]], bool] = never,
         run: str = "",
         record: bool = False,
         **changed: Any,
     ) -> None:
         if action not in ACTIONS:
             raise unknown_name("action", action, ACTIONS)
-        self._action, self._ends = ACTIONS[action], ends
+        self._kind, self._ends = action, ends
         self.simulation = Simulation(scenario, (self._action.role,), run, record, **changed)
         vehicle = self.simulation.configurations[MASTER].common.vehicle
         self.observed = _observed(observe, self.simulation.frame)
@@ -59,12 +65,16 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (len(self.observed),), np.float64)
         defaults: dict[str, Reward] = {
-            "torque_split": calm_yaw(vehicle.wheelbase, vehicle.steering_ratio),
+            "torque_split": CalmYaw(vehicle.wheelbase, vehicle.steering_ratio),
             "traction_control": quick_without_slip,
             "steering": like_the_driver,
         }
         self._reward = reward or defaults[action]
         self._law = self._own_law()
+
+    @property
+    def _action(self) -> Action:
+        return ACTIONS[self._kind]
 
     def _own_law(self) -> SteppedLaw:
         return SteppedLaw(self.simulation.configurations[self._action.role])
@@ -83,7 +93,10 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         return self._seen(frame), self._info(frame)
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Go on by one control period; `truncated` where the scenario ends."""
+        """Go on by one control period; `truncated` where the scenario ends. ParameterError for another shape."""
+        if np.shape(action) != self.action_space.shape:
+            allowed = f"{self.action_space.shape}, of {', '.join(self.channels)}"
+            raise ParameterError(f"action of shape {np.shape(action)} is refused, allowed is {allowed}")
         means = self._action.means(self._frame, self.channels, np.asarray(action, np.float64))
         own = self._own
         frame = self.simulation.step({**self._answer, **means})

@@ -7,6 +7,7 @@ law wrote at the same instant.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,19 +20,22 @@ LARGE_SLIP_RATIO = 0.1  # about where tyres on snow and wet roads give most
 LARGE_DIFFERENCE = 1.0  # [N m], of hand torques
 
 
-def calm_yaw(wheelbase: float, steering_ratio: float) -> Reward:
+@dataclass(frozen=True)
+class CalmYaw:
     """Minus the squares of yaw rate beside that of a neutral car, times the speed, and of the largest slip ratio.
 
     A neutral car turns by V/L tan(delta) = V delta/L for the angles of driving.
     """
 
-    def reward(frame: Mapping[str, float], action: np.ndarray, own: np.ndarray) -> float:
+    wheelbase: float
+    steering_ratio: float
+
+    def __call__(self, frame: Mapping[str, float], action: np.ndarray, own: np.ndarray) -> float:
+        """The reward."""
         speed = frame["twist.longitudinal"]
-        neutral = speed * frame["steering_column.state.angle"] / (steering_ratio * wheelbase)
+        neutral = speed * frame["steering_column.state.angle"] / (self.steering_ratio * self.wheelbase)
         error = speed * (frame["imu.yaw_rate"] - neutral) / LARGE_YAW_ACCELERATION
         return -error * error + little_slip(frame, action, own)
-
-    return reward
 
 
 def little_slip(frame: Mapping[str, float], action: np.ndarray, own: np.ndarray) -> float:

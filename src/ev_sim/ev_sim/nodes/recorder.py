@@ -75,7 +75,7 @@ class RecorderNode(Node):
         """Tell how far the recording is, and end it when it is complete."""
         recorder = self._output.recorder
         recorder.took_all()
-        held = recorder.held
+        held = recorder.held_stamp
         self._waiting.look(held, (MASTER,))
         if held != self._told or recorder.asked:
             if silent := recorder.silent:
@@ -83,7 +83,7 @@ class RecorderNode(Node):
             else:
                 self._asked_since = 0.0
                 self._progress.write(held, _NOTHING)
-                self._reports.runner.tell(Word(PROGRESS, values={"stamp": held}))
+                self._reports.runner.tell(Word(PROGRESS, values={"stamp": recorder.held}))
             self._told, recorder.asked = held, False
         if recorder.loss:
             raise RuntimeError(f"the recording has a gap: {recorder.loss}")

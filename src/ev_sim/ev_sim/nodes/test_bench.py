@@ -9,6 +9,8 @@ from typing import Any
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
+from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.lockstep.part import Part
 from ev_msgs_py.nodes.run_role import run_node, told
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_sim.test_bench.sequence import OBJECTS, STEPS, Sequence, begun
@@ -20,6 +22,7 @@ class TestBenchNode(SteppedNode):
     """Steps the bench; a service for each step says why it is refused, and for the emergency switch."""
 
     __test__ = False
+    sequence = Sequence()
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(_ROLE, **node_arguments)
@@ -29,6 +32,18 @@ class TestBenchNode(SteppedNode):
         for chosen in OBJECTS:
             self._serve(f"choose_{chosen}", partial(self._after, "choose", chosen))
         self._serve("emergency_stop", lambda: self.sequence.stopped())
+
+    def successor(self, configuration: Configuration) -> Part:
+        """What goes on with other parameters; ValueError if they enable what the emergency switch has disabled."""
+        if self.sequence.emergency and configuration.values()[_ENABLED] != "none":
+            raise ValueError(f"{_ENABLED} is refused after an emergency stop, allowed is none until disconnect")
+        return super().successor(configuration)
+
+    def reconfigured(self) -> None:
+        """Who enables circuits by the parameter is in the sequence where it has them enabled."""
+        enabled = self.configuration.values()[_ENABLED]
+        if enabled != self.sequence.enabled:
+            self.sequence = begun(enabled)
 
     def _serve(self, name: str, change: Callable[[], Sequence]) -> None:
         self.create_service(Trigger, f"~/{name}", partial(self._answer, change))

@@ -180,7 +180,7 @@ def _notes(
 ) -> tuple[str, ...]:
     """What a replay of this bag leaves out or makes up."""
     notes = []
-    if first:
+    if first >= stamps.RUNS:  # below that it is the first instant of a run behind a reset
         notes.append(f"time counts from the stamp {stamps.to_seconds(first):g} s on, the first one of all topics")
     ends = {topic.name: int(messages.stamps.max()) for topic, messages in found.items()}
     if max(ends.values()) > last:

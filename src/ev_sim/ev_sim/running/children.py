@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import signal
+import subprocess
 from collections.abc import Callable
 
 _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux
@@ -27,3 +28,12 @@ def ends_with_us() -> Callable[[], None] | None:
             os._exit(1)
 
     return before
+
+
+def ending_with_us(group: int) -> subprocess.Popen:
+    """A process that kills a process group when we end, whatever ends us; to be killed when the group has ended.
+
+    A shell that becomes no node, but starts one, hands no death signal on.
+    """
+    words = ["bash", "-c", 'read -r _; kill -KILL -- "-$0"', str(group)]
+    return subprocess.Popen(words, stdin=subprocess.PIPE, start_new_session=True)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ev_sim.running.outcome import RunFailed
 
+_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _DOMAINS = range(1, 102)  # those that are safe on every operating system
 _LAST = 232  # whose ports still are ports
 _FIRST_PORT, _PORTS_PER_DOMAIN = 7400, 250  # of DDS: multicast discovery of a domain
@@ -27,11 +28,13 @@ class NoFreeDomain(RunFailed):
 def free_domain() -> Iterator[int]:
     """A domain id without participants, reserved against other runs of this kind until the end of the block.
 
-    NoFreeDomain if there is none, RunFailed if ROS_DOMAIN_ID is no domain.
+    NoFreeDomain if there is none, RunFailed if ROS_DOMAIN_ID is no domain, or if nodes are not to find each other.
 
     ROS_DOMAIN_ID goes before: whoever sets it wants to look at the run from outside.
     """
     given = os.environ.get("ROS_DOMAIN_ID", "")
+    if os.environ.get(_RANGE) == "OFF":
+        raise RunFailed(f"{_RANGE}=OFF is refused: no node would find another one, allowed is LOCALHOST or SUBNET")
     if given:
         if not (given.isdecimal() and int(given) <= _LAST):
             raise RunFailed(f"ROS_DOMAIN_ID={given} is refused, allowed is a whole number from 0 to {_LAST}")
@@ -43,6 +46,20 @@ def free_domain() -> Iterator[int]:
                 yield domain
                 return
     raise NoFreeDomain(f"all ROS domains from {_DOMAINS[0]} to {_DOMAINS[-1]} are in use{_blocked()}")
+
+
+@contextmanager
+def own_namespace(domain: int, namespace: str) -> Iterator[None]:
+    """For the time of the block no other run of this user has nodes of the same names; RunFailed if one has them.
+
+    Nobody would believe either of two nodes of one name, and both runs would stand still.
+    """
+    with _reservation(f"{domain}_{os.getuid()}{namespace.replace('/', '_')}") as reserved:
+        if not reserved:
+            raise RunFailed(
+                f"ROS domain {domain} has a run in the namespace {namespace} already: wait, or take another"
+            )
+        yield
 
 
 def reserved_domains() -> list[int]:
@@ -62,11 +79,11 @@ def discovery_port(domain: int, participant: int) -> int:
 
 
 @contextmanager
-def _reservation(domain: int) -> Iterator[bool]:
-    """Whether the domain could be reserved, for the time of the block; also false if the lock is another user's."""
+def _reservation(what: object) -> Iterator[bool]:
+    """Whether it could be reserved, for the time of the block; also false if the lock is another user's."""
     with ExitStack() as stack:
         try:
-            lock = stack.enter_context(open(_lock_file(domain), "wb", opener=_opened_in_place))
+            lock = stack.enter_context(open(_lock_file(what), "wb", opener=_opened_in_place))
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             yield False
@@ -94,8 +111,8 @@ def _blocked() -> str:
     return ""
 
 
-def _lock_file(domain: int) -> Path:
-    return Path(tempfile.gettempdir()) / f"ev_stack_domain_{domain}.lock"
+def _lock_file(what: object) -> Path:
+    return Path(tempfile.gettempdir()) / f"ev_stack_domain_{what}.lock"
 
 
 def _is_silent(domain: int) -> bool:

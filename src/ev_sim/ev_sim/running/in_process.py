@@ -20,7 +20,7 @@ from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_sim.nodes.recorder import RecorderNode
-from ev_sim.running.domain import free_domain
+from ev_sim.running.domain import free_domain, own_namespace
 from ev_sim.running.files_of_run import PARAMETERS, SIGNALS
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
 from ev_sim.running.observing import observing
@@ -45,6 +45,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
     nodes: list[SteppedNode] = []
     with (
         free_domain() as domain,
+        own_namespace(domain, run.namespace),
         StopRequest(patient=True) as stop,
         observing(run.namespace, domain, _OBSERVER) as observer,
         told(run.namespace) as words,

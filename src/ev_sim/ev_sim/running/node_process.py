@@ -16,7 +16,7 @@ from ev_msgs_py.nodes.leaving import SILENTLY
 from ev_msgs_py.nodes.runner_line import LINE
 from ev_msgs_py.nodes.stop_request import hold_back
 from ev_msgs_py.parameters.shown import shown
-from ev_sim.running.children import ends_with_us
+from ev_sim.running.children import ending_with_us, ends_with_us
 from ev_sim.running.observing import enclave
 from ev_sim.running.outcome import RunFailed
 from ev_sim.running.same_addresses import same_addresses
@@ -33,6 +33,7 @@ class NodeProcess:
     name: str
     process: subprocess.Popen
     log: Path
+    guard: subprocess.Popen | None = None  # kills what it has started when we are killed
 
     def failure(self) -> str:
         """One line on how the process ended."""
@@ -45,6 +46,14 @@ class NodeProcess:
         if shutil.disk_usage(self.log.parent).free < _ROOM:
             said = f": no space left on device, {self.log.parent}"
         return f"node {self.name} {how}{said}"
+
+    def end(self) -> None:
+        """Kill the process and whatever it has started."""
+        self.send(signal.SIGKILL)
+        self.process.wait()
+        if self.guard is not None:
+            self.guard.kill()
+            self.guard.communicate()
 
     def send(self, kind: signal.Signals) -> None:
         """Send a signal to the process and whatever it has started."""
@@ -86,7 +95,7 @@ def start_node(
             raise RunFailed(f"node {name} cannot be started: {words[0]}: {error.strerror}") from None
         finally:
             told.started(name)
-    return NodeProcess(name, process, log)
+    return NodeProcess(name, process, log, None if ours else ending_with_us(process.pid))
 
 
 def _said_by_us(name: str, run: Run, folder: Path) -> list[str]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from ev_msgs_py.compiling import node_loop
 from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_sim.running.beginning import Beginning
-from ev_sim.running.domain import free_domain
+from ev_sim.running.domain import free_domain, own_namespace
 from ev_sim.running.files_of_run import PARAMETERS
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
 from ev_sim.running.observing import refuse_unready
@@ -37,13 +37,14 @@ def run_in_processes(
     node_loop.keep()  # whoever has updated the sources has set up nothing anew
     with (
         free_domain() as domain,
+        own_namespace(domain, run.namespace),
         StopRequest(patient=True) as stop,
         real_bus(run, domain, directory) as bus,
     ):
         parameters = node_parameters(run, directory, bag, bus)
         write_parameter_file(file, run, parameters)
         while True:
-            beginning = Beginning()
+            beginning = Beginning(patient=bool(own_nodes))
             with told(run.namespace) as words:
                 announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
                 with started_nodes(parameters, own_nodes or {}, run, file, domain, words) as nodes:

@@ -39,6 +39,8 @@ def progress_bar(name: str, duration: float) -> Iterator[Progress]:
 
     def progress(simulated: float) -> None:
         now = time.monotonic()
+        if begun and simulated < begun[0][1]:  # a reset
+            begun.clear()
         if not begun and simulated > 0:
             begun.append((now, simulated))
         if begun and now - begun[0][0] > _ENOUGH:

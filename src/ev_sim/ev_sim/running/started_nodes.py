@@ -42,5 +42,4 @@ def _stop(nodes: list[NodeProcess]) -> None:
         with suppress(subprocess.TimeoutExpired):
             node.process.wait(max(deadline - time.monotonic(), 0.0))
     for node in nodes:
-        node.send(signal.SIGKILL)
-        node.process.wait()
+        node.end()

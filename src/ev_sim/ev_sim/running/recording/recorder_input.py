@@ -35,6 +35,7 @@ class RecorderInput:
     ) -> None:
         self._node, self._recorder, self._reports = node, recorder, reports
         self._clock_stamp = -1
+        self._early: list[tuple[int, bytes, int]] = []  # of /clock, for a run whose first state has yet to be taken
         self._next_poll = 0.0
         self.refused = 0
         # The master's first: nobody speaks of an instant before the master does, so nothing seems to be ahead of it.
@@ -70,12 +71,14 @@ class RecorderInput:
             stamp = stamp_of(message)
             if stamp != self._clock_stamp:  # the master repeats the stamp where it repeats the state
                 self._clock_stamp = stamp
-                self._recorder.add_beside("/clock", "rosgraph_msgs/msg/Clock", message, stamp, time_of_arrival)
+                self._early.append((stamp, message, time_of_arrival))
+        kind = "rosgraph_msgs/msg/Clock"
+        self._early = [each for each in self._early if not self._recorder.add_beside("/clock", kind, *each)]
 
     def _add_diagnostics(self, messages: list[bytes], came: list[int]) -> None:
-        kind, stamp = "diagnostic_msgs/msg/DiagnosticArray", max(self._clock_stamp, 0)
+        kind, stamp = "diagnostic_msgs/msg/DiagnosticArray", self._recorder.held_stamp
         for message, time_of_arrival in zip(messages, came, strict=True):
-            self._recorder.add_beside("/diagnostics", kind, message, stamp, time_of_arrival)
+            self._recorder.add_beside("/diagnostics", kind, stamp, message, time_of_arrival)
 
     def take_all(self) -> None:
         """Take every message that has arrived, unless the last look was a moment ago."""

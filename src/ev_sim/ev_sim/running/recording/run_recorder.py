@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import closing
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -30,8 +31,8 @@ class RunRecorder:
     without, it is as far as its slowest topic, and a missing step is a loss. Nothing behind the stamp `last` is kept:
     an integrating node is one step ahead of the end.
 
-    When the master goes back to step zero (reset), a new run begins: the arrays begin anew, and so does the bag, the
-    one before is kept beside it.
+    When the master begins the next run (reset), or is another one that counts from zero, the arrays begin anew, and so
+    does the bag; the one before is kept beside it. What comes of another run than the present one is not kept.
     """
 
     def __init__(
@@ -54,7 +55,7 @@ class RunRecorder:
         self._masters = {i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes}
         self._pacing = [self._messages[i] for i in self._masters] if may_skip else self._messages
         self._directory = folder / BAG if bag else None
-        self._resets = 0
+        self._run = 0  # what stamps are above the instants that they mean [ns]
         self._stale = False  # whether messages of the run before a reset may still come
         self._begin_bag()
         self.loss = ""
@@ -74,9 +75,11 @@ class RunRecorder:
         In real time the bag has it under the wall time at which it came [ns], in lockstep under its stamp.
         """
         kept = self._messages[index]
-        step = stamp_of(message) // self._period
-        if step == 0 and index in self._masters and (kept.count > 1 or (kept.count and message != kept.first)):
-            self._begin_anew()
+        step, run = divmod(stamp_of(message), self._period)
+        if step == 0 and index in self._masters and self._begins_run(run, kept, message):
+            self._begin_anew(run)
+        if run != self._run:
+            return
         if step >= self._steps or step < kept.count or (self._stale and index not in self._masters):
             self.asked = self.asked or index in self._masters
             return
@@ -94,16 +97,24 @@ class RunRecorder:
         if self._bag is not None:
             self._bag.write(self._handles[index], came if self._may_skip else step * self._period, message)
 
-    def _begin_anew(self) -> None:
+    def _begins_run(self, run: int, kept: SpooledTopic, message: bytes) -> bool:
+        """Whether the first state is that of a later run, or of another master."""
+        if run == self._run:
+            return kept.count > 1 or (kept.count == 1 and message != kept.first)
+        return self._run < run < stamps.RUNS or (run == 0 and not self._stale)
+
+    def _begin_anew(self, run: int) -> None:
+        self._run = run
+        if not any(kept.count for kept in self._messages):  # it has joined behind resets
+            return
         for kept in self._messages:
             kept.clear()
         self._spool.clear()
         self.loss = ""
         self._stale = True
-        self._resets += 1
         if self._bag is not None:
             self._bag.close()
-            self._directory.rename(self._directory.with_name(f"{self._directory.name}_before_reset_{self._resets}"))
+            self._directory.rename(_free(f"{self._directory}_before_reset_"))
             self._begin_bag()
 
     def took_all(self) -> None:
@@ -114,18 +125,29 @@ class RunRecorder:
         first, last = (stamps.to_seconds(step * self._period) for step in (due, came))
         self.loss = f"{self._topics[index].name} at {first} s did not come, but {last} s did"
 
-    def add_beside(self, name: str, message_type: str, message: bytes, stamp: int, came: int) -> None:
-        """Put a message that is no signal of the contract, such as /clock, into the bag only."""
-        if self._bag is None:
-            return
+    def add_beside(self, name: str, message_type: str, stamp: int, message: bytes, came: int) -> bool:
+        """Put a message that is no signal of the contract, such as /clock, into the bag only; False if it is too early.
+
+        It is for a run that has yet to begin. One of a run before is not kept.
+        """
+        if self._bag is None or stamp % self._period < self._run:
+            return True
+        if stamp % self._period > self._run:
+            return False
         if name not in self._beside:
             self._beside[name] = self._bag.add_topic(name, message_type)
-        self._bag.write(self._beside[name], came if self._may_skip else stamp, message)
+        self._bag.write(self._beside[name], came if self._may_skip else max(stamp - self._run, 0), message)
+        return True
 
     @property
     def held(self) -> int:
-        """Stamp up to which the run is held, in nanoseconds; negative before the first step is complete."""
+        """The instant up to which the run is held, in nanoseconds; negative before the first step is complete."""
         return (self._paced() - 1) * self._period
+
+    @property
+    def held_stamp(self) -> int:
+        """The stamp of that instant."""
+        return self.held + self._run
 
     def _paced(self) -> int:
         """So many steps are complete."""
@@ -156,6 +178,11 @@ class RunRecorder:
         for topic, kept in zip(self._topics, self._messages, strict=True):
             if kept.count:
                 yield from zip(topic.channels, kept.series(steps), strict=True)
+
+
+def _free(name: str) -> Path:
+    """The first path NAME1, NAME2, ... that nobody has taken."""
+    return next(path for path in (Path(f"{name}{number}") for number in count(1)) if not path.exists())
 
 
 def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path) -> None:

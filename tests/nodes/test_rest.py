@@ -1,0 +1,72 @@
+"""Real time that a service has stopped: a rest ages no command and is no period, by a clock that the test turns."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from ros_graph import node_of, ros_domain
+from std_srvs.srv import Trigger
+
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
+
+pytestmark = pytest.mark.slow
+
+EFFORT = frame.channels()["wheel_states.effort.front_left"]
+TORQUE = 50.0  # N m
+
+
+def test_a_car_drives_on_behind_a_rest_and_in_single_steps(monkeypatch):
+    """By the command that is held: none comes while time stands still, for hours if need be."""
+    wall = [time.monotonic()]
+    with ros_domain() as context:
+        plant = node_of(context, "plant", {"mode": "realtime", "method": "kinematic"})
+        monkeypatch.setattr(time, "monotonic", lambda: wall[0])
+
+        def efforts(seconds: float) -> list[float]:
+            """What the states of so many seconds show; the others answer to each with a command."""
+            found, end = [], wall[0] + seconds
+            while wall[0] < end:
+                wall[0] += 0.005
+                before = plant.now
+                plant.idle()
+                if plant.now > before:
+                    found.append(plant.stepper.answer.frame.numbers[EFFORT])
+                    say()
+            return found
+
+        def say() -> None:
+            plant.schedule.hold(SteeringColumnState, plant.stepper.answer.stamp, [0.0] * 5)
+            plant.schedule.hold(WheelTorqueCommand, plant.stepper.answer.stamp, [TORQUE, TORQUE, *[0.0] * 6])
+
+        def call(service: str) -> None:
+            getattr(plant._granted, f"_{service}")(Trigger.Request(), Trigger.Response())
+
+        plant.schedule.note_recorded(0)
+        say()
+        assert set(efforts(0.1)[1:]) == {TORQUE}
+        for rest in (0.2, 3600.0):
+            call("pause")
+            assert efforts(0.2) == []
+            wall[0] += rest
+            call("step")
+            assert efforts(0.2) == [TORQUE]
+            wall[0] += rest
+            call("step")
+            call("step")
+            assert efforts(0.2) == [TORQUE] * 2
+            wall[0] += rest
+            call("resume")
+            assert set(efforts(0.1)) == {TORQUE}
+        timing = plant.schedule.timing.as_json()
+        assert timing["without_command"] == timing["overruns"] == 0
+        assert timing["period"]["largest"] < 0.02
+        simulated, driven = (float(each.split(" s")[0]) for each in plant.schedule.summary.split(" simulated in "))
+        assert driven < 2.0 * simulated
+        call("reset")
+        call("pause")
+        stale = plant.stepper.answer.stamp - plant.stepper.inbox.run
+        plant.schedule.hold(WheelTorqueCommand, stale, [TORQUE, TORQUE, *[0.0] * 6])
+        assert plant.schedule.held.stamp_of(WheelTorqueCommand) == -1, "a command of the run before"
+        plant.destroy_node()
