@@ -14,7 +14,6 @@ from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.law import namespace
 from ev_msgs_py.parameters.declaration import number_tree
 from ev_msgs_py.vehicle.car import car_numbers
-from ev_msgs_py.vehicle.drive_train import wheel_inertia
 
 CAR = namespace(car_numbers(DISSERTATION))
 PERIOD = 0.005

