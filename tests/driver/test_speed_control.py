@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import pytest
-from driving import CENTRED, PERIOD, PointMass, at, driver_of, ride
+from driving import CAR, CENTRED, PERIOD, PointMass, at, driver_of, ride
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract.signals import DriverCommand, Instant
-from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
+from ev_msgs_py.lockstep.law import namespace
+from ev_msgs_py.vehicle.car import car_numbers
+from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 
-LIMITS = SpeedControlParameters()
+LIMITS, NUMBERS = SpeedControlParameters(), namespace(car_numbers(CAR))
+HELD = 2.0 * 1400.0 * 9.81 * 0.294  # N m, of the brake while it holds
 
 
 @pytest.mark.parametrize(
@@ -23,7 +26,7 @@ LIMITS = SpeedControlParameters()
         (-9.7, -10.0, 600.0, 3.0),  # the same backwards
         (-20.0, 0.0, -1500.0, 0.0),
         (-0.5, 0.02, -1045.2, 0.0),  # reversing: hardly rolling forwards counts as standing
-        (0.0, 0.05, 0.0, 500.0),
+        (0.0, 0.05, 0.0, HELD),
     ],
 )
 def test_first_step_by_hand(wanted, speed, drive, brake):
@@ -39,13 +42,14 @@ def test_first_step_by_hand(wanted, speed, drive, brake):
 )
 def test_pedals_keep_their_limits_and_mirror_in_reverse(wanted, speeds):
     """Limits hold, the drives never drive while the brakes brake, backwards is the mirror image of forwards."""
-    integral, mirrored = 0.0, 0.0
+    feet, mirrored = SpeedControlState(), SpeedControlState()
     for target, speed in zip(wanted * len(speeds), speeds * len(wanted), strict=True):
-        drive, brake, integral = follow_speed(LIMITS, PERIOD, target, speed, integral)
-        assert follow_speed(LIMITS, PERIOD, -target, -speed, mirrored) == (-drive, brake, -integral)
-        mirrored = -integral
+        drive, brake = follow_speed(LIMITS, NUMBERS, feet, PERIOD, target, speed)
+        assert follow_speed(LIMITS, NUMBERS, mirrored, PERIOD, -target, -speed) == (-drive, brake)
+        assert mirrored == SpeedControlState(-feet.integral, feet.holds)
         assert abs(drive) <= LIMITS.max_drive_torque
-        assert 0.0 <= brake <= LIMITS.max_brake_torque
+        assert 0.0 <= brake <= (HELD if feet.holds else LIMITS.max_brake_torque)
+        assert not feet.holds or target == drive == 0.0
         if drive * speed < 0.0 and abs(speed) > LIMITS.standstill_speed:
             assert abs(drive) <= LIMITS.max_regenerative_torque
         if brake > 0.0:
@@ -70,7 +74,7 @@ def test_stop_and_stand():
     driver = driver_of("speed_profile", speed_profile__time=(0.0, 2.0, 12.0), speed_profile__speed=(10.0, 10.0, 0.0))
     rows = ride(driver, PointMass(10.0), 20.0)
     assert max(command.brake_torque for time, _, command in rows if time < 12.0) == 0.0
-    assert {(speed, command) for time, speed, command in rows if time > 16.0} == {(0.0, DriverCommand(0.0, 500.0, 0.0))}
+    assert {(speed, command) for time, speed, command in rows if time > 16.0} == {(0.0, DriverCommand(0.0, HELD, 0.0))}
 
 
 def test_drive_backwards_and_forwards_again():

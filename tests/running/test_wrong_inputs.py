@@ -70,6 +70,11 @@ def refused(*words: str, out: Path) -> str:
             "plant: vehicle.driven_wheels names a wheel twice: front_left, front_left",
         ),
         (
+            ["shchur2019", "--offline", "--set", "*.vehicle.maximum_road_wheel_angle=1.4"],
+            "plant: vehicle.maximum_road_wheel_angle: 1.4 is refused, allowed is below 1.276, where by "
+            "steering_geometry ackermann the inner front wheel stands across the car",
+        ),
+        (
             ["shchur2019", "--offline", "--set", "driver.seed=2147483648"],
             "driver: parameter seed: 2147483648 is refused, allowed is 0 to 2147483647",
         ),

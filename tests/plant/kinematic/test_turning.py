@@ -1,6 +1,7 @@
 """Turns on Ackermann's radii about one centre (Shchur 2019, eqs 8 to 12)."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from plant.kinematic.car import PERIOD, WITHOUT_RESISTANCE, Car
@@ -89,3 +90,19 @@ def test_column_beyond_a_right_angle_does_no_harm():
     car = Car().drive(degrees=98.9, steps=10)
     assert car.speed == 0.0
     assert all(math.isfinite(x) for x in car[WheelStates].velocity)
+
+
+@pytest.mark.parametrize(("driven", "more"), [("front", 0.1208), ("rear", -0.0320)])
+def test_work_of_the_motors_in_a_bend_is_not_what_the_car_gets(driven, more):
+    """Fig 3 adds M_j/r to the force on the point mass whatever M_j w_j is: docs/shchur2019.md has both numbers.
+
+    (R_L + R_R)/2 over R of eqs 10 and 11 is 1.1208 in front and 0.9680 behind at 30 deg, without resistance.
+    """
+    wheels = tuple(f"{driven}_{side}" for side in ("left", "right"))
+    car = Car(replace(WITHOUT_RESISTANCE, driven_wheels=wheels), initial_speed=5.0).drive(degrees=30.0)
+    torques = Wheels.front(100.0, 100.0) if driven == "front" else Wheels(0.0, 0.0, 100.0, 100.0)
+    start, before = car[WheelStates], car.speed
+    car.drive(WheelTorqueCommand(torques), degrees=30.0, steps=200)
+    turned = [sum(getattr(each.position, name) for name in wheels) for each in (start, car[WheelStates])]
+    gained = 0.5 * WITHOUT_RESISTANCE.mass * (car.speed**2 - before**2)
+    assert 100.0 * (turned[1] - turned[0]) / gained - 1.0 == pytest.approx(more, abs=2e-4)

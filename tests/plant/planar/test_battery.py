@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from plant.planar.car import drive, outputs, plant
+from plant.planar.car import STRAIGHT, command, drive, outputs, plant
 
 from ev_msgs_py.contract.signals import BatteryCondition, TireForces
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.vehicle.battery import Battery
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.motor import Motor
 from ev_sim.plant.planar.state import index
 
 
@@ -24,6 +25,28 @@ def test_battery_limits_hold():
     moved = plant(Vehicle(battery=empty), initial_speed=20.0)
     drive(moved, 1.0, Wheels.front(300.0, 300.0))
     assert moved.state[index("drive_work")] <= 1e-6
+
+
+@pytest.mark.parametrize(("charge", "noted"), [(1e-6, True), (0.0, True), (0.5, False)])
+def test_an_empty_battery_is_noted(charge, noted):
+    """It gives no torque from then on, and keeps saying so when braking has filled it a little again."""
+    moved = plant(Vehicle(battery=Battery(state_of_charge=charge)), initial_speed=20.0)
+    drive(moved, 2.0, Wheels.front(200.0, 200.0))
+    drive(moved, 1.0, Wheels.front(-200.0, -200.0))
+    assert moved.state[index("state_of_charge")] > 0.0
+    assert ("the battery was empty: no drive torque from it" in moved.reports()) == noted
+
+
+@pytest.mark.parametrize(("lag", "most"), [(0.01, 1.093), (1e-4, 1.007)])
+def test_spinning_wheels_overshoot_the_battery_limit_by_what_lag_and_step_take(lag, most):
+    """The limit reaches the torque through its lag, at the speed that a step begins with: docs/planar_plant.md."""
+    car = Vehicle(battery=Battery(discharge_power=20e3), motor=Motor(torque_lag=lag))
+    moved = plant(car, period=1e-3, road__left=("ice",), road__right=("ice",))
+    powers = []
+    for _ in range(2000):
+        moved.advance(command((400.0, 400.0, 0.0, 0.0)), STRAIGHT)
+        powers.append(moved.state[index("battery_power")] / 20e3)
+    assert max(powers) == pytest.approx(most, abs=1e-3)
 
 
 def test_regeneration_charges():

@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from plant.planar.car import STRAIGHT, command, outputs, plant
 
 from ev_msgs_py.contract.signals import TireForces
 from ev_msgs_py.lockstep.law import namespace
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.vehicle.car import Car, car_numbers
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.loads import wheel_loads
@@ -84,3 +85,17 @@ def test_ackermann(angle):
     assert 2.405 * cos_right / sin_right == pytest.approx(middle + 0.731)
     parallel = front_wheels(numbers_of(steering_geometry="parallel"), angle)
     assert parallel[1] == parallel[3]
+
+
+@given(base=st.floats(0.3, 12.0), track=st.floats(0.2, 4.0), angle=st.floats(0.01, 1.4))
+def test_no_front_wheel_of_an_accepted_car_turns_over(base, track, angle):
+    """With the centre of the turn between the wheels eq 8 turns the inner one by 180 deg: such cars are refused."""
+    car = {"wheelbase": base, "centre_of_mass_to_rear_axle": base / 2.0, "front_track": track, "rear_track": track}
+    across = 0.5 * track * math.tan(angle) / base
+    assume(abs(across - 1.0) > 1e-9)
+    if across > 1.0:
+        with pytest.raises(ParameterError, match=r"^maximum_road_wheel_angle: .* is refused, allowed is below"):
+            numbers_of(maximum_road_wheel_angle=angle, **car)
+        return
+    _, left, _, right = front_wheels(numbers_of(maximum_road_wheel_angle=angle, **car), angle)
+    assert 0.0 < right < left

@@ -85,5 +85,5 @@ def feedback_linearisation(
     if stays_out(p.regulator, w, slip):
         return inf
     needed = acceleration_with_decay(p, car, slip, acceleration, motion)
-    torque = road + car.driven_wheel_inertia / (1.0 - min(slip, 0.9)) * needed
+    torque = road + car.driven_wheel_inertia[motion.place] / (1.0 - min(slip, 0.9)) * needed
     return until_served(p.regulator, w, period, torque / car.motor.gear_efficiency, wanted)

@@ -67,7 +67,7 @@ def least_squares(
     wanted_speed = max(motion.rolling / (1.0 - w.target), motion.rolling + w.target * p.slowest)
     acceleration = motion.body_acceleration / (car.wheel_radius * (1.0 - w.target))
     acceleration += p.bandwidth * (wanted_speed - motion.speed)
-    torque = (road + car.driven_wheel_inertia * acceleration) / car.motor.gear_efficiency
+    torque = (road + car.driven_wheel_inertia[motion.place] * acceleration) / car.motor.gear_efficiency
     held = until_served(p, w, period, torque, wanted)
     if held == inf:
         w.target = 0.0

@@ -95,7 +95,7 @@ def maximum_transmissible_torque(
     tread = follow(w.tread_acceleration, radius * motion.acceleration, share)
     body = follow(w.body_acceleration, motion.body_acceleration, share)
     if p.relaxation * tread > body + p.margin:
-        ratio = car.driven_wheel_inertia / (p.relaxation * mass_share(car) * (radius * radius))
+        ratio = car.driven_wheel_inertia[motion.place] / (p.relaxation * mass_share(car) * (radius * radius))
         return (ratio + 1.0) / car.motor.gear_efficiency * max(road, 0.0)
     raised = w.limit + p.rise * period
     return raised if raised < wanted else inf

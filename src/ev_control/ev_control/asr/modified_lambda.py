@@ -84,5 +84,5 @@ def modified_lambda(
     if w.limit == inf:
         before = min(max(motion.torque, 0.0), wanted)
     gap = acceleration_with_decay(p, car, slip, moving, motion) / (1.0 - min(slip, 0.9)) - turning
-    torque = max(before + car.driven_wheel_inertia / p.acceleration_time * gap * period, 0.0)
+    torque = max(before + car.driven_wheel_inertia[motion.place] / p.acceleration_time * gap * period, 0.0)
     return until_served(p.regulator, w, period, torque, wanted)

@@ -66,7 +66,7 @@ def pi_slip(p: PiSlipParameters, car: Car, w: PiSlipWheel, period: float, motion
     if w.limit == inf:
         w.integral = min(max(motion.torque, 0.0), wanted)
     error = p.regulator.target - slip
-    gain = car.driven_wheel_inertia * max(motion.speed, p.regulator.slip.slowest)
+    gain = car.driven_wheel_inertia[motion.place] * max(motion.speed, p.regulator.slip.slowest)
     integral_gain = gain * (p.natural_frequency * p.natural_frequency * period)
     w.integral = min(max(w.integral + integral_gain * error, 0.0), wanted)
     torque = w.integral + gain * (2.0 * p.damping_ratio * p.natural_frequency) * error

@@ -68,7 +68,7 @@ def estimated_friction(
     for i in range(4):
         if car.driven[i] == 1.0 and direction != 0.0 and load[i] > 0.0:
             gained = velocity[i] - s.velocity[i] if s.known == 1.0 else 0.0
-            road = wheels.effort[i] - car.driven_wheel_inertia * gained / period
+            road = wheels.effort[i] - car.driven_wheel_inertia[i] * gained / period
             s.used[i] += share * (direction * road / (load[i] * radius) - s.used[i])
             slip = direction * (velocity[i] - rolling[i]) / max(abs(velocity[i]), p.slowest)
             s.friction[i] = learnt_friction(p, s.friction[i], s.used[i], slip, period)

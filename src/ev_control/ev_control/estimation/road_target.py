@@ -80,8 +80,8 @@ def target_by_road(
     """
     if p.target == FIXED:
         return given
-    watch(p, car, s, s.left, period, slip_left, wheels.velocity.rear_left, wheels.effort.rear_left)
-    watch(p, car, s, s.right, period, slip_right, wheels.velocity.rear_right, wheels.effort.rear_right)
+    watch(p, car, s, s.left, 2, period, slip_left, wheels.velocity.rear_left, wheels.effort.rear_left)
+    watch(p, car, s, s.right, 3, period, slip_right, wheels.velocity.rear_right, wheels.effort.rear_right)
     return min(given, s.lowest)
 
 
@@ -91,6 +91,7 @@ def watch(
     car: Car,
     s: RoadTargetState,
     w: WatchedWheel,
+    place: int,
     period: float,
     slip: float,
     speed: float,
@@ -98,11 +99,11 @@ def watch(
 ) -> None:
     """Take one more sample of a wheel: slip [1], speed [rad/s] and mean torque over the period [N m].
 
-    y = A x + B sqrt(x + e) is fitted to slip and road torque M - J w' as in the traction control `least_squares`
-    (dissertation, eqs 2.34 to 2.36).
+    `place` is that of the wheel in the order of Wheels. y = A x + B sqrt(x + e) is fitted to slip and road torque
+    M - J w' as in the traction control `least_squares` (dissertation, eqs 2.34 to 2.36).
     """
     if w.watched == 1.0:
-        road = torque - car.driven_wheel_inertia * (speed - w.speed) / period
+        road = torque - car.driven_wheel_inertia[place] * (speed - w.speed) / period
         watch_slip(p.peak, w.curve, period, slip, road / (car.motor.nominal_torque * car.gear_ratio))
         if peak_is_passed(p.peak, w.curve, p.peak.speed_noise / max(abs(speed), p.peak.slowest)):
             s.lowest = min(s.lowest, max(p.share * w.curve.peak, p.peak.least_slip))

@@ -107,7 +107,8 @@ def slip_by_derivative(
     p: SlipObserverParameters, car: Car, s: SlipObserverState, period: float, motion: WheelMotion
 ) -> float:
     """The integrated slip of eqs 1.8 and 1.9 [1]."""
-    radius, inertia, mass, turning = car.wheel_radius, car.driven_wheel_inertia, mass_share(car), motion.acceleration
+    radius, mass, turning = car.wheel_radius, mass_share(car), motion.acceleration
+    inertia = car.driven_wheel_inertia[motion.place]
     carried = radius * radius * mass
     against = max(abs(motion.speed), p.slowest)
     growing = turning if motion.speed > p.slowest else 0.0  # the divisor w, as far as it changes
@@ -130,5 +131,5 @@ def slip_by_disturbance(
     if abs(turning) < p.least_acceleration or motion.speed < p.slowest:
         return s.slip * (1.0 - filter_share(period, p.forget_time))
     carried = car.wheel_radius * car.wheel_radius * mass_share(car)
-    disturbance = torque - (car.driven_wheel_inertia + carried) * turning
+    disturbance = torque - (car.driven_wheel_inertia[motion.place] + carried) * turning
     return -disturbance / (carried * turning)

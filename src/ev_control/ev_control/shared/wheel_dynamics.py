@@ -47,7 +47,7 @@ def slip_of(motion: WheelMotion, slowest: float) -> float:
 @compilable
 def road_torque(car: Car, motion: WheelMotion) -> float:
     """Torque that the road takes from a wheel, M - J w' [N m], mean over the last period, not filtered."""
-    return motion.torque - car.driven_wheel_inertia * motion.acceleration
+    return motion.torque - car.driven_wheel_inertia[motion.place] * motion.acceleration
 
 
 @compilable

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.native.interface import CAR, LAW_ROLES, VERSION, bit, layout, member, reads_of, signals
+from ev_msgs_py.native.interface import BY_WHEEL, CAR, LAW_ROLES, VERSION, bit, layout, member, reads_of, signals
 from ev_msgs_py.parameters.declaration import entries
 from ev_msgs_py.vehicle.description import Vehicle
 
@@ -110,9 +110,9 @@ def _signal(signal: type) -> str:
 def _car() -> str:
     said = {entry.name: f"{entry.spec.unit}, {entry.spec.about}" for entry in entries(Vehicle)}
     said |= {
-        "driven_wheel_inertia": "kg m^2, of a driven wheel with its rotor behind the gear",
+        "driven_wheel_inertia": "kg m^2, of the wheel, if driven with its rotor behind the gear",
         "number_driven": "wheels with a motor",
         "driven": "1 for a wheel with a motor, else 0",
     }
-    lines = [f"    {'ev_wheels' if name == 'driven' else 'double'} {name}; /* {said[name]} */" for name in CAR]
+    lines = [f"    {'ev_wheels' if name in BY_WHEEL else 'double'} {name}; /* {said[name]} */" for name in CAR]
     return _struct("ev_car", lines)

@@ -15,14 +15,14 @@ from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
-VERSION = 1  # of what the functions are given and what is declared beside them; the signals are in `layout`
+VERSION = 2  # of what the functions are given and what is declared beside them; the signals are in `layout`
 
 # What laws in C may play: the roles that answer, without those of the test bench.
 LAW_ROLES = tuple(
     role.name for role in ROLES.values() if role.kind is RoleKind.ANSWERS and not EXTRA.intersection(role.writes)
 )
 
-CAR = (  # names of numbers of the vehicle (`vehicle.car.car_numbers`); `driven` has one for each wheel
+CAR = (  # names of numbers of the vehicle (`vehicle.car.car_numbers`); those of `BY_WHEEL` have one for each wheel
     "mass",
     "yaw_inertia",
     "wheelbase",
@@ -37,6 +37,7 @@ CAR = (  # names of numbers of the vehicle (`vehicle.car.car_numbers`); `driven`
     "number_driven",
     "driven",
 )
+BY_WHEEL = ("driven_wheel_inertia", "driven")
 
 
 def member(signal: type) -> str:

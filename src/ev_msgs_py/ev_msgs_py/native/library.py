@@ -14,13 +14,13 @@ from typing import Any
 
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.lockstep.methods import refuse_taken
-from ev_msgs_py.native.interface import CAR, VERSION, bit, layout, reads_of, size_of
+from ev_msgs_py.native.interface import BY_WHEEL, CAR, VERSION, bit, layout, reads_of, size_of
 from ev_msgs_py.parameters.csv_file import find_file
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
 from ev_msgs_py.parameters.shown import quoted
 
 _WORD = 8  # bytes of a number, and of a pointer
-GIVEN = 2 + len(CAR) + 3  # words of ev_given: period, parameters, car with one number for each of four wheels
+GIVEN = 2 + len(CAR) + 3 * len(BY_WHEEL)  # words of ev_given: period, parameters, car with its wheels
 _MOST = 10_000  # parameters or numbers of a state; more is a mistake
 
 

@@ -7,7 +7,7 @@ from typing import Any
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.parameters.declaration import number_tree
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.drive_train import drive_train_numbers
+from ev_msgs_py.vehicle.drive_train import drive_train_numbers, wheel_inertias
 
 GRAVITY = 9.81  # [m/s^2], as in all sources
 
@@ -17,7 +17,7 @@ class Car(Vehicle):
 
     driven: list[float]
     number_driven: float
-    driven_wheel_inertia: float
+    driven_wheel_inertia: list[float]
     rolling_resistance_growth: float
     pitch_height: float
     roll_height: float
@@ -36,7 +36,7 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
     """The numbers of a vehicle as a tree, and with them
 
     - `driven`: 1 for a wheel with a motor, else 0, in the order of Wheels, and `number_driven`, their sum,
-    - `driven_wheel_inertia`: of a driven wheel with its rotor behind the gear [kg m^2],
+    - `driven_wheel_inertia`: of each wheel, where it is driven with its rotors behind their gear [kg m^2],
     - `rolling_resistance_growth`: of the rolling resistance coefficient over V^2 [s^2/m^2],
     - `front_roll_share`: of the front axle in the lateral load transfer [1], by roll stiffness where that is given,
     - `pitch_height`, `roll_height`: height of the centre of mass [m] by which longitudinal and lateral acceleration
@@ -48,7 +48,7 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
         **number_tree(vehicle),
         "driven": driven,
         "number_driven": sum(driven),
-        "driven_wheel_inertia": vehicle.driven_wheel_inertia,
+        "driven_wheel_inertia": wheel_inertias(vehicle),
         "rolling_resistance_growth": vehicle.rolling_resistance_growth,
         "front_roll_share": vehicle.front_share_of_roll,
         "pitch_height": vehicle.centre_of_mass_height if vehicle.load_transfer == "both" else 0.0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
@@ -158,6 +159,12 @@ class Vehicle:
             raise ParameterError(f"driven_wheels names a wheel twice: {', '.join(self.driven_wheels)}")
         if len(self.wheel_radius_ratio) != 4:
             raise ParameterError("wheel_radius_ratio needs four elements, one for each wheel")
+        largest, across = self.maximum_road_wheel_angle, math.atan2(2.0 * self.wheelbase, self.front_track)
+        if self.steering_geometry == "ackermann" and largest >= across:
+            raise ParameterError(
+                f"maximum_road_wheel_angle: {largest:g} is refused, allowed is below {across:.4g}, where by "
+                "steering_geometry ackermann the inner front wheel stands across the car"
+            )
         refuse_drive_train(self)
         if self.suspension.has_roll_stiffness:
             if self.centre_of_mass_height <= 0.0:
@@ -187,12 +194,6 @@ class Vehicle:
         if self.rolling_resistance_reading == "added":
             return self.rolling_resistance_speed
         return self.rolling_resistance * self.rolling_resistance_speed * (3.6 * 3.6)
-
-    @property
-    def driven_wheel_inertia(self) -> float:
-        """Inertia of a driven wheel with its rotor behind the gear, J = J_w + i^2 J_r [kg m^2]."""
-        own = self.wheel_inertia + self.carried_inertia
-        return own + self.gear_ratio * self.gear_ratio * self.motor.rotor_inertia
 
     @property
     def carried_inertia(self) -> float:

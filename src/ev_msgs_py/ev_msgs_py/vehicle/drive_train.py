@@ -94,6 +94,11 @@ def wheel_inertias(vehicle: Vehicle) -> list[float]:
     ]
 
 
+def wheel_inertia(vehicle: Vehicle, wheel: str) -> float:
+    """That of one wheel [kg m^2]."""
+    return wheel_inertias(vehicle)[WHEEL_NAMES.index(wheel)]
+
+
 def motors_behind(vehicle: Vehicle, wheel: str) -> float:
     """How many of the vehicle's `motor` can drive a wheel, by clutches and differentials those of other wheels, too."""
     axle = AXLES[0] if wheel in _wheels(AXLES[0]) else AXLES[1]

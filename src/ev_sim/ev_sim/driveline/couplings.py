@@ -44,6 +44,22 @@ def shaft_speeds(car: Car, wheel_speed: Sequence[float], shaft: MutableSequence[
 
 
 @inlined
+def shaft_yielding(car: Car, share: Sequence[float]) -> float:
+    """What the one shaft of a car gains in acceleration per torque on it [1/(kg m^2)], wheels lifted off the road.
+
+    Behind clutches it is that of the wheel that yields most, whichever is the fastest.
+    """
+    inertia, front = car.driven_wheel_inertia, car.driven[0]
+    if car.driveline.coupling == CLUTCH:
+        return max(max(share[0] / inertia[0], share[1] / inertia[1]), max(share[2] / inertia[2], share[3] / inertia[3]))
+    if car.driveline.coupling == CENTRE:
+        front = car.driveline.front_share
+    front_part = 0.25 * front * front * (1.0 / inertia[0] + 1.0 / inertia[1])
+    rear = 1.0 - front
+    return front_part + 0.25 * rear * rear * (1.0 / inertia[2] + 1.0 / inertia[3])
+
+
+@inlined
 def motor_commands(car: Car, command: Sequence[float], motor: MutableSequence[float]) -> None:
     """Torque asked of each motor, at the wheel side of the gear [N m], into `motor`.
 

@@ -6,6 +6,9 @@ from ev_msgs_py.compiling.compilable import compilable
 
 # Speed ratio at which the stator runs free: there the converter's two torques meet, and those of the coupling begin.
 COUPLING_POINT = 0.8831
+# The steepest change of either torque with either speed, of a converter of size 1 and over the faster speed
+# [N m s^2/rad^2]: that of the coupling at equal speeds.
+STEEPEST = 18.4858e-3
 
 
 @compilable

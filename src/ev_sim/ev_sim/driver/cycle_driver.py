@@ -20,7 +20,7 @@ from ev_msgs_py.vehicle.layout import Need
 from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
 from ev_sim.driver.path import Path, path_of
 from ev_sim.driver.road_edge import edge_notes
-from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
+from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.profiles.cycle_modes import CycleModes, CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.profile import Profile, value_at
 from ev_sim.profiles.profile_file import with_speed_profile_from_file
@@ -43,7 +43,7 @@ class CycleDriverParameters(LaneKeepingParameters):
 class CycleDriverState:
     """What feet and hands remember."""
 
-    speed_integral: float = entry(unit="N m", about="integral part of the speed control")
+    speed_control: SpeedControlState = part(SpeedControlState)
     pressed: float = entry(unit="", about="whether the accelerator is pressed, by a foot that knows only that")
     hands: LaneKeepingState = part(LaneKeepingState)
 
@@ -88,7 +88,7 @@ def drive_cycle(
     if mode_at(c.modes, now.time) == TRACTION:
         return DriverCommand(drive_torque(p, car, s, period, wanted, speed, wheels), 0.0, hand_torque)
     s.pressed = 0.0
-    drive, brake, s.speed_integral = follow_speed(p.speed_control, period, wanted, speed, s.speed_integral)
+    drive, brake = follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
     return DriverCommand(drive, brake, hand_torque)
 
 

@@ -73,5 +73,5 @@ def path_follower(
 ) -> DriverCommand:
     """Steer along a path by pure pursuit through the hand torque, forwards and in reverse."""
     speed = speed_along_path(body)
-    drive, brake = work_pedals(p, c.feet, s.feet, period, now.time, speed)
+    drive, brake = work_pedals(p, car, c.feet, s.feet, period, now.time, speed)
     return DriverCommand(drive, brake, keep_lane(p, car, c.path, s.hands, period, now.time, pose, speed, column))

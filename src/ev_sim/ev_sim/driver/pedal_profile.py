@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry
+from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.parameters.declaration import group, parameter
+from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
+from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
 from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
 
@@ -50,7 +51,7 @@ class FeetParameters:
 class FeetState:
     """What the feet remember."""
 
-    speed_integral: float = entry(unit="N m", about="integral part of the speed control")
+    speed_control: SpeedControlState = part(SpeedControlState)
     has_begun: float = entry(unit="", about="whether the pedal profile has begun")
     begin: float = entry(unit="s", about="when it began")
 
@@ -75,7 +76,7 @@ def feet_profiles(parameters: FeetParameters, vehicle: Vehicle, period: float) -
 
 @compilable
 def work_pedals(
-    p: FeetParameters, profiles: FeetProfiles, s: FeetState, period: float, t: float, speed: float
+    p: FeetParameters, car: Car, profiles: FeetProfiles, s: FeetState, period: float, t: float, speed: float
 ) -> tuple[float, float]:
     """Drive and brake torque [N m] at the time t [s] and the speed along the path [m/s].
 
@@ -89,5 +90,4 @@ def work_pedals(
         since = t - s.begin
         return value_at(profiles.drive_torque, since), value_at(profiles.brake_torque, since)
     wanted = value_at(profiles.speed, t)
-    drive, brake, s.speed_integral = follow_speed(p.speed_control, period, wanted, speed, s.speed_integral)
-    return drive, brake
+    return follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)

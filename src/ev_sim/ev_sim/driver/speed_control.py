@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry
 from ev_msgs_py.elementary import copysign
 from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.vehicle.car import GRAVITY, Car
 from ev_sim.driver.limited_pid import limited_pid
 
 
@@ -35,39 +37,63 @@ class SpeedControlParameters:
         source="assumption",
     )
     max_brake_torque: float = parameter(
-        4000.0, unit="N m", low=0.0, high=1e6, about="limit of the friction brakes, about 1 g", source="assumption"
+        4000.0,
+        unit="N m",
+        low=0.0,
+        high=1e6,
+        about="limit of the friction brakes that slow down, about 1 g",
+        source="assumption",
     )
-    holding_brake_torque: float = parameter(
-        500.0, unit="N m", low=0.0, high=1e6, about="brake torque while the driver wants to stand", source="assumption"
+    holding_share: float = parameter(
+        2.0,
+        unit="1",
+        low=0.0,
+        high=100.0,
+        about="brake torque while the driver wants to stand, over weight times wheel radius, which is what all wheels "
+        "together need on a slope of 90 deg: 2, so that the axle with the smaller share of the brakes holds, too",
+        source="assumption",
     )
     standstill_speed: float = parameter(
         0.05, unit="m/s", low=0.0, high=1.0, about="speed below which the car counts as standing", source="assumption"
     )
 
 
+@dataclass(slots=True)
+class SpeedControlState:
+    """What the feet remember."""
+
+    integral: float = entry(unit="N m", about="integral part of the speed control")
+    holds: float = entry(unit="", about="1 while the car is held by the brake")
+
+
 @compilable
 def follow_speed(
-    p: SpeedControlParameters, period: float, wanted_speed: float, speed: float, integral: float
-) -> tuple[float, float, float]:
-    """Drive torque (positive forwards), brake torque (never negative) and new integral part [N m]; speeds [m/s].
+    p: SpeedControlParameters, car: Car, s: SpeedControlState, period: float, wanted_speed: float, speed: float
+) -> tuple[float, float]:
+    """Drive torque (positive forwards) and brake torque (never negative) [N m]; speeds [m/s].
 
     A PI controller (Shchur 2019, fig. 3) gives the wanted torque. In the direction of travel it goes to the drives;
     against it, to the drives up to the regenerative limit, and the rest to the friction brakes. A driver who wants to
-    stand, and does, lets go of the drives and holds the brake.
+    stand, and does, lets go of the drives and holds the brake, as hard as the steepest slope asks, and however far its
+    tyres slide until they hold. An engine slows nothing down, and what is asked of it against its gear moves the
+    selector: there all goes to the brakes.
     """
     standing = abs(speed) <= p.standstill_speed
-    if standing and wanted_speed == 0.0:
-        return 0.0, p.holding_brake_torque, 0.0
+    s.holds = 1.0 if wanted_speed == 0.0 and (standing or s.holds == 1.0) else 0.0
+    if s.holds == 1.0:
+        s.integral = 0.0
+        return 0.0, p.holding_share * car.mass * GRAVITY * car.wheel_radius
     low, high = -p.max_drive_torque, p.max_drive_torque
-    slowing = p.max_regenerative_torque + p.max_brake_torque
+    regenerative = p.max_regenerative_torque * (1.0 - car.engine_driven)
+    slowing = regenerative + p.max_brake_torque
     if speed > p.standstill_speed:
         low = -slowing
     elif speed < -p.standstill_speed:
         high = slowing
     error = wanted_speed - speed
     direct, growth = p.proportional_gain * error, p.integral_gain * period * error
-    torque, integral = limited_pid(direct, growth, integral, low, high)
-    brake = abs(torque) - p.max_regenerative_torque
+    torque, s.integral = limited_pid(direct, growth, s.integral, low, high)
+    brake = abs(torque) - regenerative
     if standing or torque * speed >= 0.0 or brake <= 0.0:
-        return torque, 0.0, integral
-    return copysign(p.max_regenerative_torque, torque), brake, integral
+        return torque, 0.0
+    return copysign(regenerative, torque), brake

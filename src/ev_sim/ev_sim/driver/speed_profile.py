@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.motion import speed_along_path
-from ev_msgs_py.contract.record import entry, part
+from ev_msgs_py.contract.record import part
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.driver.speed_control import SpeedControlParameters, follow_speed
+from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.driver.steering import HAND_TORQUE, AngleControlState, SteeringParameters, turn_to_angle
 from ev_sim.profiles.profile import Profile, profile_of, value_at
 from ev_sim.profiles.profile_file import with_speed_profile_from_file
@@ -33,7 +33,7 @@ class SpeedProfileDriverParameters:
 class SpeedProfileDriverState:
     """What feet and hands remember."""
 
-    speed_integral: float = entry(unit="N m", about="integral part of the speed control")
+    speed_control: SpeedControlState = part(SpeedControlState)
     hands: AngleControlState = part(AngleControlState)
 
 
@@ -77,9 +77,7 @@ def speed_profile(
 ) -> DriverCommand:
     """Follow a speed profile, and steer by a hand torque profile or to a road-wheel angle profile."""
     t, wanted = now.time, value_at(c.speed, now.time)
-    drive, brake, s.speed_integral = follow_speed(
-        p.speed_control, period, wanted, speed_along_path(body), s.speed_integral
-    )
+    drive, brake = follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed_along_path(body))
     if p.steering.mode == HAND_TORQUE:
         return DriverCommand(drive, brake, value_at(c.hand_torque, t))
     angle = car.steering_ratio * value_at(c.angle, t)

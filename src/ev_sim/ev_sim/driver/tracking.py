@@ -25,6 +25,6 @@ def tracking(
     In windows of traction the foot is on the accelerator or off, never on the brake. This driver never asks for more
     than packed snow carries, so all torque controls come out alike (docs/dissertation.md).
     """
-    integral = max(s.speed_integral, 0.0)
-    drive, _, s.speed_integral = follow_speed(p.speed_control, period, wanted, speed, integral)
+    s.speed_control.integral = max(s.speed_control.integral, 0.0)
+    drive, _ = follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
     return max(drive, 0.0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
 from ev_msgs_py.vehicle.engine import Engine
-from ev_sim.driveline.torque_converter import converter_torques
+from ev_sim.driveline.torque_converter import STEEPEST, converter_torques
 from ev_sim.drives.torque_controlled import SPEED_FADE
 
 
@@ -21,6 +21,9 @@ class EngineState:
     since_shift: float = entry(unit="s", about="time that it has been in")
     work: float = entry(unit="J", about="given by the engine at its crankshaft")
     taken: float = entry(unit="W", about="by the converter, mean over the last step")
+    shaft: float = entry(unit="rad/s", about="speed of the gearbox' output when the last step began")
+    output: float = entry(unit="N m", about="of the gearbox' output over the last step")
+    refused: float = entry(unit="", about="1 if more was asked against a gear than the drag, too fast for the selector")
 
 
 @compilable
@@ -49,17 +52,19 @@ def begin_engine(s: EngineState, e: Engine, ratios: tuple[float, ...], shaft: fl
         s.gear += 1.0
     s.since_shift = e.gearbox.dwell
     s.speed = max(gear_ratio(e, ratios, s.gear) * shaft, e.idle_speed)
+    s.shaft = shaft
 
 
 @compilable
 def advance_engine(
-    s: EngineState, e: Engine, ratios: tuple[float, ...], wanted: float, shaft: float, h: float
+    s: EngineState, e: Engine, ratios: tuple[float, ...], wanted: float, shaft: float, yielding: float, h: float
 ) -> float:
     """Advance the engine by h [s]; the torque of the gearbox' output [N m] over that time.
 
-    `wanted` is the torque asked there [N m], `shaft` the speed of the output [rad/s]. The pedal asks for a torque as in
-    a car whose engine control thinks in torques: the engine goes, with its lag, for what gives the wanted torque
-    through gear and converter, between its drag and full load; below idle speed the idle control pulls it up.
+    `wanted` is the torque asked there [N m], `shaft` the speed of the output [rad/s], `yielding` what its acceleration
+    gains at most per torque [1/(kg m^2)]. The pedal asks for a torque as in a car whose engine control thinks in
+    torques: the engine goes, with its lag, for what gives the wanted torque through gear and converter, between its
+    drag and full load; below idle speed the idle control pulls it up.
     """
     _shift(s, e, ratios, wanted, shaft, h)
     ratio = gear_ratio(e, ratios, s.gear)
@@ -70,14 +75,47 @@ def advance_engine(
     asked = asked / e.gearbox.efficiency if asked >= 0.0 else asked * e.gearbox.efficiency
     most, least = full_load_torque(e, s.speed), -(e.drag_torque + e.drag_growth * s.speed)
     target = max(asked / multiplied, least, e.idle_gain * (e.idle_speed - s.speed) if s.speed < e.idle_speed else least)
+    if asked < least and turbine > abs(ratio) * e.gearbox.selector_speed:
+        s.refused = 1.0
     s.torque += h / (e.torque_lag + h) * (min(target, most) - s.torque)
+    gain = ratio * (e.gearbox.efficiency if given * turbine >= 0.0 else 1.0 / e.gearbox.efficiency)
+    moved = _converter_change(s, e, ratio, gain, taken, given, shaft, yielding, h)
+    taken, given = taken + moved, given + moved
     before = s.speed
     s.speed = max(before + h * (s.torque - taken) / e.inertia, 0.0)
     mean = 0.5 * (before + s.speed)
     s.work += s.torque * mean * h
     s.taken = taken * mean
     passed = given * e.gearbox.efficiency if given * turbine >= 0.0 else given / e.gearbox.efficiency
-    return passed * ratio
+    s.shaft, s.output = shaft, passed * ratio
+    return s.output
+
+
+@compilable
+def _converter_change(
+    s: EngineState,
+    e: Engine,
+    ratio: float,
+    gain: float,
+    taken: float,
+    given: float,
+    shaft: float,
+    yielding: float,
+    h: float,
+) -> float:
+    """What both torques of the converter [N m] change towards the end of a step of h [s], `gain` [1] behind the gear.
+
+    Geared low, or large, a converter is stiffer than any step suits: its torques are then those at the speeds that they
+    lead to, by one linearly implicit step. The steepest slope for all of them, so that no kink is overshot, leaves it
+    of first order and right in steady state. The load of the shaft is that of the last step. A converter that the step
+    suits changes by as good as nothing.
+    """
+    slope = e.converter_size * STEEPEST * max(s.speed, ratio * shaft) * h
+    turning = (shaft - s.shaft) / h + yielding * (given * gain - s.output)
+    parting = (s.torque - taken) / e.inertia - ratio * turning
+    stiffness = slope * (1.0 / e.inertia + ratio * gain * yielding)
+    squared = stiffness * stiffness
+    return slope * parting / (1.0 + stiffness) * (squared / (1.0 + squared))
 
 
 @compilable

@@ -6,7 +6,14 @@ from typing import NamedTuple
 
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.car import Car
-from ev_sim.driveline.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, wheel_torques
+from ev_sim.driveline.couplings import (
+    CLUTCH,
+    follow_shares,
+    motor_commands,
+    shaft_speeds,
+    shaft_yielding,
+    wheel_torques,
+)
 from ev_sim.drives.drive import advance_drive
 from ev_sim.drives.engine import advance_engine
 from ev_sim.drives.torque_controlled import limited_torque
@@ -66,15 +73,16 @@ def apply_drives(
 def _drive_by_engine(s: PlanarState, car: Car, power: PowerConstants, step: Step, h: float) -> None:
     """Set `step.motor`, equal parts of what the gearbox gives, and `step.target`, those behind the final drive."""
     shaft, target, motor, driven, gear = step.shaft, step.target, step.motor, car.driven, car.gear
-    wanted = turning = 0.0
+    wanted = turning = yielding = 0.0
     for axle in range(2):
         left, right = 2 * axle, 2 * axle + 1
         wanted += target[left] / gear[left] + target[right] / gear[right]
         if driven[left] == 1.0 or driven[right] == 1.0:
             turning = shaft[left] * gear[left]
-    output = advance_engine(s.engine, car.engine, power.gearbox, wanted, turning, h) / car.number_driven
+            yielding = gear[left] * gear[left] / car.motor.gear_efficiency * shaft_yielding(car, s.torque_share)
+    output = advance_engine(s.engine, car.engine, power.gearbox, wanted, turning, yielding, h)
     for i in range(4):
-        motor[i] = s.motor_torque[i] = output * driven[i]
+        motor[i] = s.motor_torque[i] = output / car.number_driven * driven[i]
         target[i] = behind_gear(car, motor[i] * gear[i], shaft[i])
 
 

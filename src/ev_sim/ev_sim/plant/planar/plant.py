@@ -17,8 +17,8 @@ from ev_sim.plant.planar.electrical_outputs import ELECTRICAL_SIGNALS, electrica
 from ev_sim.plant.planar.energy import account
 from ev_sim.plant.planar.faults.striking import deflate, delay_commands, find_faults
 from ev_sim.plant.planar.integrator import integrate
-from ev_sim.plant.planar.lift import note_lifted, notes
 from ev_sim.plant.planar.memory import STAGES, STEP, Stages, Step
+from ev_sim.plant.planar.notes import keep_noted, notes
 from ev_sim.plant.planar.outputs import SIGNALS, outputs
 from ev_sim.plant.planar.parameters import IMPOSED, PlanarParameters, load_files
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
@@ -83,7 +83,7 @@ def advance(
         s.imposed_acceleration = (value_at(c.imposed, s.periods * period) - s.motion[VX]) / period
     _run(p, car, c, s, torques, angle, rate, apply, book, working_memory(STEP), working_memory(STAGES))
     s.road_wheel_angle = angle + rate * (c.steps * c.h)
-    note_lifted(s, car, c.road)
+    keep_noted(s, car, c.road)
 
 
 @method(

@@ -6,9 +6,9 @@ from ev_msgs_py.vehicle.car import Car
 from ev_sim.drives.engine import begin_engine
 from ev_sim.plant.planar.contact import look, within_friction
 from ev_sim.plant.planar.equilibrium import begin_driven
-from ev_sim.plant.planar.lift import note_lifted
 from ev_sim.plant.planar.loads import loads
 from ev_sim.plant.planar.memory import Step
+from ev_sim.plant.planar.notes import keep_noted
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.prepare import PlanarConstants
 from ev_sim.plant.planar.road_under_wheels import find_road
@@ -46,7 +46,7 @@ def begin(s: PlanarState, p: PlanarParameters, car: Car, c: PlanarConstants) -> 
         _park(s, car, c)
     if any(c.initial_drive_torque):
         begin_driven(s, car, c)
-    note_lifted(s, car, c.road)
+    keep_noted(s, car, c.road)
 
 
 def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:

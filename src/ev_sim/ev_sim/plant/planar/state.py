@@ -65,6 +65,7 @@ class PlanarState:
     rear_rate: float = entry(unit="rad/s", about="of the rear wheels by an actuator, over the last period")
     imposed_acceleration: float = entry(unit="m/s^2", about="that an outer force gave the body over the last period")
     periods: float = entry(unit="1", about="number of periods so far")
+    battery_empty: float = entry(unit="", about="1 if the battery has been empty at the end of a period")
     lifted: list[float] = per_wheel(unit="1", about="1 if the wheel has been off the ground at the end of a period")
     engine: EngineState = part(EngineState)
     guard: GuardState = part(GuardState)

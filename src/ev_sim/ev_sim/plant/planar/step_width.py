@@ -21,7 +21,8 @@ def longest_step(vehicle: Vehicle) -> float:
     A mass m_e on a spring k with a damper k tau has eigenvalues of magnitude sqrt(k/m_e) if it oscillates, and of at
     most k tau/m_e if it does not; sliding in the contact only softens that. m_e is the least inertia that a carcass can
     move: the wheel's J/r^2, the car's m/4 and, for its yaw, J_z over four squared levers. ParameterError if the step
-    would be below `SHORTEST_STEP`.
+    would be below `SHORTEST_STEP`. The converter of an engine asks for none: its stiffness follows the speed, and its
+    torques are taken implicitly where they need it (drives/engine.py).
     """
     tyre = vehicle.tyre
     widest = max(vehicle.front_track, vehicle.rear_track)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.drive_train import has_equal_motors, has_own_motors
+from ev_msgs_py.vehicle.drive_train import has_equal_motors, has_own_motors, wheel_inertia
 from ev_sim.drives.losses import loss_power
 from ev_sim.drives.losses_over_time import map_loss_powers
 from ev_sim.report.metric import NotMeasured
@@ -28,7 +28,7 @@ def circuit_shares(run: Recording, vehicle: Vehicle) -> dict[str, CircuitShares]
     if not (has_own_motors(vehicle) and has_equal_motors(vehicle)):
         raise NotMeasured("a circuit is one of equal motors, each of one wheel")
     period = np.diff(run.time, prepend=run.time[0])
-    inertia = vehicle.driven_wheel_inertia
+    inertia = wheel_inertia(vehicle, vehicle.driven_wheels[0])
     shares = {}
     for wheel in vehicle.driven_wheels:
         speed = channel(run, f"wheel_states.velocity.{wheel}")

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import wheel_inertia
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities.circuits import free_wheel_beside
 from ev_sim.report.samples import channel
@@ -53,7 +54,7 @@ def slip_and_road_torque(run: Recording, vehicle: Vehicle, wheel: str) -> tuple[
     speed = channel(run, f"wheel_states.velocity.{wheel}")
     free = channel(run, f"wheel_states.velocity.{free_wheel_beside(wheel, vehicle)}")
     slip = 1 - free / np.maximum(speed, SLOWEST)
-    inertia = vehicle.driven_wheel_inertia
+    inertia = wheel_inertia(vehicle, wheel)
     road = channel(run, f"wheel_states.effort.{wheel}").copy()
     road[1:] -= inertia * np.diff(speed) / np.diff(run.time)
     # The road torque is a mean over the period, so it goes with the mean slip of the period.

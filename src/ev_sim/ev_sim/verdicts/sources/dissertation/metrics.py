@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ev_msgs_py.vehicle.drive_train import wheel_inertia
 from ev_sim.drives.losses import loss_power
 from ev_sim.report.quantities.circuit_sums import CircuitSums
 from ev_sim.report.quantities.circuits import circuits
@@ -31,7 +32,7 @@ class _Samples:
         speed = channel(run, f"wheel_states.velocity.{_WHEEL}")
         period = np.diff(run.time, prepend=run.time[0] - 1.0)
         force = channel(run, f"tire_forces.longitudinal_force.{_WHEEL}")[self.inside]
-        gained = car.driven_wheel_inertia * (np.diff(speed, prepend=speed[0]) / period)[self.inside]
+        gained = wheel_inertia(car, _WHEEL) * (np.diff(speed, prepend=speed[0]) / period)[self.inside]
         self.torque = channel(run, f"wheel_states.effort.{_WHEEL}")[self.inside]  # M_k [N m]
         self.resistance = self.torque - car.wheel_radius * force - gained  # M_f [N m]
         self.speed = speed[self.inside]  # w_k [rad/s]

@@ -9,6 +9,7 @@ import numpy as np
 
 from ev_msgs_py.vehicle.car import GRAVITY
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import wheel_inertia
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.samples import channel, run_named
 from ev_sim.verdicts.check import Number, holds
@@ -50,7 +51,7 @@ def _of_car(radius: float) -> Number:
 def _beyond_the_form(driven: ScenarioRuns) -> float:
     """Largest difference of (J/(a M r) + 1) r F_d from J w' + r F_d, over the latter [1]."""
     car = driven.vehicle
-    inertia, radius, mass = car.driven_wheel_inertia, car.wheel_radius, car.mass / 2
+    inertia, radius, mass = wheel_inertia(car, car.driven_wheels[0]), car.wheel_radius, car.mass / 2
     worst = 0.0
     for acceleration in (0.5, 1.0, 4.0):  # a_x [m/s^2]
         for ratio in (0.05, 0.1, 0.3):  # a = a_x/w' [m]
