@@ -107,8 +107,9 @@ def test_a_driven_wheel_without_a_speed_gets_what_the_other_gets():
 
 @pytest.mark.parametrize("name", ["slip_window", "least_squares", "pi_slip"])
 def test_the_partner_of_a_lost_motor_mirrors_it_within_its_limit(name):
-    law = Control(name, on(FRONT), PERIOD, **{in_regulator(name, "limp.watch"): True})
+    law, torques = Control(name, on(FRONT), PERIOD, **{in_regulator(name, "limp.watch"): True}), Wheels.all(0.0)
     for _ in range(100):
-        torques = law.step(Measured(drive=DRIVE, speed=speeds(5.0), torque=Wheels.front(0.0, 800.0)))
+        given = Wheels.front(0.0, torques.front_right)
+        torques = law.step(Measured(drive=DRIVE, speed=speeds(5.0), torque=given))
     assert torques.front_right == 0.0
     assert torques.front_left == 800.0
