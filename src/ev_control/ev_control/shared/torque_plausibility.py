@@ -54,8 +54,9 @@ class PlausibilityParameters:
 class PlausibilityState:
     """What is known of the four motors."""
 
-    least: list[float] = per_wheel(unit="N m", about="torque at the wheel by the commands up to now, at least")
-    most: list[float] = per_wheel(unit="N m", about="the same, at most")
+    most: list[float] = per_wheel(unit="N m", about="torque at the wheel by the commands up to now, forwards at most")
+    least: list[float] = per_wheel(unit="N m", about="the same backwards, never positive")
+    told: list[float] = per_wheel(unit="N m", about="the same of a slow drive that nothing limits, of either sign")
     deviates: list[float] = per_wheel(unit="s", about="for how long it has not been plausible, less how long it has")
     agrees: list[float] = per_wheel(unit="s", about="for how long it has been plausible, since it was lost")
     lost: list[float] = per_wheel(unit="1", about="1 while the motor counts as lost")
@@ -83,7 +84,7 @@ def watch_torques(
             s.agrees[i] = 0.0
         elif excess > 1.0:
             s.agrees[i] = 0.0
-        elif abs(due) > p.tolerance + p.share * abs(due):  # else a dead motor looks like a sound one
+        elif due > p.tolerance + p.share * due:  # else a dead motor looks like a sound one
             s.agrees[i] += period
     for i in range(4):  # behind all judgements, so that left and right are alike
         if s.deviates[i] > p.time:
@@ -95,28 +96,27 @@ def watch_torques(
 @compilable
 def deviation(p: PlausibilityParameters, s: PlausibilityState, wheels: WheelStates, i: int, due: float) -> float:
     """How much more than was told, or less than is due [N m], a motor gives, over what is allowed [1]."""
-    gives, most, least = measured(wheels, i), max(s.most[i], 0.0), min(s.least[i], 0.0)
-    if gives > most:
-        return (gives - most) / (p.tolerance + p.share * most)
-    if gives < least:
-        return (least - gives) / (p.tolerance - p.share * least)
-    return (abs(due) - copysign(1.0, due) * gives) / (p.tolerance + p.share * abs(due))
+    gives = measured(wheels, i)
+    if gives > s.most[i]:
+        return (gives - s.most[i]) / (p.tolerance + p.share * s.most[i])
+    if gives < s.least[i]:
+        return (s.least[i] - gives) / (p.tolerance - p.share * s.least[i])
+    return (due - copysign(1.0, s.told[i]) * gives) / (p.tolerance + p.share * due) if due > 0.0 else 0.0
 
 
 @compilable
 def due_torque(p: PlausibilityParameters, car: Car, s: PlausibilityState, wheels: WheelStates, i: int) -> float:
-    """What motor i gives at least if it is sound [N m].
+    """What motor i gives at least if it is sound [N m], counted positive in the direction of what it is told.
 
     Of a motor that is not lost: the share of what it was told that its partner gives of its own, and no more than that
     gives, at its speed and power; nothing where the partner is lost or told nothing of the kind. A lost motor must give
-    what it was told, in that share if the partner shows one. Of none more than what it can give for ever.
+    what it was told, in that share if the partner shows one. Of none more than it can for ever, nor before it must
+    have left the other direction.
     """
-    ahead = 1.0 if s.least[i] > 0.0 else -1.0 if s.most[i] < 0.0 else 0.0
-    j, turns = PARTNERS[i], abs(wheels.velocity[i])
-    if ahead == 0.0 or turns * car.gear_ratio > NEARLY_FASTEST * car.motor.maximum_speed:
+    j, turns, ahead = PARTNERS[i], abs(wheels.velocity[i]), copysign(1.0, s.told[i])
+    if turns * car.gear_ratio > NEARLY_FASTEST * car.motor.maximum_speed:
         return 0.0
-    told, told_partner = least_of(s, i, ahead), least_of(s, j, ahead)
-    gives = max(ahead * measured(wheels, j), 0.0)
+    told, told_partner, gives = abs(s.told[i]), ahead * s.told[j], max(ahead * measured(wheels, j), 0.0)
     shows = s.lost[j] == 0.0 and told_partner > p.tolerance
     due = min(told, car.motor.nominal_torque * car.gear_ratio)
     if shows:
@@ -124,13 +124,7 @@ def due_torque(p: PlausibilityParameters, car: Car, s: PlausibilityState, wheels
     if s.lost[i] == 0.0:
         slower = min((abs(wheels.velocity[j]) + TURNING) / (turns + TURNING), 1.0)
         due = min(due, gives * slower) if shows else 0.0
-    return ahead * due
-
-
-@compilable
-def least_of(s: PlausibilityState, i: int, ahead: float) -> float:
-    """The torque that motor i was told at least [N m], counted positive in the direction `ahead`."""
-    return s.least[i] if ahead > 0.0 else -s.most[i]
+    return max(due - max(-ahead * s.least[i], -ahead * s.most[i]), 0.0)
 
 
 @compilable
@@ -148,19 +142,22 @@ def expect(
     command: WheelTorqueCommand,
     wheels: WheelStates,
 ) -> None:
-    """Go on with what is told: the bounds widen at once, as a quick drive, and close by the lag, as a slow one.
+    """Go on with what is told: bounds widen at once, as of a quick drive, and close by the lag, as of a slow one.
 
-    They leave room for the gear either way, and for what motors serve of the brake torque where brakes are blended.
+    Limits may leave anything between rest and the command, so the bounds close towards rest. All leave room for the
+    gear either way, and for what motors serve of the brake torque where brakes are blended.
     """
     share, efficiency = filter_share(period, car.motor.torque_lag + p.lag), car.motor.gear_efficiency
     for i in range(4):
         drive = command.drive[i]
         braked = drive - copysign(car.blend_brakes * command.brake[i], wheels.velocity[i])
         low, high = min(drive, braked), max(drive, braked)
-        low = low * efficiency if low > 0.0 else low / efficiency
-        high = high / efficiency if high > 0.0 else high * efficiency
         if s.known == 0.0:
-            s.least[i] = s.most[i] = measured(wheels, i)
-        s.least[i] = min(low, s.least[i] + share * (low - s.least[i]))
-        s.most[i] = max(high, s.most[i] + share * (high - s.most[i]))
+            s.most[i], s.least[i] = max(measured(wheels, i), 0.0), min(measured(wheels, i), 0.0)
+        forwards, backwards = max(high, 0.0) / efficiency, min(low, 0.0) / efficiency
+        s.most[i] = max(forwards, s.most[i] + share * (forwards - s.most[i]))
+        s.least[i] = min(backwards, s.least[i] + share * (backwards - s.least[i]))
+        goal = efficiency * (max(low, 0.0) + min(high, 0.0))
+        from_rest = s.told[i] if s.told[i] * goal > 0.0 else 0.0
+        s.told[i] = goal if abs(goal) < abs(from_rest) else from_rest + share * (goal - from_rest)
     s.known = 1.0
