@@ -117,14 +117,16 @@ def due_torque(p: PlausibilityParameters, car: Car, s: PlausibilityState, wheels
     if turns * car.gear_ratio > NEARLY_FASTEST * car.motor.maximum_speed:
         return 0.0
     told, told_partner, gives = abs(s.told[i]), ahead * s.told[j], max(ahead * measured(wheels, j), 0.0)
+    outer = (s.most[i] if ahead > 0.0 else -s.least[i]) * (car.motor.gear_efficiency * car.motor.gear_efficiency)
+    reached = told / outer if outer > 0.0 else 0.0  # by the lag, of whatever it goes for
+    due, most = told, car.motor.nominal_torque * car.gear_ratio
     shows = s.lost[j] == 0.0 and told_partner > p.tolerance
-    due = min(told, car.motor.nominal_torque * car.gear_ratio)
     if shows:
         due = min(due, told * (gives / told_partner))
     if s.lost[i] == 0.0:
         slower = min((abs(wheels.velocity[j]) + TURNING) / (turns + TURNING), 1.0)
-        due = min(due, gives * slower) if shows else 0.0
-    return max(due - max(-ahead * s.least[i], -ahead * s.most[i]), 0.0)
+        most = min(most, gives * slower) if shows else 0.0
+    return max(min(due, reached * most) - (-s.least[i] if ahead > 0.0 else s.most[i]), 0.0)
 
 
 @compilable
@@ -147,7 +149,8 @@ def expect(
     Limits may leave anything between rest and the command, so the bounds close towards rest. All leave room for the
     gear either way, and for what motors serve of the brake torque where brakes are blended.
     """
-    share, efficiency = filter_share(period, car.motor.torque_lag + p.lag), car.motor.gear_efficiency
+    lag, efficiency = car.motor.torque_lag + p.lag + period / 2.0, car.motor.gear_efficiency  # of means over periods
+    share = filter_share(period, lag)
     for i in range(4):
         drive = command.drive[i]
         braked = drive - copysign(car.blend_brakes * command.brake[i], wheels.velocity[i])
