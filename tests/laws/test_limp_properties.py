@@ -136,18 +136,15 @@ def test_all_drive_is_back_after_a_fault(parts, speed, vehicle, fault, asked):
 @given(asked=st.floats(60.0, 390.0), more=st.floats(0.8, 1.25), fault=st.sampled_from([dead, at_half]), speed=speeds)
 @pytest.mark.parametrize("side", [0, 1])
 def test_a_lost_motor_does_not_turn_the_car(asked, more, fault, speed, side):
-    """0.3 s after it: what acts on left and right differs by no more than what was asked, and what is allowed.
+    """0.4 s after it: what acts on left and right differs by what was asked, and by what is allowed and half as much.
 
-    Allowed are 20 N m and a fifth: a motor at half is not found where half is less.
+    Allowed are 20 N m and a fifth; of a deviation half as large again as that 0.02 s/0.5 and the lag are enough.
     """
     limp = Limping(Motors(faults=(fault, None) if side == 0 else (None, fault)))
-    speed = max(min(speed, 80.0), -80.0)
-    parts = [(asked, more * asked, 30)] if side == 0 else [(more * asked, asked, 30)]
-    list(told(limp, parts, speed))
-    acts = limp.measured
-    assert abs(acts[0] - acts[1]) <= abs(more - 1.0) * asked + 20.0 + 0.2 * max(more, 1.0) * asked + 0.5 * asked * (
-        fault is at_half and asked < 70.0
-    )
+    requests = (asked, more * asked) if side == 0 else (more * asked, asked)
+    list(told(limp, [(*requests, 40)], max(min(speed, 80.0), -80.0)))
+    left, right, *_ = limp.measured
+    assert abs(left - right) <= abs(more - 1.0) * asked + 1.5 * (20.0 + 0.2 * max(requests))
 
 
 @pytest.mark.parametrize("noise", [8.0, 12.0])
