@@ -85,9 +85,7 @@ def judge_wheels(
 
 
 @compilable
-def is_stuck(
-    p: WheelTrustParameters, car: Car, s: WheelTrustState, velocity: Wheels, gained: float, i: int
-) -> bool:
+def is_stuck(p: WheelTrustParameters, car: Car, s: WheelTrustState, velocity: Wheels, gained: float, i: int) -> bool:
     """Whether a wheel, not at rest, keeps its speed while the car changes its own by more than is allowed.
 
     Both the mean of the other wheels and the accelerometer must say so, each from then until now: noise does not add

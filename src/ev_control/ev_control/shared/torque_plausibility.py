@@ -20,7 +20,6 @@ from ev_msgs_py.parameters.declaration import parameter
 from ev_msgs_py.vehicle.car import Car
 
 PARTNERS = (1, 0, 3, 2)  # the other wheel of the axle, in the order of Wheels
-TURNING = 1.0  # [rad/s], wheel speeds far below it are alike
 NEARLY_FASTEST = 0.95  # share of the motor's maximum speed from which on no torque is expected of it
 
 
@@ -37,6 +36,9 @@ class PlausibilityParameters:
     )
     tolerance: float = parameter(20.0, unit="N m", low=0.1, high=1e4, about="deviation at the wheel that is allowed")
     share: float = parameter(0.2, unit="1", low=0.0, high=1.0, about="of the expected torque, allowed besides")
+    power: float = parameter(
+        0.7, unit="1", low=0.0, high=1.0, about="of a motor's peak power that a low voltage leaves of it"
+    )
     time: float = parameter(
         0.02, unit="s", low=0.0, high=10.0, about="of twice the allowed deviation until a motor counts as lost"
     )
@@ -108,25 +110,38 @@ def deviation(p: PlausibilityParameters, s: PlausibilityState, wheels: WheelStat
 def due_torque(p: PlausibilityParameters, car: Car, s: PlausibilityState, wheels: WheelStates, i: int) -> float:
     """What motor i gives at least if it is sound [N m], counted positive in the direction of what it is told.
 
-    Of a motor that is not lost: the share of what it was told that its partner gives of its own, and no more than that
-    gives, at its speed and power; nothing where the partner is lost or told nothing of the kind. A lost motor must give
-    what it was told, in that share if the partner shows one. Of none more than it can for ever, nor before it must
-    have left the other direction.
+    That is what it was told, within what it can for ever at its speed, in the share that its partner gives of its own.
+    Where the partner itself stays behind, no more than that gives either: both may have met the same limit. Of a motor
+    that is not lost nothing is due beside a partner that is, or that is told nothing of the kind; and of none before it
+    must have left the other direction.
     """
-    j, turns, ahead = PARTNERS[i], abs(wheels.velocity[i]), copysign(1.0, s.told[i])
-    if turns * car.gear_ratio > NEARLY_FASTEST * car.motor.maximum_speed:
-        return 0.0
+    j, ahead = PARTNERS[i], copysign(1.0, s.told[i])
     told, told_partner, gives = abs(s.told[i]), ahead * s.told[j], max(ahead * measured(wheels, j), 0.0)
-    outer = (s.most[i] if ahead > 0.0 else -s.least[i]) * (car.motor.gear_efficiency * car.motor.gear_efficiency)
+    outer, other = (s.most[i], -s.least[i]) if ahead > 0.0 else (-s.least[i], s.most[i])
+    outer *= car.motor.gear_efficiency * car.motor.gear_efficiency
+    due, most = told, lasting_torque(p, car, wheels.velocity[i], ahead)
+    if s.lost[j] == 0.0 and told_partner > p.tolerance:
+        due = min(told, 2.0 * told_partner) * min(
+            gives / told_partner, 1.0
+        )  # a small torque says little of a large one
+        if gives + p.tolerance + p.share * told_partner < told_partner and s.lost[i] == 0.0:
+            most = min(most, gives)
+    elif s.lost[i] == 0.0:
+        return 0.0
     reached = told / outer if outer > 0.0 else 0.0  # by the lag, of whatever it goes for
-    due, most = told, car.motor.nominal_torque * car.gear_ratio
-    shows = s.lost[j] == 0.0 and told_partner > p.tolerance
-    if shows:
-        due = min(due, told * (gives / told_partner))
-    if s.lost[i] == 0.0:
-        slower = min((abs(wheels.velocity[j]) + TURNING) / (turns + TURNING), 1.0)
-        most = min(most, gives * slower) if shows else 0.0
-    return max(min(due, reached * most) - (-s.least[i] if ahead > 0.0 else s.most[i]), 0.0)
+    return max(min(due, reached * most) - other, 0.0)
+
+
+@compilable
+def lasting_torque(p: PlausibilityParameters, car: Car, speed: float, ahead: float) -> float:
+    """What heat and a low voltage leave of a motor's torque at a wheel speed, in a direction [N m, rad/s]."""
+    motor, turns = car.motor, max(abs(speed) * car.gear_ratio, 1e-3)
+    if turns > NEARLY_FASTEST * motor.maximum_speed:
+        return 0.0
+    torque, power = min(motor.nominal_torque, motor.peak_torque), motor.peak_power
+    if ahead * speed < 0.0:
+        torque, power = min(torque, motor.generator_torque), motor.generator_power
+    return min(torque, p.power * power / turns) * car.gear_ratio
 
 
 @compilable
