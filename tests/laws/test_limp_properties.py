@@ -104,7 +104,7 @@ def test_left_and_right_mirror_to_the_bit(sequence, keeps):
     seed=st.integers(0, 2**32),
 )
 def test_a_sound_car_gets_what_was_asked_to_the_bit(parts, speed, bend, vehicle, period, battery, most, noise, seed):
-    """At any share of the battery, with motors between hot and cold, gears, lags, periods, speeds, bends, noisy sensors."""
+    """At any share of the battery, with motors between hot and cold, gears, lags, periods, bends, noisy sensors."""
     limp = Limping(Motors(vehicle, period, most, battery, noise=noise, seed=seed))
     for asked, command in told(limp, parts, speed, bend):
         assert command == asked

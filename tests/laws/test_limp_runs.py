@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 
-import ev_sim
 import numpy as np
 import pytest
 
+import ev_sim
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.batches.reductions import mean
 from ev_sim.report.samples import channel
@@ -66,7 +66,7 @@ def test_a_short_common_fault_leaves_nothing_behind(fault):
 
 
 def test_a_dead_motor_on_the_dry_side_spins_nothing_on_ice():
-    """Launch on split friction, one motor dead from 3 s on: the sound wheel, limited on ice, is not driven backwards."""
+    """Launch on split friction, one motor dead from 3 s on: the sound wheel, limited on ice, never turns back."""
     faults = {"plant.faults": ["motor_share front_right 0 from 3"], "asr.limp.watch": True}
     run = ev_sim.run(
         "launch_split_mu", ["fixed_steering"], method={"asr": "slip_window"}, set=faults, duration=5.0

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-import ev_sim
 import pytest
 from traction import METHODS, SPEED_MODE, Control, Measured
 
+import ev_sim
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.parameters.config_folders import files_in_config
 from ev_msgs_py.vehicle.description import Vehicle

@@ -61,7 +61,8 @@ def judge_wheels(
 ) -> None:
     """Say which wheels are left out, by what each means for the speed of the car if it rolls and what is expected.
 
-    Wheel speeds [rad/s], speeds and what the car has `gained` in the period [m/s], `direction` the sign of what the drives are asked for, against the travel where
+    Wheel speeds [rad/s], speeds and what the car has `gained` in the period [m/s], `direction` the sign of
+    what the drives are asked for, against the travel where
     the car is braked. Where nothing is left that could be believed, all of it begins anew: the expectation is wrong.
     """
     allowed = p.tolerance + p.share * abs(expected)

@@ -94,7 +94,7 @@ def as_partner(
     wheels: WheelStates,
     i: int,
 ) -> float:
-    """The torque of wheel i [N m]: `limited`, or where its partner alone is lost, what that gives and the difference."""
+    """The torque of wheel i [N m]: `limited`, or what its partner gives, if that alone is lost, and the difference."""
     j = PARTNERS[i]
     if s.lost[j] == 0.0 or s.lost[i] == 1.0:
         return limited[i]

@@ -1,7 +1,7 @@
 """Which motors are lost: beside what they were told, and beside what their partners of the axle give.
 
-No motor tells that it is dead. It shows in the torque that acts, which the inverter derives from its currents. A torque
-that was not told is never plausible. Less than was told is: battery, voltage, power, heat and gear leave less, more than
+No motor tells that it is dead. It shows in the torque that acts, which the inverter derives from its currents. What
+was not told is never plausible. Less than was told is: battery, voltage, power, heat and gear leave less, more than
 a controller knows of. But they are the same for both motors of an axle. So a motor is lost if it gives less than its
 partner shows to be possible. Where both give less, nothing is lost, and nothing turns the car.
 """
@@ -44,7 +44,7 @@ class PlausibilityParameters:
     )
     keep_difference: bool = parameter(
         False,
-        about="whether drives steer the car: the difference that was asked of a lost motor and its partner is given also "
+        about="whether drives steer the car: the difference asked of a lost motor and its partner is given also "
         "where the partner's torque changes its sign by it",
     )
     recovery: float = parameter(
