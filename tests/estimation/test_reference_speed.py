@@ -35,8 +35,12 @@ class Reference:
         return rolling_speeds(self._p, self._car, self.state, PERIOD, velocity, angle, imu, direction)
 
 
-def observer(**changed) -> Reference:
-    return Reference(WHEEL_NAMES, source="observer", **changed)
+def observer(at: float = 0.0, source: str = "observer", **changed) -> Reference:
+    """An observer that has begun at a speed [m/s], straight on."""
+    reference = Reference(WHEEL_NAMES, source=source, **changed)
+    reference.rolling(Wheels.all(at / CAR.wheel_radius), 0.0, InertialMeasurement(0.0, 0.0, 0.0), 0.0)
+    assert reference.state.speed == pytest.approx(at, rel=1e-15)
+    return reference
 
 
 def rolling(u: float, r: float, delta: float) -> Wheels:
@@ -66,8 +70,7 @@ def test_free_wheels_give_the_rolling_speed_of_every_wheel(driven, u, r, delta):
 @pytest.mark.parametrize(("u", "r", "delta"), [(5.0, 0.0, 0.0), (5.0, 0.6, 0.3), (-3.0, 0.4, -0.35)])
 def test_observer_of_a_car_that_rolls_shows_how_it_rolls(u, r, delta):
     """All wheels say the same then, so that the estimate is left where it is."""
-    reference = observer()
-    reference.state.speed = u
+    reference = observer(at=u)
     expected = rolling(u, r, delta)
     found = reference.rolling(expected, delta, InertialMeasurement(r, 0.0, 0.0), math.copysign(1.0, u))
     assert found == pytest.approx(expected, rel=1e-12, abs=1e-12)
@@ -76,7 +79,7 @@ def test_observer_of_a_car_that_rolls_shows_how_it_rolls(u, r, delta):
 @pytest.mark.parametrize("source", ["automatic", "observer"])
 def test_without_free_wheels_automatic_is_the_observer(source):
     """It goes by the accelerometer, not by the mean of the wheels."""
-    reference = Reference(WHEEL_NAMES, source=source, slipping_rate=0.0)
+    reference = observer(source=source, slipping_rate=0.0)
     reference.rolling(Wheels.all(40.0), 0.0, InertialMeasurement(0.0, 2.0, 0.0), 1.0)
     assert reference.state.speed == 2.0 * PERIOD
 
@@ -98,18 +101,26 @@ def test_observer_follows_the_car_while_all_wheels_spin(ahead):
     assert drawn.state.speed == pytest.approx((2.0 + excess) * ahead, rel=0.01)
 
 
+@pytest.mark.parametrize("driven", [WHEEL_NAMES, REAR])
+@pytest.mark.parametrize(("u", "r", "delta"), [(22.0, 0.0, 0.0), (8.0, 0.6, 0.3), (-8.0, 0.4, -0.3)])
+def test_the_first_speed_is_that_of_the_wheels(driven, u, r, delta):
+    """A car that begins on the move, or whose controller is restarted there, does not slip: not even for a step."""
+    reference = Reference(driven)
+    expected = rolling(u, r, delta)
+    found = reference.rolling(expected, delta, InertialMeasurement(r, 0.0, 0.0), math.copysign(1.0, u))
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
 def test_observer_believes_the_slowest_wheel_at_once():
     """A wheel that rolls at 4 m/s under an estimate of 6: the error decays with 20 1/s, to 1.9 % in 0.2 s."""
-    reference = observer()
-    reference.state.speed = 6.0
+    reference = observer(at=6.0)
     for _ in range(40):
         reference.rolling(Wheels(30.0, 30.0, 12.5, 40.0), 0.0, InertialMeasurement(0.0, 0.0, 0.0), 1.0)
     assert reference.state.speed == pytest.approx(4.0 + 2.0 * 0.9**40, rel=1e-9)
 
 
 def test_observer_believes_the_fastest_wheel_when_braking():
-    reference = observer()
-    reference.state.speed = 3.0
+    reference = observer(at=3.0)
     for _ in range(40):
         reference.rolling(Wheels(0.0, 5.0, 12.5, 0.0), 0.0, InertialMeasurement(0.0, 0.0, 0.0), -1.0)
     assert reference.state.speed == pytest.approx(4.0 - 0.9**40, rel=1e-9)
@@ -118,8 +129,7 @@ def test_observer_believes_the_fastest_wheel_when_braking():
 def test_an_offset_of_the_accelerometer_stays_bounded():
     """At 10 m/s with an offset of 0.2 m/s^2: too low by at most 0.2/0.5 = 0.4 m/s, too high by 0.2/20 = 0.01 m/s."""
     for offset, low, high in ((-0.2, 9.6, 10.0), (0.2, 10.0, 10.01)):
-        reference = observer()
-        reference.state.speed = 10.0
+        reference = observer(at=10.0)
         for _ in range(4000):
             reference.rolling(Wheels.all(10.0 / 0.32), 0.0, InertialMeasurement(0.0, offset, 0.0), 1.0)
         assert low - 1e-3 <= reference.state.speed <= high + 1e-3

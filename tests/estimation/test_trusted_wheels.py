@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import os
+from random import Random
+
 import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 from traction import FRONT, Control, Measured, in_regulator, on
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
@@ -73,6 +78,54 @@ def test_a_sensor_that_comes_back_is_believed_after_a_second():
     assert lost(law) == set()
 
 
+def drive_noisily(law, car: float, noise: float, step: float, seconds: float, seed: int, a: float = 0.0) -> set[str]:
+    """Wheels ever lost of a car that drives straight on [m/s], by sensors with noise and steps [rad/s]."""
+    random, found = Random(seed), set()
+    for n in range(round(seconds / PERIOD)):
+        rolls = (car + a * n * PERIOD) / RADIUS
+        shown = [rolls + random.gauss(0.0, noise) for _ in WHEEL_NAMES]
+        speed = Wheels(*(round(w / step) * step if step else w for w in shown))
+        law.step(Measured(drive=DRIVE, speed=speed, torque=DRIVE, a_x=a + random.gauss(0.0, 0.05)))
+        found |= lost(law)
+    return found
+
+
+@settings(max_examples=int(os.environ.get("EV_CASES", "15")))
+@given(
+    car=st.floats(1.0, 40.0),
+    noise=st.floats(0.0, 0.1),
+    step=st.sampled_from((0.0, 0.05, 0.2, 0.5)),
+    a=st.sampled_from((0.0, 0.3, 2.0)),
+    seed=st.integers(0, 2**32),
+)
+@example(car=80 / 3.6, noise=0.02, step=0.2, a=0.0, seed=0)
+def test_sound_sensors_are_never_lost(car, noise, step, a, seed):
+    """Noise and steps of a sensor do not add up, whatever they are within 0.16 m/s, half of what is allowed."""
+    assert drive_noisily(control(), car, noise, step, 2.0, seed, a) == set()
+
+
+def test_free_wheels_at_one_speed_to_the_bit_are_sound_while_others_spin():
+    """On ice, by sensors with steps: the car keeps its speed, and the driven wheels gain 10 m/s."""
+    law = control()
+    for n in range(200):
+        spin = 5.0 + 0.05 * n
+        law.step(Measured(drive=DRIVE, speed=speeds(5.0, front_left=spin, front_right=spin), torque=DRIVE))
+        assert lost(law) == set()
+
+
+@pytest.mark.parametrize("time", [0.0, 0.5 * PERIOD, PERIOD, 0.1])
+def test_a_lost_sensor_is_believed_again_after_its_recovery(time):
+    """However quickly it was lost: found within `time` and a period, believed after 1 s and no later."""
+    law = control(**{"reference.trust.time": time})
+    accelerate(law, 1.0)
+    accelerate(law, max(time, PERIOD) + 2.0 * PERIOD, begin=3.0, wrong=lambda *_: {"rear_left": 0.0})
+    assert lost(law) == {"rear_left"}
+    accelerate(law, 0.98, begin=3.0)
+    assert lost(law) == {"rear_left"}
+    accelerate(law, 0.04, begin=4.0)
+    assert lost(law) == set()
+
+
 def test_a_spinning_wheel_is_no_lost_sensor():
     """It may turn faster than it rolls for as long as it likes: that is what the law is for."""
     law = control()
@@ -107,8 +160,9 @@ def test_a_driven_wheel_without_a_speed_gets_what_the_other_gets():
 
 @pytest.mark.parametrize("name", ["slip_window", "least_squares", "pi_slip"])
 def test_the_partner_of_a_lost_motor_mirrors_it_within_its_limit(name):
-    law = Control(name, on(FRONT), PERIOD, **{in_regulator(name, "limp.watch"): True})
+    law, torques = Control(name, on(FRONT), PERIOD, **{in_regulator(name, "limp.watch"): True}), Wheels.all(0.0)
     for _ in range(100):
-        torques = law.step(Measured(drive=DRIVE, speed=speeds(5.0), torque=Wheels.front(0.0, 800.0)))
+        given = Wheels.front(0.0, torques.front_right)
+        torques = law.step(Measured(drive=DRIVE, speed=speeds(5.0), torque=given))
     assert torques.front_right == 0.0
     assert torques.front_left == 800.0

@@ -44,4 +44,4 @@ def limp_home(
     The car keeps the drive of its other axle, if it has one, and coasts otherwise. With it goes what the difference of
     the two torques did: assistance of the steering, torque vectoring. Brakes are not touched.
     """
-    return without_yaw(p.plausibility, car, s.motors, period, request.drive, request.brake, wheels)
+    return without_yaw(p.plausibility, car, s.motors, period, request, request.drive, wheels)

@@ -88,7 +88,8 @@ def rolling_speeds(
     u + r t/2 along the car (track t, yaw rate r), and steered ones at (u -+ r t/2) cos(delta) + L r sin(delta) along
     themselves. `free_wheels` turns this round and takes the mean of the wheels without a motor, which roll as long as
     nobody brakes; `observer` see `observed_speed`, which also takes over where no wheel without a motor is believed any
-    more (`trust.watch`). `velocity` are wheel speeds [rad/s], the angle is that of the road
+    more (`trust.watch`). The first speed is what all wheels together say, since a car may begin, or its controller be
+    restarted, on the move. `velocity` are wheel speeds [rad/s], the angle is that of the road
     wheels [rad], within -pi/2..pi/2, `direction` the sign of what the drives are asked for.
     """
     r, radius = imu.yaw_rate, car.wheel_radius
@@ -100,10 +101,14 @@ def rolling_speeds(
         velocity.rear_left * radius + rear,
         velocity.rear_right * radius - rear,
     )
-    if p.trust.watch == 1.0:
-        watch_wheels(p, car, s, period, velocity, by_wheel, imu.longitudinal_acceleration, direction)
+    gained = imu.longitudinal_acceleration * period
+    if s.trust.known == 0.0:
+        s.trust.known = 1.0
+        s.speed = ((by_wheel[0] + by_wheel[1]) + (by_wheel[2] + by_wheel[3])) / 4.0
+    elif p.trust.watch == 1.0:
+        judge_wheels(p.trust, car, s.trust, period, velocity, by_wheel, s.speed + gained, gained, direction)
     if p.source == OBSERVER or free_wheels(car, s) == 0.0:
-        s.speed = observed_speed(p, s, period, by_wheel, imu.longitudinal_acceleration, direction)
+        s.speed = observed_speed(p, s, period, by_wheel, gained, direction)
     else:
         s.speed = mean_of_free_wheels(car, s, by_wheel)
     u = s.speed
@@ -113,26 +118,6 @@ def rolling_speeds(
         (u - rear) / radius,
         (u + rear) / radius,
     )
-
-
-@compilable
-def watch_wheels(
-    p: ReferenceSpeedParameters,
-    car: Car,
-    s: ReferenceSpeedState,
-    period: float,
-    velocity: Wheels,
-    by_wheel: Wheels,
-    acceleration: float,
-    direction: float,
-) -> None:
-    """Leave out wheels that cannot be, by last speed and accelerometer; at the start the speed is their mean."""
-    if s.trust.known == 0.0:
-        s.trust.known = 1.0
-        s.speed = ((by_wheel[0] + by_wheel[1]) + (by_wheel[2] + by_wheel[3])) / 4.0
-    else:
-        expected = s.speed + acceleration * period
-        judge_wheels(p.trust, car, s.trust, period, velocity, by_wheel, expected, direction)
 
 
 @compilable
@@ -161,16 +146,16 @@ def observed_speed(
     s: ReferenceSpeedState,
     period: float,
     by_wheel: Wheels,
-    acceleration: float,
+    gained: float,
     direction: float,
 ) -> float:
-    """Speed of the car [m/s] by its acceleration [m/s^2], corrected by what each wheel would mean if it rolled [m/s].
+    """Speed of the car by what it has gained in the period, corrected by what each wheel would mean if it rolled [m/s].
 
     A wheel that is driven never turns slower than it would roll, a braked one never faster: so the slowest wheel
     (braking: the fastest) limits the estimate quickly (`gripping_rate`) and otherwise only draws it slowly
     (`slipping_rate`), because all wheels may be slipping. Where no wheel is believed the acceleration is all there is.
     """
-    u = s.speed + acceleration * period
+    u = s.speed + gained
     if believed(s.trust) == 0.0:
         return u
     slowest, fastest = inf, -inf

@@ -1,7 +1,8 @@
 """Which wheel speeds can be: a sensor that is dead, stuck, wrong or mixed up shows beside the speed of the car.
 
 A wheel that is driven cannot turn slower than it rolls, nor a braked one faster; a wheel without a motor that nobody
-brakes rolls; and no wheel turns at one speed, to the bit, while others change theirs. What a sensor says beyond that,
+brakes rolls; and no wheel turns at one speed, to the bit, while the others and the accelerometer say that the car
+changes its own. What a sensor says beyond that,
 by more than tyres and bends explain, is left out at once, and the sensor counts as lost where that lasts. A driven
 wheel that turns faster may be slipping: there a sensor that reads too much cannot be told from a wheel that spins, and
 is not found. An assumption of this project, no source has it.
@@ -37,11 +38,12 @@ class WheelTrustParameters:
 class WheelTrustState:
     """What is known of the four sensors."""
 
-    doubt: list[float] = per_wheel(unit="s", about="time of deviation, less what agreement has made up for")
+    doubt: list[float] = per_wheel(unit="1", about="grows to 1 by deviation, falls by agreement")
     lost: list[float] = per_wheel(unit="1", about="1 while the sensor counts as lost")
     left_out: list[float] = per_wheel(unit="1", about="1 where it is left out in this step")
     velocity: list[float] = per_wheel(unit="rad/s", about="last wheel speeds")
-    still: list[float] = per_wheel(unit="m/s", about="what others have changed while it stayed the same, not at rest")
+    others: list[float] = per_wheel(unit="rad/s", about="sum of the other speeds when it last changed")
+    gained: list[float] = per_wheel(unit="m/s", about="by the accelerometer since it last changed, not at rest")
     known: float = entry(unit="1", about="whether there is a speed of the car to compare with")
 
 
@@ -54,11 +56,13 @@ def judge_wheels(
     velocity: Wheels,
     by_wheel: Wheels,
     expected: float,
+    gained: float,
     direction: float,
 ) -> None:
     """Say which wheels are left out, by what each means for the speed of the car if it rolls and what is expected.
 
-    Wheel speeds [rad/s], speeds [m/s], `direction` the sign of what the drives are asked for, against the travel where
+    Wheel speeds [rad/s], speeds and what the car has `gained` in the period [m/s], `direction` the sign of
+    what the drives are asked for, against the travel where
     the car is braked. Where nothing is left that could be believed, all of it begins anew: the expectation is wrong.
     """
     allowed = p.tolerance + p.share * abs(expected)
@@ -66,12 +70,12 @@ def judge_wheels(
     for i in range(4):
         gap = by_wheel[i] - expected
         strays = gap * direction < -allowed or (rolls and car.driven[i] == 0.0 and abs(gap) > allowed)
-        cannot_be = is_stuck(p, car, s, velocity, i) or strays
+        cannot_be = is_stuck(p, car, s, velocity, gained, i) or strays
         if cannot_be:
-            s.doubt[i] = min(s.doubt[i] + period, p.time + period)
+            s.doubt[i] = min(s.doubt[i] + period / max(p.time, period), 1.0)
         else:
-            s.doubt[i] = max(s.doubt[i] - period * (p.time / p.recovery), 0.0)
-        if s.doubt[i] > p.time:
+            s.doubt[i] = max(s.doubt[i] - period / p.recovery, 0.0)
+        if s.doubt[i] == 1.0:
             s.lost[i] = 1.0
         elif s.doubt[i] == 0.0:
             s.lost[i] = 0.0
@@ -82,16 +86,19 @@ def judge_wheels(
 
 
 @compilable
-def is_stuck(p: WheelTrustParameters, car: Car, s: WheelTrustState, velocity: Wheels, i: int) -> bool:
-    """Whether a wheel, not at rest, has stayed at its speed while another one has changed by more than is allowed."""
+def is_stuck(p: WheelTrustParameters, car: Car, s: WheelTrustState, velocity: Wheels, gained: float, i: int) -> bool:
+    """Whether a wheel, not at rest, keeps its speed while the car changes its own by more than is allowed.
+
+    Both the mean of the other wheels and the accelerometer must say so, each from then until now: noise does not add
+    up, and neither wheels that spin nor an accelerometer's offset alone make it.
+    """
+    others = ((velocity[0] + velocity[1]) + (velocity[2] + velocity[3])) - velocity[i]
     if velocity[i] != s.velocity[i] or velocity[i] == 0.0:
-        s.still[i] = 0.0
+        s.others[i], s.gained[i] = others, 0.0
         return False
-    change = 0.0
-    for j in range(4):
-        change = max(change, abs(velocity[j] - s.velocity[j]))
-    s.still[i] += change * car.wheel_radius
-    return s.still[i] > p.tolerance
+    s.gained[i] += gained
+    change = (others - s.others[i]) / 3.0 * car.wheel_radius
+    return min(abs(change), abs(s.gained[i])) > p.tolerance
 
 
 @compilable
@@ -104,5 +111,5 @@ def believed(s: WheelTrustState) -> float:
 def forget_trust(s: WheelTrustState) -> None:
     """Believe every sensor again."""
     for i in range(4):
-        s.doubt[i] = s.lost[i] = s.left_out[i] = s.still[i] = 0.0
+        s.doubt[i] = s.lost[i] = s.left_out[i] = s.gained[i] = 0.0
     s.known = 0.0

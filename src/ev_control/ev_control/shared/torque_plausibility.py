@@ -1,21 +1,26 @@
-"""Does a wheel get the torque that it was told? What a controller can see of a lost motor, and what it does then.
+"""Which motors are lost: beside what they were told, and beside what their partners of the axle give.
 
-No motor tells that it is dead. It shows in the torque that acts, which the inverter derives from its currents: beside
-what was commanded, at once or through the longest lag of the drive, and within what the motor can, it stays away for
-longer than any transient. Where the motor gives again what is asked for, it counts as sound again.
+No motor tells that it is dead. It shows in the torque that acts, which the inverter derives from its currents. What
+was not told is never plausible. Less than was told is: battery, voltage, power, heat and gear leave less, more than
+a controller knows of. But they are the same for both motors of an axle. So a motor is lost if it gives less than its
+partner shows to be possible. Where both give less, nothing is lost, and nothing turns the car.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.estimation.plausible import LARGEST_TORQUE
 from ev_control.shared.first_order_filter import filter_share
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, per_wheel
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand
-from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.elementary import copysign
 from ev_msgs_py.parameters.declaration import parameter
 from ev_msgs_py.vehicle.car import Car
+
+PARTNERS = (1, 0, 3, 2)  # the other wheel of the axle, in the order of Wheels
+NEARLY_FASTEST = 0.95  # share of the motor's maximum speed from which on no torque is expected of it
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,16 +28,27 @@ class PlausibilityParameters:
     """When a torque is not plausible; all of it is assumed."""
 
     lag: float = parameter(
-        0.02, unit="s", low=0.0, high=1.0, about="longest time constant of the drives, between command and torque"
+        0.0,
+        unit="s",
+        low=0.0,
+        high=1.0,
+        about="of bus and sensor between command and measured torque, beside the car's `motor.torque_lag`",
     )
     tolerance: float = parameter(20.0, unit="N m", low=0.1, high=1e4, about="deviation at the wheel that is allowed")
     share: float = parameter(0.2, unit="1", low=0.0, high=1.0, about="of the expected torque, allowed besides")
-    time: float = parameter(0.02, unit="s", low=0.0, high=10.0, about="of deviation until a motor counts as lost")
+    power: float = parameter(
+        0.7, unit="1", low=0.0, high=1.0, about="of a motor's peak power that a low voltage leaves of it"
+    )
+    time: float = parameter(
+        0.02, unit="s", low=0.0, high=10.0, about="of twice the allowed deviation until a motor counts as lost"
+    )
     keep_difference: bool = parameter(
-        True, about="whether the partner of a lost motor also gives the difference that was asked of the two"
+        False,
+        about="whether drives steer the car: the difference asked of a lost motor and its partner is given also "
+        "where the partner's torque changes its sign by it",
     )
     recovery: float = parameter(
-        0.5, unit="s", low=0.0, high=100.0, about="of torques as expected, not about zero, until it counts as sound"
+        0.5, unit="s", low=0.0, high=100.0, about="of torques as told, not about zero, until it counts as sound"
     )
 
 
@@ -40,12 +56,11 @@ class PlausibilityParameters:
 class PlausibilityState:
     """What is known of the four motors."""
 
-    commanded: list[float] = per_wheel(unit="N m", about="torque at the wheel by the last command, of a quick drive")
-    expected: list[float] = per_wheel(
-        unit="N m", about="torque at the wheel by the commands up to now, of a slow drive"
-    )
-    deviates: list[float] = per_wheel(unit="s", about="for how long it has not been as expected")
-    agrees: list[float] = per_wheel(unit="s", about="for how long it has, since it was lost")
+    most: list[float] = per_wheel(unit="N m", about="torque at the wheel by the commands up to now, forwards at most")
+    least: list[float] = per_wheel(unit="N m", about="the same backwards, never positive")
+    told: list[float] = per_wheel(unit="N m", about="the same of a slow drive that nothing limits, of either sign")
+    deviates: list[float] = per_wheel(unit="s", about="for how long it has not been plausible, less how long it has")
+    agrees: list[float] = per_wheel(unit="s", about="for how long it has been plausible, since it was lost")
     lost: list[float] = per_wheel(unit="1", about="1 while the motor counts as lost")
     known: float = entry(unit="1", about="whether there has been a command")
 
@@ -54,22 +69,85 @@ class PlausibilityState:
 def watch_torques(
     p: PlausibilityParameters, car: Car, s: PlausibilityState, period: float, wheels: WheelStates
 ) -> None:
-    """Compare the torques of the last period with those that were expected of it."""
+    """Compare the torques of the last period with what was told, and with those of the partners.
+
+    A deviation counts by its size, at most twice what is allowed, and what is plausible takes back: so noise about the
+    allowed deviation does not add up. A motor without a partner is not judged.
+    """
+    if s.known == 0.0:
+        return
     for i in range(4):
-        if car.driven[i] == 0.0 or s.known == 0.0:
+        if car.driven[i] == 0.0 or car.driven[PARTNERS[i]] == 0.0:
             continue
-        least, most = min(s.expected[i], s.commanded[i]), max(s.expected[i], s.commanded[i])
-        allowed = p.tolerance + p.share * max(abs(least), abs(most))
-        if not least - allowed <= wheels.effort[i] <= most + allowed:
-            s.deviates[i] += period
+        due = due_torque(p, car, s, wheels, i)
+        excess = deviation(p, s, wheels, i, due)
+        if s.lost[i] == 0.0:
+            s.deviates[i] = max(s.deviates[i] + period * min(excess - 1.0, 1.0), 0.0)
             s.agrees[i] = 0.0
-            if s.deviates[i] > p.time:
-                s.lost[i] = 1.0
-        elif least > allowed or most < -allowed:  # about zero a dead motor looks like a sound one
-            s.deviates[i] = 0.0
+        elif excess > 1.0:
+            s.agrees[i] = 0.0
+        elif due > p.tolerance + p.share * due:  # else a dead motor looks like a sound one
             s.agrees[i] += period
-            if s.agrees[i] > p.recovery:
-                s.lost[i] = 0.0
+    for i in range(4):  # behind all judgements, so that left and right are alike
+        if s.deviates[i] > p.time:
+            s.lost[i], s.deviates[i] = 1.0, 0.0
+        elif s.agrees[i] > p.recovery:
+            s.lost[i] = 0.0
+
+
+@compilable
+def deviation(p: PlausibilityParameters, s: PlausibilityState, wheels: WheelStates, i: int, due: float) -> float:
+    """How much more than was told, or less than is due [N m], a motor gives, over what is allowed [1]."""
+    gives = measured(wheels, i)
+    if gives > s.most[i]:
+        return (gives - s.most[i]) / (p.tolerance + p.share * s.most[i])
+    if gives < s.least[i]:
+        return (s.least[i] - gives) / (p.tolerance - p.share * s.least[i])
+    return (due - copysign(1.0, s.told[i]) * gives) / (p.tolerance + p.share * due) if due > 0.0 else 0.0
+
+
+@compilable
+def due_torque(p: PlausibilityParameters, car: Car, s: PlausibilityState, wheels: WheelStates, i: int) -> float:
+    """What motor i gives at least if it is sound [N m], counted positive in the direction of what it is told.
+
+    That is what it was told, within what it can for ever at its speed, in the share that its partner gives of its own.
+    Where the partner itself stays behind, no more than that gives either: both may have met the same limit. Of a motor
+    that is not lost nothing is due beside a partner that is, or that is told nothing of the kind; and of none before it
+    must have left the other direction.
+    """
+    j, ahead = PARTNERS[i], copysign(1.0, s.told[i])
+    told, told_partner, gives = abs(s.told[i]), ahead * s.told[j], max(ahead * measured(wheels, j), 0.0)
+    outer, other = (s.most[i], -s.least[i]) if ahead > 0.0 else (-s.least[i], s.most[i])
+    outer *= car.motor.gear_efficiency * car.motor.gear_efficiency
+    due, most = told, lasting_torque(p, car, wheels.velocity[i], ahead)
+    if s.lost[j] == 0.0 and told_partner > p.tolerance:
+        due = min(told, 2.0 * told_partner) * min(
+            gives / told_partner, 1.0
+        )  # a small torque says little of a large one
+        if gives + p.tolerance + p.share * told_partner < told_partner and s.lost[i] == 0.0:
+            most = min(most, gives)
+    elif s.lost[i] == 0.0:
+        return 0.0
+    reached = told / outer if outer > 0.0 else 0.0  # by the lag, of whatever it goes for
+    return max(min(due, reached * most) - other, 0.0)
+
+
+@compilable
+def lasting_torque(p: PlausibilityParameters, car: Car, speed: float, ahead: float) -> float:
+    """What heat and a low voltage leave of a motor's torque at a wheel speed, in a direction [N m, rad/s]."""
+    motor, turns = car.motor, max(abs(speed) * car.gear_ratio, 1e-3)
+    if turns > NEARLY_FASTEST * motor.maximum_speed:
+        return 0.0
+    torque, power = min(motor.nominal_torque, motor.peak_torque), motor.peak_power
+    if ahead * speed < 0.0:
+        torque, power = min(torque, motor.generator_torque), motor.generator_power
+    return min(torque, p.power * power / turns) * car.gear_ratio
+
+
+@compilable
+def measured(wheels: WheelStates, i: int) -> float:
+    """The torque of a motor [N m]; one that nobody can measure, as broken sensors show, counts as none."""
+    return wheels.effort[i] if abs(wheels.effort[i]) < LARGEST_TORQUE else 0.0
 
 
 @compilable
@@ -81,38 +159,23 @@ def expect(
     command: WheelTorqueCommand,
     wheels: WheelStates,
 ) -> None:
-    """Go on with what is expected by the command of this period, within peak torque and power of the motors."""
-    share, motor = filter_share(period, p.lag), car.motor
-    for i in range(4):
-        turns = max(abs(wheels.velocity[i]) * car.gear_ratio, 1e-3)
-        most = min(motor.peak_torque, motor.peak_power / turns) * car.gear_ratio
-        reached = min(max(command.drive[i], -most), most)
-        s.commanded[i] = reached
-        s.expected[i] += share * (reached - s.expected[i])
-    s.known = 1.0
+    """Go on with what is told: bounds widen at once, as of a quick drive, and close by the lag, as of a slow one.
 
-
-@compilable
-def mirrored(p: PlausibilityParameters, s: PlausibilityState, drive: Wheels, wheels: WheelStates) -> Wheels:
-    """Drive torques [N m] with which a lost motor does not turn the car: its partner of the axle gives what it gives.
-
-    Never more than was asked for, and never of the other sign, so a motor that is stuck is mirrored up to the request.
-    With `keep_difference` the difference of the two that was asked for is added, whatever sign comes of it.
+    Limits may leave anything between rest and the command, so the bounds close towards rest. All leave room for the
+    gear either way, and for what motors serve of the brake torque where brakes are blended.
     """
-    effort = wheels.effort
-    return Wheels(
-        as_partner(p, s.lost[1], drive[0], drive[1], effort[1]),
-        as_partner(p, s.lost[0], drive[1], drive[0], effort[0]),
-        as_partner(p, s.lost[3], drive[2], drive[3], effort[3]),
-        as_partner(p, s.lost[2], drive[3], drive[2], effort[2]),
-    )
-
-
-@compilable
-def as_partner(p: PlausibilityParameters, lost: float, asked: float, of_lost: float, measured: float) -> float:
-    """What a wheel may give [N m] whose partner, if it is lost, gives the measured torque in place of `of_lost`."""
-    if lost == 0.0:
-        return asked
-    if p.keep_difference == 1.0:
-        return measured + (asked - of_lost)
-    return min(max(measured, 0.0), asked) if asked >= 0.0 else max(min(measured, 0.0), asked)
+    lag, efficiency = car.motor.torque_lag + p.lag + period / 2.0, car.motor.gear_efficiency  # of means over periods
+    share = filter_share(period, lag)
+    for i in range(4):
+        drive = command.drive[i]
+        braked = drive - copysign(car.blend_brakes * command.brake[i], wheels.velocity[i])
+        low, high = min(drive, braked), max(drive, braked)
+        if s.known == 0.0:
+            s.most[i], s.least[i] = max(measured(wheels, i), 0.0), min(measured(wheels, i), 0.0)
+        forwards, backwards = max(high, 0.0) / efficiency, min(low, 0.0) / efficiency
+        s.most[i] = max(forwards, s.most[i] + share * (forwards - s.most[i]))
+        s.least[i] = min(backwards, s.least[i] + share * (backwards - s.least[i]))
+        goal = efficiency * (max(low, 0.0) + min(high, 0.0))
+        from_rest = s.told[i] if s.told[i] * goal > 0.0 else 0.0
+        s.told[i] = goal if abs(goal) < abs(from_rest) else from_rest + share * (goal - from_rest)
+    s.known = 1.0

@@ -83,7 +83,7 @@ def controlled(
         within(drive[3], s.wheels[3].limit),
     )
     if limp.watch == 1.0:
-        return without_yaw(limp.plausibility, car, s.control.motors, period, limited, request.brake, wheels)
+        return without_yaw(limp.plausibility, car, s.control.motors, period, request, limited, wheels)
     return WheelTorqueCommand(limited, request.brake)
 
 

@@ -65,6 +65,7 @@ def values_of(road: str, law: str, asr: str, fault: str) -> tuple[tuple[str, str
         ("electronic_differential", "method", name),
         ("asr", "method", asr),
         ("steering_column", "method", column),
+        *((("asr", "plausibility.keep_difference", column != "manual"),) if asr == "limp_home" else ()),
         *(
             (role, "faults", [f"{text} from {BEGIN:g}{until}" for text in texts])
             for role, texts in FAULTS[fault].items()
