@@ -24,6 +24,7 @@ from ev_sim.running.files_of_run import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY
 from ev_sim.running.outcome import Outcome
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.recording.recording import Recording, combined_hash, save, signal_hash
+from ev_sim.running.recording.truth import true_motion
 from ev_sim.running.scenarios.differences import COMMAND_LINE, Difference, differences
 from ev_sim.running.scenarios.scenario import Scenario, load_scenario
 
@@ -50,6 +51,12 @@ class Result:
         """The signals of each run by its name."""
         return {name: outcome.recording for name, outcome in self.outcomes.items()}
 
+    @cached_property
+    def truth(self) -> Runs:
+        """The true motion of each run by its name: that of metrics and figures, whatever sensors have shown."""
+        known = {run.name: run.configurations for run in self.scenario.runs}
+        return {name: true_motion(run, known[name]) for name, run in self.runs.items()}
+
     @property
     def time(self) -> np.ndarray:
         """The instants of the only run [s], (n,); ParameterError if there are several."""
@@ -74,7 +81,7 @@ class Result:
     @cached_property
     def metrics(self) -> Mapping[str, Metric]:
         """Numbers with units, and verdicts where something was published, by name."""
-        found = {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.runs)}
+        found = {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.truth)}
         changed = [f"{d.node}.{d.parameter}" for d in self.differs if d.by == COMMAND_LINE and _is_of_the_source(d)]
         changed += [f"node {role}" for role in self.own_nodes]
         why = f"not what the reference is about: {', '.join(dict.fromkeys(changed))} differs" if changed else ""
@@ -101,7 +108,7 @@ class Result:
         first = self.scenario.runs[0].configurations
         parameters: Parameters = {role: configuration.values() for role, configuration in first.items()}
         report = report_for(self.scenario.parameters.report or self.scenario.name)
-        found: dict[str, Any] = getattr(report, what)(self.runs, first[MASTER].common.vehicle, parameters)
+        found: dict[str, Any] = getattr(report, what)(self.truth, first[MASTER].common.vehicle, parameters)
         return found
 
     def data_frame(self, run: str = "") -> DataFrame:

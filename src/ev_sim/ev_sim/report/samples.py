@@ -22,7 +22,9 @@ def run_named(runs: Runs, name: str) -> Recording:
 
 
 def channel(recording: Recording, name: str) -> np.ndarray:
-    """The samples of a channel, (n,); NotMeasured if the channel is missing, empty or not finite."""
+    """The samples of a channel, (n,); NotMeasured if the channel is missing, empty, not finite or not the truth."""
+    if name in recording.unknown:
+        raise NotMeasured(f"{name} was recorded as its sensor shows it, and what is true is not known")
     if name not in recording.channels:
         raise NotMeasured(f"{name} was not recorded")
     values = recording.channels[name]

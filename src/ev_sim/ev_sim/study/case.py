@@ -10,9 +10,10 @@ from typing import Any
 
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.running.recording.recording import Recording, signal_hash
+from ev_sim.running.recording.truth import true_motion
 from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
-Measure = Callable[[Recording, Run], Mapping[str, Any]]
+Measure = Callable[[Recording, Run], Mapping[str, Any]]  # of the true motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +65,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     except ValueError as error:  # a ParameterError or SignalError, or what a law says to its vehicle
         return CaseResult(case.name, {}, refused=str(error))
     wall_time = time.monotonic() - start
-    measured = measure(recording, run)
+    measured = measure(true_motion(recording, run.configurations), run)
     return CaseResult(
         case.name, measured, signal_hash(recording), run.duration, wall_time, notes=tuple(dict.fromkeys(notes))
     )

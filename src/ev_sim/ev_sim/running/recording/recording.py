@@ -26,10 +26,14 @@ class Recording:
 
     `time`: (n,) float64 [s]. `channels`: TOPIC.FIELD.NAME -> (n,) float64 in the unit of the field, where the
     slashes of a topic are dots (`steering_column.state.angle`).
+
+    Of the true motion (`true_motion`) `shown` is what was sent, and what is true of the `unknown` channels is not known.
     """
 
     time: np.ndarray
     channels: Mapping[str, np.ndarray]
+    shown: Recording | None = None
+    unknown: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         if TIME in self.channels:
