@@ -85,7 +85,7 @@ class Result:
         changed = [f"{d.node}.{d.parameter}" for d in self.differs if d.by == COMMAND_LINE and _is_of_the_source(d)]
         changed += [f"node {role}" for role in self.own_nodes]
         why = f"not what the reference is about: {', '.join(dict.fromkeys(changed))} differs" if changed else ""
-        return {name: replace(each, unjudged=why) for name, each in found.items()}
+        return {name: replace(each, unjudged=each.unjudged or why) for name, each in found.items()}
 
     @cached_property
     def differs(self) -> Sequence[Difference]:

@@ -49,7 +49,7 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     names = ("steering_wheel_angle", "lateral_acceleration", "yaw_rate", "sideslip_angle")
     return {
         "course": plan_view(
-            "Double lane change, ISO 3888-1", tracks, course.cones(vehicle), course.hit_cones(run, vehicle)
+            "Double lane change, ISO 3888-1", tracks, course.cones(vehicle, course.side_of(run)), course.hit_cones(run, vehicle)
         ),
         "motion": sheet(motion_panels(runs, *names), "time [s]"),
     }
@@ -58,6 +58,7 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
 def _on_course(run: Recording, vehicle: Vehicle) -> np.ndarray:
     """Which samples lie between the first and the last cone, (n,) bool; NotMeasured if the last one is not reached."""
     x = channel(run, "pose.x")
-    first, last = course.lanes(vehicle)[0].start, course.lanes(vehicle)[-1].end
+    lanes = course.lanes(vehicle, course.side_of(run))
+    first, last = lanes[0].start, lanes[-1].end
     end = motion.first(x >= last, "the end of the course")
     return (x >= first) & (np.arange(len(x)) <= end)

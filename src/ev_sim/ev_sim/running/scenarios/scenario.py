@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.running.scenarios.about import NAMESPACE, SCENARIO_NODE, ScenarioParameters, said_by
 from ev_sim.running.scenarios.configured_file import VEHICLE, configured_file, vehicle_file
 from ev_sim.running.scenarios.parameter_file import ParameterFile, matches
+from ev_sim.running.scenarios.slow_ramp import on_its_own_car
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,8 @@ class Overrides:
     """What the command line says beyond the scenario's own files; later entries go before earlier ones.
 
     `values`: (node, dotted parameter name, value). Node `*` means every role. `vehicle` is another car than that of the
-    scenario, as a name or a path; what the scenario itself changes about its car is left out then.
+    scenario, as a name or a path; what the scenario itself changes about the car of all runs is left out then. What it
+    changes about that of some runs stays: it is what these runs are about.
     """
 
     files: Sequence[Path] = ()
@@ -82,9 +84,10 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     own = ParameterFile(configured_file("scenario", name))
     name = own.path.stem
     about = said_by(own)
-    car = own.without(f"{VEHICLE}.") if overrides.vehicle else own
-    files = [vehicle_file(overrides.vehicle or about.vehicle), car, *map(ParameterFile, overrides.files)]
     namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
+    of_all = [pattern for pattern in own.sections if _means_all(pattern, namespaces.values())]
+    car = own.without(f"{VEHICLE}.", of_all) if overrides.vehicle else own
+    files = [vehicle_file(overrides.vehicle or about.vehicle), car, *map(ParameterFile, overrides.files)]
     for file in files:
         _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, SCENARIO_NODE) if file is car else tuple(ROLES))
     _refuse_unknown_overrides(overrides)
@@ -94,14 +97,25 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     for run in only:
         if run not in namespaces:
             raise unknown_name(f"run of {name}", run, namespaces)
-    runs = tuple(
-        replace(_run(run, namespace, files, overrides, duration), report=about.report or name, metrics=about.metrics)
-        for run, namespace in namespaces.items()
-        if not only or run in only
-    )
-    left_out = sorted({key for key in own.names() if key.startswith(f"{VEHICLE}.")}) if overrides.vehicle else ()
-    notes = (f"left out for another vehicle: {', '.join(left_out)} of {own.path}",) if left_out else ()
-    return Scenario(name, about, runs, own.path, notes)
+    runs, notes, angles = [], [], dict[str, float]()
+    left_out = sorted({key for pattern in of_all for key in own.sections[pattern] if key.startswith(f"{VEHICLE}.")})
+    if left_out and overrides.vehicle:
+        notes.append(f"left out for another vehicle: {', '.join(left_out)} of {own.path}")
+    for run_name, namespace in namespaces.items():
+        if only and run_name not in only:
+            continue
+        run = _run(run_name, namespace, files, overrides, duration)
+        if about.slow_ramp.lateral_acceleration:
+            as_it_is = _run(run_name, namespace, [vehicle_file(about.vehicle), own], Overrides(), about.duration)
+            run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
+            notes += [note] if note else []
+        runs.append(replace(run, report=about.report or name, metrics=about.metrics))
+    return Scenario(name, about, tuple(runs), own.path, tuple(notes))
+
+
+def _means_all(pattern: str, namespaces: Iterable[str]) -> bool:
+    """Whether a section means some node of every run."""
+    return all(any(matches(pattern, f"{space}/{role}") for role in ROLES) for space in namespaces)
 
 
 def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:
