@@ -46,7 +46,9 @@ def coasting_speed(run: Recording) -> np.ndarray:
     """Speed of the car, forwards or in reverse, (n,) [m/s]; NotMeasured if a pedal is pressed: that is no road load."""
     for pedal in (motion.DRIVE_TORQUE, motion.BRAKE_TORQUE):
         if channel(run, pedal).any():
-            raise NotMeasured(f"the car does not coast: {pedal} is not zero at {run.time[channel(run, pedal) != 0][0]:g} s")
+            raise NotMeasured(
+                f"the car does not coast: {pedal} is not zero at {run.time[channel(run, pedal) != 0][0]:g} s"
+            )
     return motion.speed(run)
 
 

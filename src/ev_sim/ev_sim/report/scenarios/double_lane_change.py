@@ -49,7 +49,10 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     names = ("steering_wheel_angle", "lateral_acceleration", "yaw_rate", "sideslip_angle")
     return {
         "course": plan_view(
-            "Double lane change, ISO 3888-1", tracks, course.cones(vehicle, course.side_of(run)), course.hit_cones(run, vehicle)
+            "Double lane change, ISO 3888-1",
+            tracks,
+            course.cones(vehicle, course.side_of(run)),
+            course.hit_cones(run, vehicle),
         ),
         "motion": sheet(motion_panels(runs, *names), "time [s]"),
     }

@@ -59,9 +59,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
                 "rad s^2/m",
                 _reference(closed[1], "-m a/(C_r L)") if closed else None,
             ),
-            f"{name}_maximum_lateral_acceleration": metric(
-                lambda run=run: _inward_acceleration(run).max(), "m/s^2"
-            ),
+            f"{name}_maximum_lateral_acceleration": metric(lambda run=run: _inward_acceleration(run).max(), "m/s^2"),
             f"{name}_lowest_speed_radius": metric(lambda run=run: _radius(run), "m"),
         }
     return result
