@@ -40,17 +40,17 @@ def test_the_angles_of_the_files_are_what_the_slow_ramp_finds(name, run, within)
     scenario = load_scenario(name, only=[run])
     ramp, (driven,) = scenario.parameters.slow_ramp, scenario.runs
     found = angle_at(driven_slowly(driven, ramp), ramp.lateral_acceleration, ramp.read)
-    assert driven.configurations["steering_column"].parameters.reference_angle == pytest.approx(found, rel=within)
-    assert not scenario.notes
+    assert ramp.reference_angle == pytest.approx(found, rel=within)
+    assert driven.configurations["steering_column"].parameters.scale == 1.0 and not scenario.notes
 
 
 def test_a_step_ends_at_4_m_s2_with_another_car():
     """It ended at 2.5 with the angle of the Audi. Within 2 %, as the ramp finds the Audi's."""
     driven = ev_sim.run("step_steer", vehicle=OTHER, runs=["right"])
     assert values(driven)["lateral_acceleration"] == pytest.approx(-4.0, rel=0.02)
-    angle = driven.summary().as_json()["parameters"]["steering_column"]["reference_angle"]
-    assert values(driven)["steering_wheel_angle"] == pytest.approx(-angle, rel=1e-12)
-    assert any("reference_angle" in note for note in driven.scenario.notes)
+    scale = driven.summary().as_json()["parameters"]["steering_column"]["scale"]
+    assert values(driven)["steering_wheel_angle"] == pytest.approx(-0.3395 * scale, rel=1e-12)
+    assert any("steering_column.scale is 1.6" in note for note in driven.scenario.notes)
 
 
 def test_a_sine_with_dwell_has_the_multiples_of_its_name_with_another_car():
@@ -64,16 +64,16 @@ def test_a_car_with_slower_steering_has_its_own_angle_and_a_given_one_stays():
     """Twice the steering ratio takes twice the angle, and at the same rate of the ramp half the lag: 1 % of it."""
     changed = ("*", "vehicle.steering_ratio", 2 * Vehicle().steering_ratio)
     (one,) = load_scenario("step_steer", Overrides(values=[changed]), only=["left"]).runs
-    assert one.configurations["steering_column"].parameters.reference_angle == pytest.approx(2 * 0.3395, rel=0.02)
-    told = [changed, ("steering_column", "reference_angle", 0.3)]
+    assert one.configurations["steering_column"].parameters.scale == pytest.approx(2.0, rel=0.02)
+    told = [changed, ("steering_column", "scale", 1.0)]
     (given,) = load_scenario("step_steer", Overrides(values=told), only=["left"]).runs
-    assert given.configurations["steering_column"].parameters.reference_angle == 0.3
+    assert given.configurations["steering_column"].parameters.scale == 1.0
 
 
 def test_where_the_ramp_finds_nothing_the_note_says_so():
     icy = [("plant", f"road.{side}", ["ice"]) for side in ("left", "right")]
     scenario = load_scenario("step_steer", Overrides(values=icy), only=["left"])
-    assert scenario.runs[0].configurations["steering_column"].parameters.reference_angle == 0.3395
+    assert scenario.runs[0].configurations["steering_column"].parameters.scale == 1.0
     assert "a lateral acceleration of 4 m/s^2 never comes" in scenario.notes[0]
 
 
@@ -98,7 +98,7 @@ def test_displacement_counts_from_5_degrees_and_both_readings_stand_there():
     right = ev_sim.run(
         "sine_with_dwell",
         runs=["slowly_increasing_steer", "times_5_0"],
-        set={"steering_column.sine_with_dwell.amplitude": -5.0},
+        set={"steering_column.sine_with_dwell.amplitude": -1.545},
     )
     assert values(right) == pytest.approx(found, rel=1e-9)  # the regulation asks for both directions
 
@@ -106,7 +106,7 @@ def test_displacement_counts_from_5_degrees_and_both_readings_stand_there():
 def test_a_run_is_not_passed_as_what_it_was_not(tmp_path):
     """The angle of the Audi on the other car: 3.48 A, and its displacement was never judged."""
     angles = tmp_path / "angles.yaml"
-    angles.write_text("/**/times_5_0/steering_column: {ros__parameters: {reference_angle: 0.3091}}\n")
+    angles.write_text("/**/times_5_0/steering_column: {ros__parameters: {scale: 1.0}}\n")
     driven = ev_sim.run(
         "sine_with_dwell",
         vehicle=OTHER,
@@ -157,7 +157,9 @@ def test_sideslip_and_curvature_on_a_circle_are_the_same_in_reverse():
 def test_the_circle_to_the_right_is_measured():
     """0.0 was the largest lateral acceleration; all of the left circle comes back."""
     left = values(ev_sim.run("steady_circle", runs=["friction"]))
-    right = values(ev_sim.run("steady_circle", runs=["friction"], set={"steering_column.profile.angle": [0.0, -1.0]}))
+    right = values(
+        ev_sim.run("steady_circle", runs=["friction"], set={"steering_column.profile.angle": [0.0, -0.7696]})
+    )
     assert right == pytest.approx(left, rel=1e-9)
 
 
@@ -214,6 +216,7 @@ HALVED = {  # scenario -> runs; who spins or touches a cone by a hair is another
     "step_steer": ["left"],
     "sine_with_dwell": ["slowly_increasing_steer", "times_1_5", "times_2_5"],
     "coast_down": ["coast_down"],
+    "steady_circle": ["friction"],
     "launch_split_mu": ["fixed_steering"],
     "straight_brake_split_mu": ["fixed_steering"],
     "double_lane_change": ["double_lane_change"],

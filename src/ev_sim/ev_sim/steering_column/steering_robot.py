@@ -62,12 +62,8 @@ class SteeringRobotParameters:
     """Which angle the robot imposes, and how fast it can turn."""
 
     shape: str = parameter("profile", choices=SHAPES, about="what the robot steers")
-    reference_angle: float = parameter(
-        1.0,
-        unit="rad",
-        low=0.0,
-        high=30.0,
-        about="angle of which those of profile and sine are multiples, such as that of a car at 0.3 g; 1: as they are",
+    scale: float = parameter(
+        1.0, unit="1", low=0.0, high=100.0, about="of the angles of profile and sine: another car takes other ones"
     )
     profile: SteeringAngleProfileParameters = group(SteeringAngleProfileParameters)
     sine_with_dwell: SineWithDwellParameters = group(SineWithDwellParameters)
@@ -87,7 +83,7 @@ class SteeringRobotState:
 def profile(parameters: SteeringRobotParameters, _vehicle: Vehicle, _period: float) -> Profile:
     """The profile of the angle over time, whether it is the chosen shape or not."""
     p = parameters.profile
-    return profile_of(p.time, tuple(parameters.reference_angle * angle for angle in p.angle), p.interpolation)
+    return profile_of(p.time, tuple(parameters.scale * angle for angle in p.angle), p.interpolation)
 
 
 def at_its_beginning(p: SteeringRobotParameters, c: Profile, period: float) -> SteeringRobotState:
@@ -128,7 +124,7 @@ def steering_robot(p: SteeringRobotParameters, c: Profile, s: SteeringRobotState
 def wanted_angle(p: SteeringRobotParameters, points: Profile, t: float) -> float:
     """Steering-wheel angle [rad] that is wanted at the time t [s]."""
     if p.shape == SINE_WITH_DWELL:
-        return sine_with_dwell(p.sine_with_dwell, p.reference_angle * p.sine_with_dwell.amplitude, t)
+        return sine_with_dwell(p.sine_with_dwell, p.scale * p.sine_with_dwell.amplitude, t)
     return value_at(points, t)
 
 

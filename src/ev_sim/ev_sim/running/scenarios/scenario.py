@@ -18,7 +18,7 @@ from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.running.scenarios.about import NAMESPACE, SCENARIO_NODE, ScenarioParameters, said_by
 from ev_sim.running.scenarios.configured_file import VEHICLE, configured_file, vehicle_file
 from ev_sim.running.scenarios.parameter_file import ParameterFile, matches
-from ev_sim.running.scenarios.slow_ramp import on_its_own_car
+from ev_sim.running.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
 
 
 @dataclass(frozen=True)
@@ -105,12 +105,20 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
         if only and run_name not in only:
             continue
         run = _run(run_name, namespace, files, overrides, duration)
-        if about.slow_ramp.lateral_acceleration:
+        if about.slow_ramp.lateral_acceleration and not _is_told(f"{COLUMN}.{SCALE}", namespace, overrides):
             as_it_is = _run(run_name, namespace, [vehicle_file(about.vehicle), own], Overrides(), about.duration)
             run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
             notes += [note] if note else []
         runs.append(replace(run, report=about.report or name, metrics=about.metrics))
     return Scenario(name, about, tuple(runs), own.path, tuple(notes))
+
+
+def _is_told(name: str, namespace: str, overrides: Overrides) -> bool:
+    """Whether the command line or its files give a value to a parameter, NODE.PARAMETER."""
+    role, _, parameter = name.partition(".")
+    files = (ParameterFile(path).values_for(f"{namespace}/{role}") for path in overrides.files)
+    told = (key for node, key, _ in overrides.values if node in ("*", role))
+    return parameter in told or any(parameter in values for values in files)
 
 
 def _means_all(pattern: str, namespaces: Iterable[str]) -> bool:

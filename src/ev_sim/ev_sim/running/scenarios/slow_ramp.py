@@ -1,6 +1,6 @@
 """The steering-wheel angle to which the amplitudes of a manoeuvre refer, found on the very car by a slow ramp.
 
-A scenario's file says the angle of its own car. Another car, road or speed has another one: the standards find it by
+A scenario's file says the angles of its own car. Another car, road or speed has others: the standards find them by
 steering so slowly that the car is always in its steady state (FMVSS 126, S7.6; ISO 4138), and so do we, before the run.
 The ramp is one of the car, not of its control: it is driven with equal torques and without traction control.
 """
@@ -25,7 +25,7 @@ from ev_sim.running.recording.recording import Recording
 if TYPE_CHECKING:
     from ev_sim.running.scenarios.scenario import Run
 
-COLUMN, ROBOT, ANGLE = "steering_column", "steering_robot", "reference_angle"
+COLUMN, ROBOT, SCALE = "steering_column", "steering_robot", "scale"
 BEGIN = 1.0  # [s], when the ramp begins
 LARGEST = 2.5  # times the angle of the linear car: so far the ramp goes on
 READINGS = LINE, CROSSING = ("line", "crossing")
@@ -35,11 +35,15 @@ _OF_THE_CAR = ("method", "initial_speed", "vehicle.", "road.", "rear_steering.")
 
 @dataclass(frozen=True, slots=True)
 class SlowRampParameters:
-    """How the reference angle of the steering robot is found on a car that is not that of the file."""
+    """How the steering angles of a car are found that is not that of the file: in proportion to a reference angle."""
 
     lateral_acceleration: float = parameter(
         0.0, unit="m/s^2", low=0.0, high=20.0, about="at which the angle is read, at the initial speed; 0: no ramp"
     )
+    reference_angle: float = parameter(
+        1.0, unit="rad", low=1e-3, high=30.0, about="of the steering wheel at this acceleration, of the file's own car"
+    )
+    run: str = parameter("", about="run of the scenario that is such a ramp itself and keeps its angles")
     rate: float = parameter(
         0.2356, unit="rad/s", low=1e-3, high=1.0, about="of the steering wheel, 13.5 deg/s", source="FMVSS 126, S7.6"
     )
@@ -66,27 +70,28 @@ def angle_at(run: Recording, acceleration: float, read: str = LINE) -> float:
 
 
 def on_its_own_car(run: Run, own: Run, ramp: SlowRampParameters, found: dict[str, float]) -> tuple[Run, str]:
-    """The run with the reference angle of its car, and what there is to note; `own` is the run as the file has it.
+    """The run with the angles of its car, and what there is to note; `own` is the run as the file has it.
 
-    As it is where its car is that of the file, or where the angle is not that of the file either. `found` are the
-    angles of the cars of other runs.
+    As it is where its car is that of the file. `found` are the reference angles of the cars of other runs.
     """
-    column, before = (each.configurations.get(COLUMN) for each in (run, own))
-    if not ramp.lateral_acceleration or column is None or before is None or _car(run) == _car(own):
+    column = run.configurations[COLUMN]
+    if run.name == ramp.run or column.method.name != ROBOT or _car(run) == _car(own):
         return run, ""
-    said = [each.values().get(ANGLE, 1.0) for each in (column, before)]
-    if column.method.name != ROBOT or said[0] != said[1] or said[0] == 1.0:
-        return run, ""
-    wanted = f"{run.name}: {COLUMN}.{ANGLE}"
     try:
         car = repr(_car(run))
         if car not in found:
             found[car] = angle_at(driven_slowly(run, ramp), ramp.lateral_acceleration, ramp.read)
+        changed = column.changed({SCALE: found[car] / ramp.reference_angle})
     except (NotMeasured, ParameterError, SignalError) as why:
-        return run, f"{wanted} is {said[0]:g} rad as of the scenario's own car, for the slow ramp gives none: {why}"
-    changed = {**run.configurations, COLUMN: column.changed({ANGLE: found[car]})}
-    note = f"{wanted} is {found[car]:.4g} rad, that of this car at {ramp.lateral_acceleration:g} m/s^2 on a slow ramp"
-    return replace(run, configurations=changed), note
+        return (
+            run,
+            f"{run.name}: the steering angles are those of the scenario's own car, the slow ramp gives none: {why}",
+        )
+    note = (
+        f"{run.name}: {COLUMN}.{SCALE} is {changed.parameters.scale:.4g}, for this car is steered by {found[car]:.4g} rad "
+        f"at {ramp.lateral_acceleration:g} m/s^2 on a slow ramp, that of the file by {ramp.reference_angle:g} rad"
+    )
+    return replace(run, configurations={**run.configurations, COLUMN: changed}), note
 
 
 def _car(run: Run) -> dict[str, Any]:
