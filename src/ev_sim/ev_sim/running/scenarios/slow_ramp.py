@@ -83,13 +83,10 @@ def on_its_own_car(run: Run, own: Run, ramp: SlowRampParameters, found: dict[str
             found[car] = angle_at(driven_slowly(run, ramp), ramp.lateral_acceleration, ramp.read)
         changed = column.changed({SCALE: found[car] / ramp.reference_angle})
     except (NotMeasured, ParameterError, SignalError) as why:
-        return (
-            run,
-            f"{run.name}: the steering angles are those of the scenario's own car, the slow ramp gives none: {why}",
-        )
+        return run, f"{run.name}: steering angles are those of the scenario's own car, a slow ramp gives none: {why}"
     note = (
-        f"{run.name}: {COLUMN}.{SCALE} is {changed.parameters.scale:.4g}, for this car is steered by {found[car]:.4g} rad "
-        f"at {ramp.lateral_acceleration:g} m/s^2 on a slow ramp, that of the file by {ramp.reference_angle:g} rad"
+        f"{run.name}: {COLUMN}.{SCALE} is {changed.parameters.scale:.4g}: this car takes {found[car]:.4g} rad on a slow "
+        f"ramp to {ramp.lateral_acceleration:g} m/s^2, that of the file {ramp.reference_angle:g} rad"
     )
     return replace(run, configurations={**run.configurations, COLUMN: changed}), note
 
@@ -111,7 +108,7 @@ def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
 
     plant = run.configurations[MASTER]
     plant = replace(plant.changed({"faults": []}), sensors=defaults(type(plant.sensors)))
-    car, speed = plant.common.vehicle, abs(plant.values()["initial_speed"])
+    car, speed = plant.common.vehicle, plant.values().get("initial_speed", 0.0)
     if speed == 0.0:
         raise NotMeasured("the car stands")
     linear = (car.wheelbase / speed**2 + abs(understeer_gradient(car))) * ramp.lateral_acceleration
@@ -126,9 +123,7 @@ def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
         **run.configurations,
         MASTER: plant,
         COLUMN: of(COLUMN, ROBOT, profile__time=[BEGIN, end], profile__angle=[0.0, angle]),
-        "driver": of(
-            "driver", "manoeuvre", speed_profile__time=[0.0], speed_profile__speed=[plant.values()["initial_speed"]]
-        ),
+        "driver": of("driver", "manoeuvre", speed_profile__time=[0.0], speed_profile__speed=[speed]),
         "electronic_differential": of("electronic_differential", "equal_torque"),
         "asr": of("asr", "off"),
     }
