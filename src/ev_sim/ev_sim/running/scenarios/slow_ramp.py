@@ -85,8 +85,9 @@ def on_its_own_car(run: Run, own: Run, ramp: SlowRampParameters, found: dict[str
     except (NotMeasured, ParameterError, SignalError) as why:
         return run, f"{run.name}: steering angles are those of the scenario's own car, a slow ramp gives none: {why}"
     note = (
-        f"{run.name}: {COLUMN}.{SCALE} is {changed.parameters.scale:.4g}: this car takes {found[car]:.4g} rad on a slow "
-        f"ramp to {ramp.lateral_acceleration:g} m/s^2, that of the file {ramp.reference_angle:g} rad"
+        f"{run.name}: {COLUMN}.{SCALE} is {changed.parameters.scale:.4g}: on a slow ramp to "
+        f"{ramp.lateral_acceleration:g} m/s^2 this car takes {found[car]:.4g} rad, that of the file "
+        f"{ramp.reference_angle:g} rad"
     )
     return replace(run, configurations={**run.configurations, COLUMN: changed}), note
 
