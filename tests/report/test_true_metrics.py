@@ -60,8 +60,10 @@ def metrics_of(scenario: Scenario, runs: dict[str, Recording]) -> dict[str, floa
 
 def all_metrics_of(scenario: Scenario, runs: dict[str, Recording]) -> dict[str, float | str]:
     """Those of the report, and what `compare` measures in any manoeuvre."""
-    values = metrics_of(scenario, runs)
-    return values | {f"{run}_{name}": value for run in runs for name, value in handling_of(scenario, runs[run]).items()}
+    of_runs = (handling_of(scenario, run).items() for run in runs.values())
+    return metrics_of(scenario, runs) | {
+        f"{name} {n}": value for n, found in enumerate(of_runs) for name, value in found
+    }
 
 
 def handling_of(scenario: Scenario, run: Recording) -> dict[str, float | str]:
