@@ -183,6 +183,11 @@ def test_a_car_that_is_driven_does_not_coast():
     )
 
 
+def test_cones_are_counted_on_the_whole_course_only():
+    short = ev_sim.run("double_lane_change", duration=5.0)
+    assert short.metrics["cones_hit"].verdict == "not measured: the end of the course never comes"
+
+
 def test_crossing_is_not_where_the_values_are_beyond_it_at_first():
     time = np.arange(3.0)
     assert motion.crossing_time(time, np.array([0.0, 2.0, 3.0]), 1.0, "1") == 0.5

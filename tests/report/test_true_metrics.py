@@ -24,7 +24,7 @@ DRIVEN = {  # scenario -> how long it takes until all that is measured has happe
     "sine_with_dwell": 5.0,
     "step_steer": 6.0,
     "steady_circle": 100.0,
-    "double_lane_change": 7.0,
+    "double_lane_change": 9.0,
     "straight_brake_split_mu": 6.0,
     "launch_split_mu": 8.0,
     "hill_start": 65.0,

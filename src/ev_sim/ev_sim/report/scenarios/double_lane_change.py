@@ -25,7 +25,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
             return np.abs(values(run)[_on_course(run, vehicle)]).max()
 
         return {
-            "cones_hit": metric(lambda: np.count_nonzero(course.hit_cones(run, vehicle)), "1"),
+            "cones_hit": metric(lambda: _cones_hit(run, vehicle), "1"),
             "entry_speed": metric(lambda: derived.speed(run)[_on_course(run, vehicle)][0], "m/s"),
             "exit_speed": metric(lambda: derived.speed(run)[_on_course(run, vehicle)][-1], "m/s"),
             "peak_lateral_acceleration": metric(lambda: largest(motion.lateral_acceleration_on_path), "m/s^2"),
@@ -56,6 +56,11 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
         ),
         "motion": sheet(motion_panels(runs, *names), "time [s]"),
     }
+
+
+def _cones_hit(run: Recording, vehicle: Vehicle) -> int:
+    _on_course(run, vehicle)  # who leaves the course early spares its cones
+    return np.count_nonzero(course.hit_cones(run, vehicle))
 
 
 def _on_course(run: Recording, vehicle: Vehicle) -> np.ndarray:
