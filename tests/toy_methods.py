@@ -12,7 +12,8 @@ from typing import Any
 
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.shape import shape_of
-from ev_msgs_py.lockstep.configuration import CommonParameters, Configuration
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.parameters.values import build
 

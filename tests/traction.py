@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
-import random
-from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -193,63 +190,6 @@ launches = st.tuples(drives, st.lists(driven, min_size=1, max_size=12)).map(
 )
 sequences = launches | st.lists(driven, min_size=1, max_size=30)
 cars = st.sampled_from([on(layout) for layout in (FRONT, REAR, WHEEL_NAMES)])
-
-
-class RandomLaunches:
-    """Launches, one after the other, in which the pedal goes down and wheels spin up and grip again.
-
-    In place of `check.inputs.RandomInputs`, which brakes nearly always and shows wheels that jump.
-    """
-
-    def __init__(self, reads: Sequence[type], seed: int, period: float) -> None:
-        self._reads = tuple(reads)
-        self._random = random.Random(seed)
-        self._period = period
-        self._left = 0
-
-    def _begin(self) -> None:
-        r = self._random
-        self._left = r.randint(40, 160)
-        self._ahead = r.choice((1.0, 1.0, -1.0))
-        self._asked = [self._ahead * r.uniform(200.0, 1800.0) for _ in range(4)]
-        self._pressed, self._braked = 0.0, r.random() < 0.15
-        self._speed = r.choice((0.0, 0.0, r.uniform(0.0, 15.0)))  # of the car [m/s]
-        self._pull = r.uniform(0.2, 4.0)  # [m/s^2]
-        self._slip = [0.0] * 4
-        spins = r.choice(((1.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 1.0), (1.0, 1.0, 1.0, 1.0)))
-        self._growth = [spin * r.uniform(0.1, 1.5) for spin in spins]  # [1/s]
-        self._angle, self._yaw_rate = r.choice((0.0, r.uniform(-0.4, 0.4))), r.choice((0.0, r.uniform(-0.6, 0.6)))
-
-    def next(self) -> tuple[Any, ...]:
-        """The signals of the next step, in the order of the types."""
-        r, dt = self._random, self._period
-        if self._left == 0:
-            self._begin()
-        self._left -= 1
-        self._speed += self._pull * dt
-        if r.random() < 0.02:
-            self._growth[r.randrange(4)] *= -1.0
-        self._slip = [min(max(s + g * dt, 0.0), 0.9) for s, g in zip(self._slip, self._growth, strict=True)]
-        rolling = self._ahead * self._speed / CAR.wheel_radius
-        speed = Wheels(*(rolling / (1.0 - s) + r.gauss(0.0, 0.03) for s in self._slip))
-        torque = Wheels(
-            *(t * math.sqrt(s / 0.1 + 0.01) / (1.0 + s / 0.1) for t, s in zip(self._asked, self._slip, strict=True))
-        )
-        self._pressed = 0.0 if r.random() < 0.003 else min(self._pressed + 0.01, 1.0)
-        if r.random() < 0.003:
-            speed = Wheels.all(1e5)  # no measurement of a road vehicle
-        m = Measured(
-            Wheels(*(self._pressed * t for t in self._asked)),
-            Wheels.all(200.0) if self._braked else NO_WHEELS,
-            speed,
-            torque,
-            self._angle,
-            self._yaw_rate,
-            self._ahead * self._pull + r.gauss(0.0, 0.05),
-            r.gauss(0.0, 1.0),
-        )
-        by_type = {type(signal): signal for signal in m.signals()}
-        return tuple(by_type[kind] for kind in self._reads)
 
 
 def configured(name: str, **changed: Any) -> Any:

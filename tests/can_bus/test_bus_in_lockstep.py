@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
+from itertools import pairwise
 
 import can
 import numpy as np
 import pytest
 from can_bus.databases import by_cantools
-from can_bus.lockstep_runs import driven
+from can_bus.lockstep_runs import HEALTHY, driven
 
 from ev_msgs_py.can.bus_log import BusLog
-from ev_msgs_py.can.bus_model import BusModelParameters
+from ev_msgs_py.can.frame_length import exact_frame
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.running.in_process import run_in_process
 from ev_sim.running.offline import run_offline
 from ev_sim.running.processes import run_in_processes
-from ev_sim.running.recording.can_log import write_can_log
+from ev_sim.running.recording.can_log import logged_frames, write_can_log
 from ev_sim.running.recording.recording import Recording, signal_hash
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study import bench_faults
@@ -39,28 +41,72 @@ def test_the_bus_is_loaded_and_late_as_the_analysis_says(healthy):
         assert healthy[f"can.bus.lost_{circuit}"][-1] == 0.0
 
 
-@pytest.mark.parametrize("suffix", [".log", ".blf"])
-def test_the_log_of_the_bus_is_read_by_other_tools(healthy, tmp_path, suffix):
-    """50 cycles: four set-points and four motions in each but the first, every time later than the one before.
+@pytest.fixture(scope="module")
+def lossy():
+    """A bus with traffic of others on which some frames are lost, and its run."""
+    values = [*HEALTHY, ("test_bench", "bus.loss", 0.02), ("test_bench", "bus.other_load", 0.3)]
+    (run,) = load_scenario("bench_fault", Overrides(values=values, duration=0.1)).runs
+    return run, run_offline(run.configurations, run.duration)
 
-    Of the last cycle what leaves the inverters is heard in the next, which there is none of.
-    """
-    part = {name: values[:51] for name, values in healthy.items()}
+
+@pytest.mark.parametrize("suffix", [".log", ".blf"])
+def test_the_log_of_the_bus_is_read_by_other_tools(lossy, tmp_path, suffix):
+    """100 cycles: in each two set-points and two motions on both channels, every time later than the one before."""
+    run, recording = lossy
     file = tmp_path / f"bus{suffix}"
-    recording = Recording(0.001 * np.arange(51), part)
-    write_can_log(BusLog(str(file)), recording, BusModelParameters())
+    assert write_can_log(BusLog(str(file)), recording, run.configurations["test_bench"]) == ""
     frames = list(can.LogReader(file))
     names = [by_cantools().get_message_by_frame_id(frame.arbitration_id).name for frame in frames]
-    assert sum(name.endswith("_SetPoint") for name in names) == 4 * 51
-    assert sum(name.endswith("_Motion") for name in names) == 4 * 50
+    for kind in ("SetPoint", "Motion"):
+        count = sum(name.endswith(f"_{kind}") for name in names)
+        assert count == pytest.approx(4 * 100, abs=10)  # some are overtaken or still wait
     times = np.array([frame.timestamp for frame in frames]) - frames[0].timestamp
     assert np.all(np.diff(times) >= 0.0)
-    assert times[-1] == pytest.approx(0.05, abs=0.001)
+    assert times[-1] == pytest.approx(0.1, abs=0.001)
+
+
+def test_the_log_is_the_modelled_bus(lossy):
+    """Each frame as long as its bits, none before the one in front of it has ended, load and counters as modelled.
+
+    Lost frames were on the wire, too: no counter of a set-point is missing.
+    """
+    run, recording = lossy
+    frames, until = logged_frames(recording, run.configurations["test_bench"])
+    assert until == recording.time[-1]
+    assert recording.channels["can.bus.lost_11"][-1] > 10.0
+    for circuit in ("11", "12"):
+        own = [frame for frame in frames if frame.circuit == circuit]
+        begins = [frame.time - 1e-6 * exact_frame(frame.identifier, frame.data) for frame in own]
+        assert all(b > a.time - 1e-9 for a, b in zip(own[:-1], begins[1:], strict=True))
+        # What is on the wire at the end counts as busy already; others send frames of 135 bits.
+        busy = 1e-3 * recording.channels[f"can.bus.load_{circuit}"].sum()
+        others = busy - sum(1e-6 * exact_frame(frame.identifier, frame.data) for frame in own)
+        assert others / 135e-6 == pytest.approx(round(others / 135e-6), abs=1e-6)
+        assert others == pytest.approx(0.3 * 0.1, abs=4 * 135e-6)  # from the second tick on
+        counters = [frame.data[1] & 0xF for frame in own if frame.identifier == 0x20B + (circuit == "12")]
+        assert all((b - a) % 15 == 1 for a, b in pairwise(counters))
+
+
+def test_the_log_ends_where_the_bench_was_another_one(lossy):
+    run, recording = lossy
+    channels = {**recording.channels, "can.bus.load_11": recording.channels["can.bus.load_11"].copy()}
+    channels["can.bus.load_11"][40] += 0.001
+    bench = run.configurations["test_bench"]
+    assert logged_frames(Recording(recording.time, channels), bench)[1] == recording.time[39]
 
 
 def test_the_load_of_others_makes_frames_late(healthy):
     loaded = driven(0.6, ("test_bench", "bus.other_load", 0.3))
     assert loaded["can.bus.latency_11"].max() > healthy["can.bus.latency_11"].max() + 0.0001
+
+
+@pytest.mark.parametrize("load", [0.3, 0.405])
+def test_set_points_that_come_after_the_inverters_phase_act_a_cycle_later(healthy, load):
+    """At 40.5 % each of them was masked by the next one on the wire, and no torque ever acted."""
+    loaded = driven(0.6, ("test_bench", "bus.other_load", load))
+    for side in ("left", "right"):
+        channel = f"bench.shafts.set_point.front_{side}"
+        assert loaded[channel][500:] == pytest.approx(healthy[channel][500:], abs=0.1)
 
 
 def test_single_lost_frames_leave_the_last_value_and_no_fault():
@@ -114,6 +160,14 @@ def test_a_fault_in_the_loop_ends_the_torque_in_time_and_is_latched_by_name(what
     """One seed; the study `bench_faults` drives a hundred."""
     result = drive_case(trial(what, 1), bench_faults.measure)
     assert not bench_faults.wrong(what, result)
+
+
+def test_the_load_machine_is_held_against_the_gear_ratio_that_is_driven():
+    """With 7.4, that of the scenario's car, its fault seemed to begin before it was there."""
+    what = "load machine at its limit"
+    case = trial(what, 1)
+    other_gear = (*case.values, ("*", "vehicle.gear_ratio", 8.0), ("inverter_gateway", "gear_ratio", 8.0))
+    assert not bench_faults.wrong(what, drive_case(replace(case, values=other_gear), bench_faults.measure))
 
 
 def test_a_trial_without_a_fault_fails():

@@ -6,14 +6,18 @@ import random
 
 import pytest
 from can_bus.databases import ours
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from ev_msgs_py.can.bus_model import (
     PLACES,
+    SENT,
     BusModelParameters,
     ChannelState,
     advance_channel,
     bits_per_tick,
     channel_frames,
+    next_period,
     next_tick,
     release,
     take,
@@ -49,10 +53,16 @@ def waiting(*frames: tuple[int, float]) -> ChannelState:
     return s
 
 
+def ends(s: ChannelState) -> dict[int, float]:
+    """By place the end of the newest frame on the wire [bit], of what was sent so far."""
+    rows = [s.sent[n : n + SENT] for n in range(0, SENT * int(s.sent_count), SENT)]
+    return {int(place): end - s.tick_begin for place, end, *_ in rows}
+
+
 def test_the_lowest_identifier_goes_first_but_interrupts_nobody():
     """The third begins alone, the first and the second come meanwhile."""
     s = advanced(waiting((2, 0.0), (1, 50.0), (0, 60.0)), TICK)
-    assert s.arrives[:3] == [BITS[2] + BITS[0], sum(BITS[:3]), BITS[2]]
+    assert ends(s) == {0: BITS[2] + BITS[0], 1: sum(BITS[:3]), 2: BITS[2]}
     assert s.busy == sum(BITS[:3])
     assert s.latency == sum(BITS[:3]) - 50.0
 
@@ -60,23 +70,46 @@ def test_the_lowest_identifier_goes_first_but_interrupts_nobody():
 def test_a_busy_bus_delays_everybody():
     s = waiting((0, 0.0))
     s.free_from = 40.0
-    assert advanced(s, TICK).arrives[0] == 40.0 + BITS[0]
+    assert ends(advanced(s, TICK)) == {0: 40.0 + BITS[0]}
 
 
 def test_what_has_not_arrived_yet_is_taken_in_a_later_tick():
     s = advanced(waiting((0, 950.0)), TICK)
-    assert take(s, 0, TICK) == (NO_FRAME, NO_FRAME)
+    assert take(s, 0) == (NO_FRAME, NO_FRAME)
     next_tick(BusModelParameters(), s)
-    assert s.arrives[0] == BITS[0] - 50.0
-    assert take(s, 0, TICK) == PAYLOAD
-    assert take(s, 0, TICK) == (NO_FRAME, NO_FRAME)
+    assert s.free_from == BITS[0] - 50.0
+    assert take(advanced(s, BITS[0] - 51.0), 0) == (NO_FRAME, NO_FRAME)
+    assert take(advanced(s, BITS[0] - 50.0), 0) == PAYLOAD
+    assert take(s, 0) == (NO_FRAME, NO_FRAME)
+
+
+def test_what_has_arrived_waits_until_it_is_taken_though_the_next_one_is_on_its_way():
+    """A reader that looks at 500 bits gets the frame that came at 600 a tick later, while the next one is on the wire.
+
+    Before, that one took its place as soon as it began, and a bus with 40 % of other traffic passed no set-point.
+    """
+    s, heard = ChannelState(), []
+    for tick in range(4):
+        release(s, 0, 600.0 - BITS[0], float(tick), 0.0)
+        heard.append(take(advanced(s, 500.0), 0)[0])
+        advanced(s, TICK)
+        next_tick(BusModelParameters(), s)
+    assert heard == [NO_FRAME, 0.0, 1.0, 2.0]
+    assert s.lost == 0.0
+
+
+def test_of_two_that_have_arrived_the_newest_is_there_and_the_other_one_is_counted():
+    s = advanced(waiting((0, 0.0)), TICK)
+    release(s, 0, 500.0, 7.0, 8.0)
+    assert take(advanced(s, TICK), 0) == (7.0, 8.0)
+    assert s.lost == 1.0
 
 
 def test_the_load_of_others_comes_before_ours():
     """30 % of a tick are two frames of 135 bits."""
     s = waiting((0, 0.0))
     s.other_bits = 300.0
-    assert advanced(s, TICK, other_load=0.3).arrives[0] == 2 * LONGEST + BITS[0]
+    assert ends(advanced(s, TICK, other_load=0.3)) == {0: 2 * LONGEST + BITS[0]}
 
 
 def test_arbitration_never_takes_longer_than_the_analysis_says():
@@ -89,10 +122,12 @@ def test_arbitration_never_takes_longer_than_the_analysis_says():
             if tick % round(layout.cycle * 1e3) == place % round(layout.cycle * 1e3):
                 release(s, place, phases[place], *PAYLOAD)
         advanced(s, TICK)
+        for place, end in ends(s).items():
+            if not s.waiting[place]:
+                longest[place] = max(longest[place], end - s.released[place])
         for place in range(PLACES):
-            if s.came[place] and not s.waiting[place]:
-                longest[place] = max(longest[place], s.arrives[place] - s.released[place])
-                s.came[place] = 0.0
+            take(s, place)
+        next_period(s)
         next_tick(BusModelParameters(), s)
     for place, layout in enumerate(LAYOUTS):
         assert 0.0 < longest[place] <= 1e6 * bounds[layout.name] + 1e-6
@@ -108,9 +143,10 @@ def test_what_is_lost_hangs_on_the_seed_alone(seed: int):
         for tick in range(1000):
             release(s, 0, 0.0, *PAYLOAD)
             advanced(s, TICK, loss=0.1, seed=seed)
-            if take(s, 0, TICK)[0] == NO_FRAME:
+            if take(s, 0)[0] == NO_FRAME:
                 found.append(tick)
             next_tick(BusModelParameters(), s)
+            next_period(s)
         return found
 
     once = missing()
@@ -121,7 +157,7 @@ def test_what_is_lost_hangs_on_the_seed_alone(seed: int):
 def test_compiled_code_gives_the_same_bits():
     p = BusModelParameters(loss=0.05, other_load=0.2, seed=7)
     s, memory, tree = ChannelState(), in_memory(ChannelState()), in_memory(number_tree(p))
-    put, go, shift = compiled(release), compiled(advance_channel), compiled(next_tick)
+    put, go, shift, anew = map(compiled, (release, advance_channel, next_tick, next_period))
     chance, frames = random.Random(5), in_memory(FRAMES)
     for _ in range(100):
         for place in range(PLACES):
@@ -133,5 +169,34 @@ def test_compiled_code_gives_the_same_bits():
         go(frames, tree, memory, 1, TICK)
         next_tick(p, s)
         shift(tree, memory)
+        next_period(s)
+        anew(memory)
         assert memory.reshape(1).view(float).tolist() == numbers(s)
     assert s.lost > 0.0
+
+
+ACTS = st.lists(
+    st.tuples(st.sampled_from(["release", "take"]), st.integers(0, PLACES - 1), st.integers(0, 999)), max_size=30
+)
+
+
+@settings(max_examples=50, derandomize=True, deadline=None)
+@given(st.lists(ACTS, min_size=1, max_size=8), st.floats(0.0, 0.9), st.sampled_from([0.0, 0.3]))
+def test_no_frame_is_lost_uncounted(ticks, other_load, loss):
+    """Whatever is released is taken, counted as lost, or still somewhere; and each place gives its frames in order."""
+    s, p = ChannelState(), BusModelParameters(other_load=other_load, loss=loss)
+    released, taken = 0, [[0.0] for _ in range(PLACES)]
+    for acts in ticks:
+        for act, place, at in sorted(acts, key=lambda each: each[2]):
+            advance_channel(FRAMES, p, s, 0, float(at))
+            if act == "release":
+                released += 1
+                release(s, place, float(at), float(released), 0.0)
+            elif (low := take(s, place)[0]) != NO_FRAME:
+                taken[place].append(low)
+        advance_channel(FRAMES, p, s, 0, TICK)
+        next_tick(p, s)
+        next_period(s)
+    under_way = sum(s.waiting) + sum(s.came) + (s.on_wire >= 0.0)
+    assert released == sum(len(each) - 1 for each in taken) + s.lost + under_way
+    assert all(each == sorted(set(each)) for each in taken)

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import math
 import random
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from can_bus.databases import ours
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 
 from ev_msgs_py.can.codec import BitField, byte_of, extracted, inserted, quantised
+from ev_msgs_py.can.database import _field
 from ev_msgs_py.compiling.function import compiled, in_memory
+from ev_msgs_py.parameters.declaration import ParameterError
 
 TORQUE = BitField(24.0, 16.0, 1.0, 0.03125, 32.0, 0.0, -1000.0, 1000.0)
 TEMPERATURE = BitField(12.0, 9.0, 0.0, 0.5, 2.0, -40.0, -40.0, 215.0)
@@ -63,6 +69,47 @@ def test_names_that_are_missing_or_unknown_are_refused():
     frame = ours()["Drive11_SetPoint"]
     with pytest.raises(ValueError, match="missing or unknown: Drehmoment, Torque"):
         frame.pack({("Drehmoment" if n == "Torque" else n): 0.0 for n in frame.signals}, 0)
+
+
+@settings(max_examples=200, derandomize=True, deadline=None)
+@given(
+    length=st.integers(1, 32),
+    is_signed=st.booleans(),
+    scale=st.floats(-9.0, 9.0).map(lambda power: 10.0**power),
+    offset=st.sampled_from([0.0, -40.0, 1e9]) | st.floats(-1e9, 1e9),
+    ends=st.tuples(*[st.floats(-0.1, 1.1) | st.sampled_from([0.0, 1.0])] * 2),
+    value=st.floats(),
+)
+@example(length=16, is_signed=False, scale=1e-9, offset=1e9, ends=(0.0, 1.0), value=2e9)
+def test_whatever_a_database_says_a_number_saturates_and_never_wraps(length, is_signed, scale, offset, ends, value):
+    """A range is refused, or each value arrives within half a step of the nearest end of it; NaN is no value."""
+    least = -(1 << length - 1) if is_signed else 0
+    first, last = offset + scale * least, offset + scale * (least + (1 << length) - 1)
+    low, high = (first + share * (last - first) for share in sorted(ends))
+    signal: Any = SimpleNamespace(
+        name="Torque", byte_order="little_endian", length=length, is_float=False, minimum=low, maximum=high,
+        scale=scale, offset=offset, is_signed=is_signed, start=0,
+    )  # fmt: skip
+    try:
+        field = _field("Own", signal)
+    except ParameterError as refused:
+        assert "refused" in str(refused)
+        return
+    if math.isnan(value):
+        with pytest.raises(ValueError, match="NaN"):
+            inserted(0, field, value)
+        return
+    payload = inserted(0, field, value)
+    arrived, digits = extracted(payload, field), 4e-16 * max(abs(first), abs(last))
+    assert 0 <= payload < 1 << length
+    assert abs(arrived - min(max(value, low), high)) <= 0.5001 * scale + digits
+    assert arrived == quantised(field, value)
+
+
+def test_a_counter_that_would_run_into_the_next_signal_is_refused():
+    frame = ours()["Drive11_SetPoint"]
+    with pytest.raises(ValueError, match="Drive11_SetPoint: counter 16 is refused, allowed is 0 to 14"):
+        frame.pack(dict.fromkeys(frame.signals, 0.0), 16)
 
 
 def test_compiled_code_writes_and_reads_the_same_bits():

@@ -149,6 +149,20 @@ def test_a_command_that_is_held_from_before_gets_too_old(driven):
     del ends.said[before:]
 
 
+def test_a_change_of_a_parameter_makes_no_command_fresh():
+    """A law that is dead stays so: its last torques stop after `command_timeout`, however often a parameter changes."""
+    ends = Ends()
+    ends.instants(0.15)
+    assert ends.said[-1]["shafts"].machine_torque[0] == pytest.approx(10.0, abs=0.1)
+    for _ in range(3):
+        after = GatewayOnBus(ends.configurations["inverter_gateway"], lambda: ends.stamp)
+        after.state = ends.gateway.state
+        ends.gateway = after
+        ends.instants(0.05, commanded=False)
+    assert ends.said[-1]["shafts"].machine_torque[0] == 0.0
+    assert "left drive: StaleCommand" in ends.gateway.reports()
+
+
 def test_an_instant_without_a_cycle_repeats_the_one_before():
     ends = Ends()
     ends.instants(0.02)

@@ -11,7 +11,8 @@ from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.configuration import CommonParameters, Configuration
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.law import Law
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.parameters.declaration import parameter
@@ -155,6 +156,30 @@ class Leaning(Good):
         return WheelTorqueCommand(Wheels(*(t * k for t, k in zip(request.drive, (1.1, 1, 1, 1), strict=True))))
 
 
+class Working(Good):
+    """Passes on what is asked for while the brakes are pressed, and does what is wrong while they are free."""
+
+    def answer(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
+        return times(1.0 if max(request.brake) > 0.0 else math.nan, request)
+
+
+class Pulling(Good):
+    """Answers a negative brake torque, which drives."""
+
+    def answer(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
+        return WheelTorqueCommand(request.drive, Wheels.all(-1.0))
+
+
+class Sleeping(Good):
+    """Does its work at a torque that nobody asks for."""
+
+    def answer(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
+        return self.work(request) if request.drive[0] > 1e5 else times(1.0, request)
+
+    def work(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
+        return times(0.5, request)
+
+
 class Rounding(Good):
     """Adds wheel by wheel: a mirrored car gets another last bit."""
 
@@ -193,6 +218,8 @@ FINDINGS: tuple[tuple[Any, str], ...] = (
     (Stirring, "the state is str"),
     (Dividing, "ZeroDivisionError"),
     (AnsweringNan, "WheelTorqueCommand.drive.front_left is nan"),
+    (Working, "WheelTorqueCommand.drive.front_left is nan"),
+    (Pulling, "WheelTorqueCommand.brake.front_left is -1.0, allowed is never below zero"),
     (Poisoned, "absurd inputs leave NaN in the state"),
     (Overflowing, "OverflowError"),
     (Leaning, "left and right are not alike"),

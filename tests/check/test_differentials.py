@@ -6,6 +6,8 @@ import pytest
 from differentials import REAR, ROLE
 
 from ev_msgs_py.check.method import check_configuration
+from ev_msgs_py.check.reached import reached
+from ev_msgs_py.check.stepping import Subject
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.methods import methods_of
@@ -62,3 +64,11 @@ def test_every_law_has_choices():
 )
 def test_contract_is_kept(name, changed):
     check_configuration(configure(ROLE, {"method": name, **NEEDED.get(name, {}), **changed}), steps=STEPS)
+
+
+@pytest.mark.parametrize("name", CHOICES)
+def test_the_inputs_reach_every_function(name):
+    """With one of the choices at least: what is never called is never checked."""
+    told = [{"method": name, **NEEDED.get(name, {}), **changed} for changed in ({}, *CHOICES[name])]
+    subjects = [Subject(configure(ROLE, values), False, STEPS) for values in told]
+    assert set.intersection(*(set(reached(each, [1]).never_called) for each in subjects)) == set()

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import re
+from dataclasses import dataclass
 
 import pytest
-from check.bad_methods import FINDINGS, WRAPPING, AnsweringNan, Good, Hiding, Leaning, configuration_of
+from check.bad_methods import FINDINGS, WRAPPING, AnsweringNan, Good, Hiding, Leaning, Sleeping, configuration_of
 
 from ev_msgs_py.check.inputs import ExtremeInputs, RandomInputs
 from ev_msgs_py.check.method import ContractError, check_configuration, check_method
@@ -18,10 +20,11 @@ from ev_msgs_py.contract.signals import (
     DriverCommand,
     SteeringColumnState,
     TireForces,
+    WheelTorqueRequest,
 )
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
 
 pytestmark = pytest.mark.slow
 
@@ -72,11 +75,34 @@ def test_difference_of_compiled_code_says_where():
     assert finding.startswith("compiled and interpreted differ, step 0: WheelTorqueCommand.drive.front_left is ")
 
 
+def test_what_was_never_called_is_a_finding_and_what_was_reached_is_said():
+    """With all inputs of the check: whoever asks for less, for values that leave something out, says so."""
+    configuration = configuration_of(Sleeping)
+    with pytest.raises(ContractError, match=r"\n- in 200 steps for each of 2 seeds never called: Sleeping\.work \("):
+        check_configuration(configuration, whole=True)
+    of = check_configuration(configuration)
+    assert [name.partition(" ")[0] for name in of.never_called] == ["Sleeping.work"]
+    (line,) = [line for line in str(of).splitlines() if line.startswith("bad_methods.py: ")]
+    assert re.search(r"\d+ of \d+ lines, line \d+ 400 times.*; never \d+$", line)
+    assert check_configuration(configuration_of(Good), whole=True).never_called == ()
+
+
+def test_the_pedal_is_free_and_pressed_and_a_brake_never_negative():
+    """Brakes were pressed in all steps but one in a hundred, and a pressed brake is all that some laws look at."""
+    inputs = RandomInputs((WheelTorqueRequest, DriverCommand), 1, 0.01)
+    said = [inputs.next() for _ in range(400)]
+    brakes = [(*request.brake, driver.brake_torque) for request, driver in said]
+    assert min(map(min, brakes)) == 0.0
+    assert 0.3 < sum(max(each) == 0.0 for each in brakes) / len(brakes) < 0.9
+
+
 def test_unknown_methods_and_values_are_refused_as_everywhere():
     with pytest.raises(ParameterError, match="unknown asr method 'of'"):
         check_method("asr", "of")
     with pytest.raises(ParameterError, match=r"regulator\.target"):
         check_method("asr", "pi_slip", {"regulator.target": 7.0})
+    with pytest.raises(ParameterError, match=r"method pi_slip does not have it, its name there is regulator"):
+        check_method("asr", "pi_slip", {"reference.trust.watch": True})
 
 
 # The mirror image
@@ -127,6 +153,21 @@ def test_parameters_have_a_mirror_image():
 def test_values_by_wheel_change_sides():
     law = configure("electronic_differential", {"method": "load_proportional", "rolling_resistance": [1, 2, 3, 4]})
     assert mirrored_configuration(law).parameters.rolling_resistance == (2.0, 1.0, 4.0, 3.0)
+
+
+def test_what_names_a_wheel_or_a_side_names_the_other_one():
+    """One by one as in arrays, and in the faults of the car; a wheel that was named alone stayed where it was."""
+
+    @dataclass(frozen=True, slots=True)
+    class Named:
+        wheel: str = parameter("rear_left", choices=WHEEL_NAMES, about="one wheel")
+        side: str = parameter("left", choices=("both", "left", "right"), about="one side")
+        left_handed: bool = parameter(True, about="has no counterpart")
+
+    image = mirrored_configuration(configuration_of(Good, Named)).parameters
+    assert (image.wheel, image.side, image.left_handed) == ("rear_right", "right", True)
+    car = configure("plant", {"method": "planar", "faults": ["motor_share front_left 0", "puncture right 1"]})
+    assert mirrored_configuration(car).faults == ("motor_share front_right 0", "puncture left 1")
 
 
 # What the method is given

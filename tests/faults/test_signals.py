@@ -12,12 +12,14 @@ from hypothesis import strategies as st
 from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.faults.kinds import OF_SIGNALS
 from ev_msgs_py.faults.row import FaultRow, of_signals
 from ev_msgs_py.sensors.part import RowPart
 
 PLACE = frame.channels()
 PERIOD = 0.01
+SINGLE = [p for s in ROLES["plant"].writes for p, one in zip(frame.places(s), shape_of(s).single, strict=True) if one]
 YAW, LEFT, RIGHT = "imu.yaw_rate", "wheel_states.velocity.front_left", "wheel_states.velocity.front_right"
 
 
@@ -25,6 +27,7 @@ def struck(*texts: str, steps: int = 12, seed: int = 0, compiled: bool = False) 
     """Frames whose numbers are their place plus a thousandth of the period, as faults of the plant leave them."""
     frames = np.arange(frame.SIZE) + 1e-3 * np.arange(steps)[:, None]
     frames[:, frame.TIME] = PERIOD * np.arange(steps)
+    frames[:, SINGLE] = frames[:, SINGLE].astype(np.float32)
     row = FaultRow(of_signals(texts), ROLES["plant"].writes, seed, PERIOD)
     part = RowPart(row)
     function, state, constants = part.addresses()
@@ -84,10 +87,23 @@ def test_chance_is_that_of_the_seed():
     assert abs(noise.mean()) < 4 * 0.5 / math.sqrt(2000)
 
 
-def test_single_precision_stays_single():
-    """What the message cannot carry would differ between the ways of running."""
-    shown = struck("offset battery.voltage 0.1")[:, PLACE["battery.voltage"]]
-    assert (shown == shown.astype(np.float32)).all()
+@pytest.mark.parametrize("kind", [kind for kind in OF_SIGNALS if kind != "tilted"])
+def test_what_is_shown_is_what_its_message_carries(kind):
+    """Numbers of single precision and others, also in each other's place: else the ways of running would differ."""
+    where = "battery.voltage,twist.longitudinal" if kind == "swapped" else "battery"
+    text = f"{kind} {where}{' 0.1' if OF_SIGNALS[kind].has_value else ''} from 0.03"
+    for compiled in (False, True):
+        shown = struck(text, compiled=compiled)[:, SINGLE]
+        assert (shown == shown.astype(np.float32)).all()
+
+
+def test_two_faults_of_the_same_text_have_random_numbers_of_their_own():
+    """The sum of two has sqrt(2) of the deviation and not twice; the first one is what it is alone."""
+    text, steps = "noisy imu.yaw_rate 0.5", 2000
+    one, two, sound = (struck(*texts, steps=steps)[:, PLACE[YAW]] for texts in ((text,), (text, text), ()))
+    first, second = one - sound, two - one
+    assert (two - sound).std() == pytest.approx(0.5 * math.sqrt(2.0), abs=4 * 0.5 / math.sqrt(steps))
+    assert abs(np.corrcoef(first, second)[0, 1]) < 4 / math.sqrt(steps)
 
 
 @given(

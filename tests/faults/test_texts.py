@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from ev_msgs_py.contract.frame import Frame, channels
+from ev_msgs_py.contract.frame import Frame, channels, places
 from ev_msgs_py.faults.fault import parsed
+from ev_msgs_py.faults.row import FaultRow
+from ev_msgs_py.faults.striking import HEAD, PLACE, WIDTH
 from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.parts import compiled_parts, hand_over, part_of
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 
 def test_a_text_in_full():
@@ -33,6 +36,8 @@ REFUSED = {
     "swapped wheel_states.velocity": "names 4 numbers",
     "tilted pose.x 0.1": "allowed are accelerations",
     "restarted imu": "is a thing and no program",
+    "frozen imu from 0.301 until 0.309": "strikes at no instant",
+    "motor_share all 0 from 0.301 until 0.309": "strikes at no instant",
     "hall_stuck all": "needs drive ideal",
     "battery_share all 0": "allowed is battery",
     "inverter_delay all 0.5001": "0.5001 is refused",
@@ -68,6 +73,52 @@ def test_faults_may_be_set_while_a_node_runs():
         seen.append(there.numbers[channels()["imu.yaw_rate"]])
     assert seen == [0.0, 0.5, 0.0]
     assert there.numbers[channels()["pose.x"]] == pytest.approx(0.3, rel=0.01)  # three periods of 10 m/s
+
+
+def test_a_fault_as_short_as_a_period_strikes_once():
+    """Refused is only what lies between two instants; 0.3 / 0.01 is 29.999..."""
+    texts = ("frozen imu from 0.3 until 0.301", "frozen imu from 0.295 until 0.305", "frozen imu from 0.3 until 0.31")
+    assert [fault.periods(0.01) for fault in parsed(texts)] == [(30.0, 31.0)] * 3
+    configure("plant", {"faults": texts})
+
+
+def test_who_is_restarted_says_nothing_at_all():
+    """A node that is killed cannot go on with some of its numbers, nor with another topic."""
+    part = "restarted torque_command.drive.front_left"
+    said = "unknown topic of this node 'torque_command.drive.front_left'"
+    with pytest.raises(ParameterError, match=said):
+        configure("asr", {"faults": [part]})
+    asr = configure("asr", {"method": "speed_corridor", "faults": ["restarted torque_command until 1"]})
+    row = FaultRow(parsed(asr.faults), asr.method.writes, 0, 0.01)
+    assert len(asr.method.writes) == 2
+    struck = {int(row.constants[n + PLACE]) for n in range(HEAD, len(row.constants), WIDTH)}
+    assert struck == {place for signal in asr.method.writes for place in places(signal)}
+
+
+def test_what_goes_on_goes_on_though_another_fault_comes_or_goes():
+    """The wheel speed was frozen at the start, and stays what it was; the new fault begins now."""
+    configuration, there = configure("plant", {"method": "planar", "initial_speed": 10.0}), Frame()
+    speed, x = channels()["wheel_states.velocity.rear_left"], channels()["pose.x"]
+    lists = (["frozen pose.x"], ["delayed twist 0.02", "frozen pose.x"], ["frozen pose.x", "frozen wheel_states"])
+    plant, seen = None, []
+    for texts in lists:
+        after = part_of(configuration.changed({"faults": texts}), compiled=True)
+        if plant is None:
+            after.start(there)
+        else:
+            hand_over(plant, after)
+        plant = after
+        plant.step(Frame(), there)
+        seen.append((there.numbers[x], there.numbers[speed]))
+    assert [at for at, _ in seen] == [0.0] * 3
+    assert all(turning > 20.0 for _, turning in seen)  # 10 m/s, and no zeros of an empty memory
+
+
+@pytest.mark.parametrize(("begin", "notes"), [("0.5", 0), ("0.51", 1)])
+def test_a_fault_that_begins_after_the_end_is_noted(begin, notes):
+    values = [("plant", "faults", [f"frozen imu from {begin}"])]
+    found = load_scenario("step_steer", Overrides(values=values, duration=0.5), only=("left",)).notes
+    assert [f"'frozen imu from {begin}' begins after the end at 0.5 s" in note for note in found] == [True] * notes
 
 
 def test_what_is_not_asked_for_is_not_there():

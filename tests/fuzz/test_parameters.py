@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.faults.fault import parsed as parsed_faults
-from ev_msgs_py.lockstep.configuration import CommonParameters, configure
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
+from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.methods import all_methods, find_method
 from ev_msgs_py.parameters.declaration import Entry, ParameterError, entries
 from ev_msgs_py.parameters.units import ACCEPTED, number_of

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import ev_sim
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
@@ -65,6 +69,90 @@ def test_a_state_that_was_kept_is_gone_on_from_with_the_same_bits():
     assert [second.step() for _ in range(20)] == expected
     first.state = pickle.loads(kept)
     assert [first.step() for _ in range(20)] == expected
+
+
+PLANAR = {"double_lane_change": "", "step_steer": "left", "launch_split_mu": "steered", "coast_down": ""}
+OF_PLANT = (
+    "lost wheel_states 0.4",
+    "frozen imu.yaw_rate from 0.03",
+    "delayed imu 0.04",
+    "reordered wheel_states 0.5",
+    "noisy imu 0.1",
+    "swapped wheel_states.velocity.front_left,wheel_states.velocity.front_right",
+    "motor_stuck front_right from 0.05",
+    "inverter_delay front 0.03",
+    "puncture rear_left 1 from 0.02",
+)
+OF_LAW = ("lost torque_request 0.4", "restarted torque_request from 0.04 until 0.12", "delayed torque_request 0.02")
+
+
+@settings(max_examples=10)
+@given(
+    scenario=st.sampled_from([*PLANAR, "shchur2019", "bench_fault"]),
+    seed=st.integers(0, 2**31 - 1),
+    of_plant=st.sets(st.sampled_from(OF_PLANT), max_size=3),
+    of_law=st.sets(st.sampled_from(OF_LAW), max_size=2),
+    without=st.sampled_from([(), ("asr",), ("driver",), ("electronic_differential", "asr")]),
+    noise=st.sampled_from([0.0, 0.02]),
+    delay=st.integers(0, 3),
+    steps=st.integers(0, 15),
+)
+def test_any_configuration_goes_on_from_any_instant_with_the_same_bits(
+    scenario, seed, of_plant, of_law, without, noise, delay, steps
+):
+    """In a fresh simulation with another seed, and through a file; sensors and faults of every kind have their say."""
+    plant = sorted(of_plant) if scenario in PLANAR else []
+    changed = {
+        "plant.faults": plant,
+        "electronic_differential.faults": sorted(of_law),
+        "plant.sensors.wheel_speed.noise": noise,
+        "plant.sensors.wheel_speed.delay": delay,
+    }
+    first, second = (
+        ev_sim.Simulation(scenario, without, PLANAR.get(scenario, ""), record=False, set=changed) for _ in range(2)
+    )
+    first.reset(seed)
+    for _ in range(steps):
+        first.step()
+    kept = pickle.dumps(first.state)
+    expected = [first.step() for _ in range(10)]
+    second.step()
+    second.state = pickle.loads(kept)
+    assert [second.step() for _ in range(10)] == expected
+
+
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        (
+            {"method": {"electronic_differential": "equal_torque"}},
+            "state: electronic_differential.method was 'equal_torque', here it is 'power_steering'; allowed is the",
+        ),
+        ({"without": ("asr",)}, "state: roles was "),
+        ({"set": {**NOISE, "*.control_period": 0.02}}, "state: control period [ns] was 20000000, here it is 10000000"),
+        ({"set": {**NOISE, "plant.faults": ["lost imu 0.5"]}}, "state: plant.faults of signals was ['lost imu 0.5']"),
+        ({"set": {"plant.sensors.imu_yaw_rate.delay": 2}}, "state: delays of sensors of plant was {'imu_yaw_rate': 2}"),
+    ],
+)
+def test_a_state_that_does_not_fit_is_refused_and_nothing_changes(other, said):
+    """It was taken without a word, or left half of it behind in a KeyError."""
+    method = {"electronic_differential": "power_steering"}
+    car, same = (ev_sim.Simulation("double_lane_change", method=method, set=NOISE, record=False) for _ in range(2))
+    saved = ev_sim.Simulation("double_lane_change", **{"method": method, "set": NOISE, "record": False, **other}).state
+    with pytest.raises(ParameterError) as error:
+        car.state = saved
+    assert str(error.value).startswith(said) and "\n" not in str(error.value)
+    assert [car.step() for _ in range(5)] == [same.step() for _ in range(5)]
+
+
+def test_a_state_of_other_sizes_or_of_something_else_is_refused():
+    car = simulation(record=False)
+    saved = car.state
+    short = {**saved.parts, "asr": tuple(np.zeros(np.size(each) + 1) for each in saved.parts["asr"])}
+    with pytest.raises(ParameterError, match=r"^state: asr had \d+ numbers, here it has \d+; allowed is as many"):
+        car.state = replace(saved, parts=short)
+    with pytest.raises(ParameterError, match="allowed is the state of a Simulation"):
+        car.state = {"instant": 3}
 
 
 def test_reset_begins_anew():

@@ -17,7 +17,17 @@
 #define ANSWER in->torque_request.drive.front_left
 #endif
 
-static const ev_parameter parameters[] = {{"limit", "N m", "unused", 1.0, LOW, INFINITY}};
+#ifndef NAME
+#define NAME "limit"
+#endif
+#ifdef TWICE
+#define COUNT 2
+#else
+#define COUNT 1
+#endif
+
+static const ev_parameter parameters[] = {{NAME, "N m", "unused", 1.0, LOW, INFINITY},
+                                          {NAME, "N m", "unused", 1.0, LOW, INFINITY}};
 
 static void start(double *state, const ev_given *given) { state[0] = given->parameters[0]; }
 
@@ -30,6 +40,6 @@ static int32_t step(const ev_asr_inputs *in, ev_asr_outputs *out, double *state,
 
 #ifndef NO_LAW
 const ev_asr_law ev_asr = {EV_VERSION, EV_LAYOUT + NEWER, sizeof(ev_asr_inputs), sizeof(ev_asr_outputs),
-                           sizeof(ev_given), "Lets one torque through.", EV_READS_TORQUE_REQUEST, 1, parameters, 1,
+                           sizeof(ev_given), "Lets one torque through.", EV_READS_TORQUE_REQUEST, COUNT, parameters, 1,
                            start, step};
 #endif

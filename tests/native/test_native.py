@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -107,6 +109,9 @@ def test_a_start_and_the_parameters_that_a_library_declares(refused):
     [
         ("NEWER=1", r"asr method \S+: compiled with another ev_laws\.h: layout 0x\w+, here it is 0x\w+; make it anew "),
         ("NO_LAW", r"asr method \S+: it has no ev_asr, which a law for this role is declared by \(ev_laws\.h\)$"),
+        ('NAME="lambda"', r"asr method \S+: parameter 'lambda' is refused, allowed is a name of Python's without _ "),
+        ('NAME="seed"', r"asr method \S+: parameter seed is refused: every node has one of this name, take another$"),
+        ("TWICE", r"asr method \S+: parameter 'limit' is refused, allowed is once$"),
         ("LOW=NAN", r"asr method \S+: parameter 'limit' needs a name and a finite value between its bounds$"),
     ],
 )
@@ -127,8 +132,33 @@ def test_what_a_library_must_not_answer_ends_the_run_in_one_line(refused, define
         ev_sim.run("double_lane_change", method={"asr": refused(define)}, duration=0.1)
 
 
+def answer_of(library: str) -> float:
+    """The one torque that a law of `refused.c` lets through, of 3 N m."""
+    law = SteppedLaw(configure("asr", {"method": library}))
+    return law.answer(0.0, {"torque_request.drive.front_left": 3.0})["torque_command.drive.front_left"]
+
+
+def test_a_library_is_the_file_that_is_there_now(refused, tmp_path, monkeypatch):
+    """After a rebuild, and after `chdir`, the law of the first file with that text of a path went on."""
+    for answer in (1.0, 2.0, 4.0):
+        folder = tmp_path / str(answer)
+        folder.mkdir()
+        shutil.move(refused(f"ANSWER={answer}"), folder / "law.so")
+    monkeypatch.chdir(tmp_path / "1.0")
+    assert answer_of("law.so") == answer_of("./law.so") == 1.0
+    monkeypatch.chdir(tmp_path / "2.0")
+    assert answer_of("law.so") == 2.0
+    (tmp_path / "4.0/law.so").replace("law.so")
+    assert answer_of("law.so") == answer_of("law.so") == 4.0
+    os.utime("law.so", ns=(1, 1))  # as who writes into it leaves it
+    with pytest.raises(
+        ParameterError, match=r"^asr method law\.so: it was written over while it was in use, allowed is"
+    ):
+        answer_of("law.so")
+
+
 def test_a_library_that_is_not_there_or_plays_no_such_role(tmp_path):
-    with pytest.raises(ParameterError, match=r"^asr method no\.so: cannot open shared object file: No such file"):
+    with pytest.raises(ParameterError, match=r"^asr method no\.so: No such file or directory$"):
         configure("asr", {"method": "no.so"})
     with pytest.raises(ParameterError, match=r"^plant method a\.so: a library plays one of driver, electronic_diff"):
         configure("plant", {"method": "a.so"})

@@ -112,6 +112,15 @@ REFUSED = {
 }
 
 
+def test_what_a_start_would_refuse_beside_the_period_is_refused_live(context):
+    """No torque would act any more with a command that is given up within two periods."""
+    node = node_of(context, "plant", {"mode": "realtime"})
+    assert tried(node, command_timeout=0.001).startswith("parameter command_timeout: 0.001 is refused, allowed is more")
+    assert tried(node, command_timeout=0.05) == ""
+    assert node.configuration.extra.command_timeout == 0.05
+    node.destroy_node()
+
+
 @pytest.mark.parametrize(("values", "named"), REFUSED.values(), ids=REFUSED)
 def test_a_bad_value_is_refused_with_a_reason_and_nothing_changes(law, values, named):
     configuration, played = law.configuration, law.stepper.part

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import make_dataclass
 
 import pytest
 from toy_methods import toy, toy_graph
 
 from ev_msgs_py.contract.roles import MASTER, REQUIRED, ROLES
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, TireForces
-from ev_msgs_py.lockstep.configuration import CommonParameters, configure
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
+from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.graph_check import check_graph
-from ev_msgs_py.lockstep.methods import all_methods, find_method, methods_of
+from ev_msgs_py.lockstep.methods import all_methods, find_method, method, methods_of, refuse_taken
 from ev_msgs_py.nodes.master_parameters import MasterParameters
-from ev_msgs_py.parameters.declaration import ParameterError, flatten
+from ev_msgs_py.parameters.declaration import ParameterError, flatten, parameter
+from ev_msgs_py.parameters.values import entries_by_name
 
 DIFFERENTIAL = "electronic_differential"
 
@@ -194,6 +197,22 @@ def test_a_driver_that_requires_an_imposed_speed_is_refused_with_a_free_one():
     for plant, chosen in (({"method": "planar"}, "free"), ({"method": "kinematic"}, None)):
         text = refused_graph(graph(driver=foot, plant=plant))
         assert text == f"driver method imposed_speed requires plant.speed imposed, but {chosen} is chosen"
+
+
+@pytest.mark.parametrize("name", ["seed", "mode", "method", "faults", "vehicle", "sensors", "control_period"])
+def test_a_law_with_a_parameter_of_every_node_is_refused_when_it_is_registered(name):
+    """`seed` never reached the law, `mode` and `faults` were two in one."""
+    own = make_dataclass("Own", [(name, float, parameter(1.0, unit="1", about="own"))], frozen=True)
+    said = f"^asr method own: parameter {name} is refused: every node has one of this name, take another$"
+    with pytest.raises(TypeError, match=said):
+        method("asr", "own", own)(lambda p: None)
+    assert "own" not in methods_of("asr")
+
+
+def test_the_master_of_time_has_names_besides():
+    own = make_dataclass("Own", [("duration", float, parameter(1.0, unit="s", about="own"))], frozen=True)
+    with pytest.raises(ParameterError, match=r"^plant method own: parameter duration is refused: every node has"):
+        refuse_taken("plant method own", own, entries_by_name(MasterParameters))
 
 
 @pytest.mark.parametrize(("role", "name"), [(role, name) for role, of in all_methods().items() for name in of])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import FrozenInstanceError, dataclass
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -75,6 +76,36 @@ def test_what_is_not_named_keeps_its_default():
     assert (p.middle.inner, p.points, p.switches) == (Inner(3.0, 5.0), (5.0, 6.5), (True,))
     assert (p.gain, p.count, p.middle.switch) == (1.0, 3, False)
     assert build(Outer, {}) == Outer()
+
+
+NUMBERS = [
+    *((f"float{size}", 0.5) for size in (16, 32, 64)),
+    *((f"{sign}int{size}", 1) for size in (8, 16, 32, 64) for sign in ("", "u")),
+]
+
+
+@pytest.mark.parametrize(("kind", "value"), NUMBERS)
+def test_a_number_of_numpy_is_a_number(kind, value):
+    """Alone, in a list and as an array, as loops over np.arange give them."""
+    number = np.dtype(kind).type(value)
+    names = ["gain", "count"] if value == 1 else ["gain"]
+    made = build(Outer, {**dict.fromkeys(names, number), "points": [number, number]})
+    assert build(Outer, {"points": np.array([number, number])}).points == made.points == (value, value)
+    assert {type(number) for number in (made.gain, *made.points)} == {float}
+    assert (made.gain, made.count, type(made.count)) == (value, 1 if value == 1 else 3, int)
+
+
+def test_what_numpy_holds_besides_is_taken_or_refused_like_the_same_of_python():
+    made = build(Outer, {"middle.switch": np.bool_(True), "switches": np.array([True, False]), "name": np.str_("two")})
+    assert (made.middle.switch, made.switches, type(made.name)) == (True, (True, False), str)
+    for value in (np.float64(3.0), np.float64("nan"), np.bool_(True), np.array([1.0]), np.complex128(1), np.array("x")):
+        assert refused({"gain": value}).startswith("parameter gain: ")
+    assert (
+        refused({"count": np.float64(2.0)}) == "parameter count: 2.0 is refused, allowed is a whole number, at least 1"
+    )
+    assert refused({"points": np.zeros((2, 2))}).startswith(
+        "parameter points: [0.0, 0.0] is refused, allowed is a number"
+    )
 
 
 def test_a_number_becomes_a_float_and_an_array_a_tuple():

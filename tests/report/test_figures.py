@@ -124,3 +124,10 @@ def test_another_format_is_refused(capsys: pytest.CaptureFixture[str]):
         arguments(["shchur2019", "--figures", "eps"])
     assert "'eps' is refused, allowed is pdf, svg or pdf,svg" in capsys.readouterr().err
     assert arguments(["shchur2019", "--figures", "svg,pdf"]).figures == ("svg", "pdf")
+
+
+def test_there_are_more_strokes_than_laws():
+    """With twelve the thirteenth law of an overlay looked like the first."""
+    from ev_sim.report.figures.drawing import STROKES
+
+    assert len(STROKES) == len(set(STROKES)) == 32

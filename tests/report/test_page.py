@@ -98,13 +98,25 @@ def test_an_envelope_keeps_the_extremes_of_every_stretch():
     values = run.channels["imu.yaw_rate"]
     values[333] = 1e6
     shorter = envelope(run, 8)
-    assert len(shorter.time) == 2 * (len(run.time) // 16)
     whole = len(run.time) // 16 * 16
-    kept = shorter.channels["imu.yaw_rate"].reshape(-1, 2)
+    assert len(shorter.time) == 2 * (len(run.time) // 16) + min(len(run.time) - whole, 2)
+    kept = shorter.channels["imu.yaw_rate"][: whole // 8].reshape(-1, 2)
     assert np.array_equal(kept.max(axis=1), values[:whole].reshape(-1, 16).max(axis=1))
     assert np.array_equal(kept.min(axis=1), values[:whole].reshape(-1, 16).min(axis=1))
     at_spike = shorter.time[np.argmax(shorter.channels["imu.yaw_rate"])]
     assert abs(at_spike - run.time[333]) <= 16 * 0.01
+
+
+@pytest.mark.parametrize("instants", range(33, 49))
+def test_an_envelope_lasts_as_long_as_its_run(instants):
+    """Up to 2 `every` - 1 samples at the end were missing, and with them what happened there."""
+    values = np.zeros(instants)
+    values[-1] = 7.0
+    shorter = envelope(Recording(np.arange(instants) * 0.01, {"x": values}), 8)
+    assert shorter.channels["x"].max() == 7.0 and len(shorter.time) == len(shorter.channels["x"])
+    assert abs(shorter.time[-1] - (instants - 1) * 0.01) <= 8 * 0.01
+    assert np.all(np.diff(shorter.time) > 0.0)
+    assert np.abs(unpack(pack(shorter.time, 3, step=0.01)) - shorter.time).max() < 1e-9
 
 
 def test_signals_get_coarser_until_they_fit_and_the_page_says_so():

@@ -6,10 +6,16 @@ from pathlib import Path
 
 import pytest
 from determinism.__main__ import Found, result_table, tried
+from determinism.faults import drawn_changes, run_with
 from determinism.surroundings import C_LIBRARIES, COMPILERS, WAYS, drawn
 from tqdm import tqdm
 
+from ev_msgs_py.faults.kinds import KINDS
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.recording import signal_hash
+
 TOOLS = Path(__file__).parents[2] / "tools"
+STEP = ("step_steer", "left", 0.2)
 TRIALS = [drawn(trial, 1) for trial in range(20)]
 
 
@@ -23,6 +29,16 @@ def test_twenty_trials_meet_every_way_compiler_and_c_library_idle_and_busy():
 
 def test_a_seed_draws_the_same_again():
     assert [drawn(trial, 1) for trial in range(20)] == TRIALS
+
+
+@pytest.mark.parametrize("kind", ["swapped", "restarted", "motor_share"])
+def test_kinds_of_faults_take_turns_and_change_what_they_strike(kind):
+    """A trial says which, and draws the same again; the hash beside it is that of the run with them."""
+    trial = 2 * list(KINDS).index(kind)
+    changes, expected = drawn_changes(*STEP, trial, 1)
+    assert kind in {text.split()[0] for _, name, texts in changes if name == "faults" for text in texts}
+    run = run_with(*STEP, changes)
+    assert expected == signal_hash(run_offline(run.configurations, run.duration))
 
 
 def test_a_trial_with_another_hash_is_counted_as_one():

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
+import ev_sim
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.parameters.config_folders import config_folders
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.commands.command_line import arguments, overrides
 from ev_sim.running.scenarios.about import describe_scenario
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario, scenario_names
+from ev_sim.study.run_study import _refuse_unused, study_cases
+from ev_sim.study.run_study import arguments as study_arguments
+from ev_sim.study.study import study_named
 
 CONFIG = config_folders()[-1]
 HEAD = "/**/scenario:\n  ros__parameters: {about: a test, duration: 2.0}\n"
@@ -184,6 +190,77 @@ def test_a_section_that_means_no_node_is_refused(scenario, more, pattern):
 )
 def test_bad_words_on_the_command_line_name_node_and_parameter(scenario, value, said):
     assert refused(scenario(HEAD), Overrides(values=[value])).startswith(said)
+
+
+ASR, LAW = "asr", "electronic_differential"
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        (
+            [(ASR, "method", "pi_slip"), (ASR, "reference.trust.watch", True)],
+            "asr: parameter reference.trust.watch is refused: asr method pi_slip does not have it, its name there is "
+            "regulator.reference.trust.watch",
+        ),
+        (
+            [(LAW, "gamma", 3.0)],
+            "electronic_differential: parameter gamma is refused: electronic_differential method equal_torque does not "
+            "have it, allowed with power_steering",
+        ),
+        (
+            [("plant", "sensors.tire_load.noise", 1.0)],
+            "plant: parameter sensors.tire_load.noise is refused: plant method kinematic does not have it, allowed ",
+        ),
+        (
+            [("rear_steering", "gain", 3.0)],
+            "rear_steering.gain is refused: nobody plays rear_steering, allowed with --method rear_steering=NAME",
+        ),
+    ],
+)
+def test_what_the_command_line_says_belongs_to_the_chosen_methods(scenario, values, said):
+    """It was accepted and did nothing."""
+    assert refused(scenario(HEAD), Overrides(values=values)).startswith(said)
+    set_there = {f"{node}.{key}": value for node, key, value in values if key != "method"}
+    methods = {node: value for node, key, value in values if key == "method"}
+    with pytest.raises(ParameterError, match=f"^{re.escape(said)}"):
+        ev_sim.run("test", set=set_there, method=methods)
+    words = [f"--set={place}={value}" for place, value in set_there.items()]
+    words += [f"--method={node}={name}" for node, name in methods.items()]
+    with pytest.raises(ParameterError, match=f"^{re.escape(said)}"):
+        load_scenario("test", overrides(arguments(["test", *words])))
+
+
+def test_a_value_is_used_if_one_of_the_runs_uses_it(scenario):
+    """Of several runs each has its own method."""
+    text = HEAD.replace("about", "runs: [first, second], about")
+    text += section(f"/**/first/{LAW}", "{method: power_steering}")
+    gamma = Overrides(values=[(LAW, "gamma", 3.0)])
+    first, second = load_scenario(scenario(text), gamma).runs
+    assert (first.configurations[LAW].parameters.gamma, second.configurations[LAW].unused) == (3.0, ("gamma",))
+    with pytest.raises(ParameterError, match="method equal_torque does not have it"):
+        load_scenario("test", gamma, only=("second",))
+
+
+def test_a_file_may_prepare_other_methods_and_what_none_of_them_uses_is_noted(scenario, more):
+    """Where the method is that of the files: who chooses another one knows that it is told other things."""
+    path = more(section(f"/**/{LAW}", "{gamma: 3.0, gain: 2.0}"))
+    name = scenario(HEAD)
+    said = f"used by no chosen method: {LAW}.gamma, {LAW}.gain of {path}"
+    assert load_scenario(name, Overrides([path])).notes == (said,)
+    chosen = Overrides([path], [(LAW, "method", "power_steering")])
+    loaded = load_scenario(name, chosen)
+    assert (loaded.notes, loaded.runs[0].configurations[LAW].parameters.gamma) == ((), 3.0)
+
+
+def test_a_study_takes_what_one_of_its_methods_has():
+    """`compare` drives all laws; what none of them has is refused before anything is driven."""
+    study, words = study_named("compare"), ["--set", f"{LAW}.gamma=7"]
+    given = study_arguments("compare", words)
+    _refuse_unused(study, given, study_cases(study, given))
+    given = study_arguments("compare", [*words, "--set", "asr.low=0.1"])
+    with pytest.raises(ParameterError, match=r"^asr: parameter low is refused: asr method off does not have it"):
+        _refuse_unused(study, given, study_cases(study, given))
 
 
 def test_a_missing_further_file_is_named(scenario, tmp_path):

@@ -16,6 +16,7 @@ import ev_sim
 from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.lockstep import installed_methods
 from ev_msgs_py.lockstep.methods import method
+from ev_msgs_py.parameters.config_folders import find_in_config
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.running.output_folder import OutputFolder
@@ -152,6 +153,15 @@ def test_no_number_says_when(monkeypatch):
         ev_sim.run("shchur2019", method={"electronic_differential": "equal_torque"}, duration=0.1)
 
 
+def test_a_terminal_that_knows_ascii_only_is_answered(monkeypatch):
+    """A dash in the table of a study ended it in a traceback, behind the driving."""
+    terminal = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr("sys.stdout", terminal)
+    monkeypatch.setattr("ev_sim.commands.run_scenario.print_list", lambda: print("0.5 ± 0.1 –"))
+    main(["--list"])
+    assert terminal.buffer.getvalue() == b"0.5 ? 0.1 ?\n"
+
+
 def test_another_law_than_that_of_the_source_is_not_judged():
     """No number is called (not) reproduced by a law, a car or a node that the source does not know."""
     method_of_mine = {"electronic_differential": "equal_torque"}
@@ -159,8 +169,42 @@ def test_another_law_than_that_of_the_source_is_not_judged():
     judged = {metric.judgement for metric in found.values()}
     assert judged <= {"not judged", "not measured", "measured"}
     assert "not judged" in judged
-    why = "not judged: not what the reference is about: electronic_differential.method differs"
+    why = "not judged: plant.duration, electronic_differential.method differ from the source's"
     assert why in {metric.verdict for metric in found.values()}
+
+
+@pytest.mark.parametrize(
+    "place", ["electronic_differential.gamma=8.0", "plant.sensors.wheel_speed.noise=0.1", "*.control_period=0.005"]
+)
+def test_whatever_is_not_as_the_source_has_it_is_not_judged(place):
+    """An assistance of eight times was "reproduced" as if it were that of five."""
+    name, value = place.split("=")
+    found = ev_sim.run("shchur2019", set={name: float(value)}).metrics
+    judged = {metric.verdict for metric in found.values() if metric.reference and metric.value is not None}
+    name = name.replace("*", "every node")
+    assert judged and all(
+        re.fullmatch(rf"not judged: .*{re.escape(name)}.* from the source's", each) for each in judged
+    )
+
+
+def test_a_seed_or_how_fast_it_is_run_changes_no_verdict():
+    own = ev_sim.run("shchur2019")
+    other = ev_sim.run("shchur2019", seed=7, set={"plant.real_time_factor": 1000.0})
+    assert {n: m.verdict for n, m in own.metrics.items()} == {n: m.verdict for n, m in other.metrics.items()}
+    assert "reproduced" in {metric.judgement for metric in own.metrics.values()}
+
+
+def test_a_copy_of_a_source_that_says_something_else_is_not_judged(tmp_path):
+    """A report is borrowed by `report:`, or by the name of the file."""
+    shchur2019 = find_in_config("scenarios/shchur2019.yaml").read_text()
+    for name, text in (
+        ("shchur2019", shchur2019),
+        ("mine", shchur2019.replace("about:", "report: shchur2019\n    about:")),
+    ):
+        file = tmp_path / f"{name}.yaml"
+        file.write_text(text.replace("method: power_steering", "method: power_steering\n    gamma: 8.0"))
+        judged = {m.verdict for m in ev_sim.run(file).metrics.values() if m.reference and m.value is not None}
+        assert judged == {f"not judged: scenario {file} differs from the source's"}
 
 
 def test_the_bar_shows_no_factor_before_it_knows_one(monkeypatch):

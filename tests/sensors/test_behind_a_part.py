@@ -8,10 +8,11 @@ from sensors.rows import EVERYTHING
 
 from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.parts import compiled_parts
+from ev_msgs_py.lockstep.parts import compiled_parts, hand_over, part_of
 from ev_msgs_py.sensors.measuring import HEADING, NUMBERS
 from ev_msgs_py.sensors.quantities import QUANTITIES
 
@@ -65,3 +66,26 @@ def test_sensors_do_not_touch_what_is_integrated():
             assert (biased[:, place] == true[:, place] + off).all(), name
     everything = {f"{name}.{error}": value for name in PLANT for error, value in EVERYTHING.items()}
     assert (frames("plant", "planar", everything, 50)[:, 1:60] != true[:, 1:60]).any(axis=0).sum() > 50
+
+
+def test_a_change_of_one_sensor_leaves_the_noise_of_the_others_as_it_is():
+    """A sensor that comes later, with a delay, begins with what there is, and not with zeros."""
+    told = {"method": "planar", "initial_speed": 10.0, "sensors.imu_yaw_rate.noise": 0.1}
+    configuration, places = configure("plant", told), frame.channels()
+    other = configuration.changed({"sensors.wheel_speed.delay": 2, "sensors.body_position.noise": 0.1})
+    shown = []
+    for second in (configuration, other):
+        there, seen = Frame(), []
+        plant = part_of(configuration, compiled=True)
+        plant.start(there)
+        for n in range(6):
+            if n == 3:
+                after = part_of(second, compiled=True)
+                hand_over(plant, after)
+                plant = after
+            plant.step(Frame(), there)
+            seen.append(there.numbers[places["imu.yaw_rate"]])
+            assert there.numbers[places["wheel_states.velocity.rear_left"]] > 20.0  # 10 m/s
+        shown.append(seen)
+    assert shown[0] == shown[1]
+    assert len(set(shown[0])) == 6

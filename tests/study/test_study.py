@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import socket
@@ -14,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from ev_sim.running.outcome import RunFailed
+from ev_sim.running.output_folder import OutputFolder
 from ev_sim.study.case import Case, drive_case
 from ev_sim.study.workers import drive_cases
 
@@ -85,12 +87,64 @@ def test_a_case_that_no_worker_survives_ends_the_study():
         drive_cases(CASES[:1], dies, workers=2)
 
 
-def test_what_goes_wrong_in_a_worker_is_raised_here():
-    def measure(recording, run):
-        return {"x": recording.channels["unheard_of"]}
+def test_what_goes_wrong_in_measuring_belongs_to_its_case():
+    """One case ended the whole study, with a traceback behind hours of driving."""
 
-    with pytest.raises(KeyError, match="unheard_of"):
-        drive_cases(CASES, measure, workers=2)
+    def measure(recording, run):
+        slow = run.configurations["plant"].parameters.initial_speed == 10.0
+        return {"x": recording.channels["unheard_of"]} if slow else last_speed(recording, run)
+
+    first, second = drive_cases(CASES[:2], measure, workers=2)
+    assert first.refused.startswith("KeyError 'unheard_of' (test_study.py, line ") and not first.measured
+    assert first.signal_hash and not second.refused and second.measured
+
+
+def test_a_disk_that_is_full_ends_the_study():
+    def measure(recording, run):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "signals.npz")
+
+    with pytest.raises(OSError, match="No space left on device"):
+        drive_cases(CASES[:1], measure, workers=1)
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from ev_sim.running.output_folder import OutputFolder
+from ev_sim.study.case import Case
+from ev_sim.study.workers import drive_cases
+
+folder = Path(sys.argv[1])
+
+def measure(recording, run):
+    folder.with_name(f"worker_{os.getpid()}").touch()
+    signal.pause()
+
+cases = [Case(str(n), "coast_down", (("plant", "initial_speed", 10.0 + n),), duration=0.1) for n in range(3)]
+with OutputFolder(folder, "study sweep"):
+    drive_cases(cases, measure, workers=2)
+"""
+
+
+def test_a_study_that_is_killed_leaves_neither_workers_nor_its_lock(tmp_path):
+    """Its workers waited for ever and held its folder: it could not be gone on with."""
+    study = subprocess.Popen([sys.executable, "-c", KILLED, str(tmp_path / "out")])
+    while len(marks := list(tmp_path.glob("worker_*"))) < 2:
+        assert study.poll() is None
+        time.sleep(0.01)
+    study.kill()
+    study.wait()
+    while any(is_running(int(mark.name.partition("_")[2])) for mark in marks):  # for ever, before
+        time.sleep(0.01)
+    with OutputFolder(tmp_path / "out", "study sweep"):
+        pass
+
+
+def is_running(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
 
 
 @contextmanager

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import ev_sim
@@ -16,11 +14,8 @@ from ev_sim.commands.run_scenario import main
 from ev_sim.report.table_files import write_tables
 from ev_sim.running.manifest import read_manifest, write_manifest
 from ev_sim.running.recording.recording import load, signal_hash
-from ev_sim.running.scenarios.scenario import load_scenario
 from ev_sim.study import sweep
-from ev_sim.study.case import Case, CaseResult
-from ev_sim.study.kept_rows import KeptRows
-from ev_sim.study.run_study import arguments
+from ev_sim.study.command import arguments
 
 WORDS = ("shchur2019", "--vary", "electronic_differential.gamma=0:10:3", "--vary", "plant.initial_speed=2.0,4.0")
 
@@ -41,12 +36,19 @@ def rows(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+@pytest.mark.parametrize(("text", "values"), [("1:3:3", [1, 2, 3]), ("0:1:3", [0.0, 0.5, 1.0])])
+def test_whole_numbers_from_first_to_last_are_whole(text, values):
+    """`--vary plant.road.seed=1:3:3` is three roads."""
+    given = arguments("sweep", ["urban_mixed", "--vary", f"plant.road.seed={text}"])
+    assert repr(sweep.variations(given)["plant.road.seed"]) == repr(values)
+
+
 @pytest.mark.slow
 def test_each_row_is_the_run_alone(folder):
     found = rows(folder)
     assert len(found) == 3 * 2 * 2
     row = found[-1]
-    assert (row["electronic_differential.gamma"], row["plant.initial_speed"], row["seed"]) == ("10.0", "4.0", "1")
+    assert (row["electronic_differential.gamma"], row["plant.initial_speed"], row["seed"]) == ("10", "4.0", "1")
     changed = {"electronic_differential.gamma": 10.0, "plant.initial_speed": 4.0}
     alone = ev_sim.run("shchur2019", set=changed, seed=1, duration=0.1)
     measured = {name: metric for name, metric in alone.metrics.items() if metric.value is not None}
@@ -87,37 +89,6 @@ def test_signals_are_kept_where_they_are_asked_for(folder):
     sweep_into(folder, "--signals")
     cases = json.loads((folder / "summary.json").read_text())["cases"]
     assert {name: signal_hash(load(folder / case["signals"])) for name, case in cases.items()} == hashes
-
-
-def test_what_was_driven_with_other_sources_or_files_is_not_taken(tmp_path):
-    own = tmp_path / "cycle.csv"
-    own.write_text("t_s,v_mps\n0,1\n")
-    case = Case("first", "shchur2019", (("driver", "speed_profile.file", str(own)),), duration=0.1)
-    run = load_scenario("shchur2019").runs[0]
-    measured = {"a": 1 / 3, "nan": float("nan"), "b": np.arange(3.0), "c": ("x", None, [True])}
-    KeptRows(tmp_path, "sweep", [case], run).keep(case, CaseResult("first", measured, "hash", 0.1, 0.2, "", ("note",)))
-    found = KeptRows(tmp_path, "sweep", [case], run).of(replace(case, name="second"))
-    assert (found.name, found.signal_hash, found.notes, found.measured["c"]) == (
-        "second",
-        "hash",
-        ("note",),
-        measured["c"],
-    )
-    assert found.measured["a"] == measured["a"]
-    assert np.array_equal(found.measured["b"], measured["b"])
-    assert KeptRows(tmp_path, "sweep", [case], run).of(replace(case, duration=0.2)) is None
-    own.write_text("t_s,v_mps\n0,2\n")
-    assert KeptRows(tmp_path, "sweep", [case], run).of(case) is None
-
-
-def test_a_copy_by_hard_links_does_not_grow(tmp_path):
-    """As `cp -al` makes one: rows went into the user's copy as well."""
-    case, run = Case("first", "shchur2019", duration=0.1), load_scenario("shchur2019").runs[0]
-    for _ in range(2):
-        KeptRows(tmp_path, "sweep", [case], run).keep(case, CaseResult("first", {}))
-        if not (tmp_path / "copy").exists():
-            (tmp_path / "copy").hardlink_to(tmp_path / "driven.jsonl")
-    assert [len((tmp_path / name).read_text().splitlines()) for name in ("copy", "driven.jsonl")] == [1, 2]
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,7 @@ def test_every_reading_is_driven_in_all_cases_and_told_to_the_law():
     """Rear drive, K = 0.48, 0.5, 1 and the equality, three second branches, by speed and by geometry, a fixed half."""
     cases = sweep.cases(Namespace())
     assert len(cases) == 10 * 40 == len({case.name for case in cases})
-    told = {case.name.split()[0]: case.values[2:] for case in cases}
+    told = {case.name.split()[0]: case.values[4:] for case in cases}
     assert told["k1"] == told["equality"] == ()
     assert told["k1_derived"] == (("electronic_differential", "second_branch", "derived"),)
     assert {case.run for case in cases} == set(grid.CONTROLS)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -76,3 +78,11 @@ def test_an_ideal_bench_converges_to_the_virtual_run():
         apart_by_period[period] = apart(bench["torque"], virtual["torque"])
     assert apart_by_period[5e-4] < 0.1
     assert apart_by_period[5e-4] < apart_by_period[2e-3]
+
+
+def test_samples_stand_at_the_instants_at_which_they_were_taken():
+    """2 ms do not divide 5 ms: every second sample is taken, which was drawn as if they lay 5 ms apart."""
+    case = part_of_cycle("pulse", "coarse", "urban_mixed", (("*", "control_period", 2e-3),))
+    measured = drive_case(replace(case, duration=16.5), measure).measured
+    assert np.diff(measured["instants"]) == pytest.approx(0.004, rel=1e-9)
+    assert len(measured["instants"]) == len(measured["torque"]) == len(measured["pressed"])

@@ -127,10 +127,10 @@ def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pyt
 
     Kept(tmp_path)
     before = set(tmp_path.iterdir())
-    files = [*depends._files(())]
+    files = [*depends._config()]
     other = tmp_path / "other.yaml"
     other.write_text("x: 1\n")
-    monkeypatch.setattr(depends, "_files", lambda without: [*files, ("config/other.yaml", other)])
+    monkeypatch.setattr(depends, "_config", lambda: [*files, ("other.yaml", other)])
     Kept(tmp_path)
     assert [path.is_dir() for path in set(tmp_path.iterdir()) - before - {other}] == [True, True]
 

@@ -9,7 +9,7 @@ from judging import driven, verdict_on
 
 from ev_sim.study import zhileykin2018_grid as grid
 from ev_sim.study.case import CaseResult
-from ev_sim.study.run_study import arguments
+from ev_sim.study.command import arguments
 from ev_sim.verdicts.all_verdicts import declarations
 from ev_sim.verdicts.need import StudyCases
 from ev_sim.verdicts.published import published

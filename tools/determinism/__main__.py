@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from determinism.faults import drawn_changes
 from determinism.surroundings import WAYS, Surroundings, drawn
 from documentation.markdown import code, table, with_blocks
 from ev_sim.running.offline import run_offline
@@ -57,7 +59,10 @@ def main(argv: list[str] | None = None) -> None:
 
 
 def tried(scenario: str, trials: int, seconds: float, seed: int, progress: tqdm) -> Found:
-    """The trials of a scenario, whose runs take turns, each beside the hash of the same run in this process."""
+    """The trials of a scenario, whose runs take turns, each beside the hash of the same run in this process.
+
+    Every other trial has faults and another seed.
+    """
     runs = load_scenario(scenario, Overrides(duration=seconds)).runs
     expected = {run.name: signal_hash(run_offline(run.configurations, run.duration)) for run in runs}
     found = Found(scenario)
@@ -65,12 +70,13 @@ def tried(scenario: str, trials: int, seconds: float, seed: int, progress: tqdm)
         # Runs and ways take turns at different rates, so that each run meets each way.
         name = runs[(trial + trial // len(runs)) % len(runs)].name
         surroundings = drawn(trial, seed)
-        given = _hash_of((scenario, name, str(seconds)), surroundings)
+        changes, wanted = drawn_changes(scenario, name, seconds, trial, seed) if trial % 2 else ((), expected[name])
+        given = _hash_of((scenario, name, str(seconds), json.dumps(changes)), surroundings)
         found.trials += 1
-        if given == expected[name]:
+        if given == wanted:
             found.equal[surroundings.way] += 1
         else:
-            found.others.append(f"{scenario} {name}, trial {trial}: {given}, not {expected[name]}: {surroundings}")
+            found.others.append(f"{scenario} {name}, trial {trial}: {given}, not {wanted}: {surroundings}, {changes}")
         progress.update()
     return found
 

@@ -1,19 +1,24 @@
-"""Drive one run in one way and print the hash of its signals: python -m determinism.trial SCENARIO RUN SECONDS WAY."""
+"""Drive one run in one way and print the hash of its signals.
+
+python -m determinism.trial SCENARIO RUN SECONDS CHANGES WAY, the changes as JSON.
+"""
 
 from __future__ import annotations
 
+import json
 import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from determinism.faults import run_with
 from determinism.surroundings import WAYS
 from ev_sim.running.in_process import run_in_process
 from ev_sim.running.offline import run_offline
 from ev_sim.running.outcome import Outcome
 from ev_sim.running.processes import run_in_processes
 from ev_sim.running.recording.recording import Recording, signal_hash
-from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.running.scenarios.scenario import Run
 
 
 def driven(run: Run, way: str) -> Recording:
@@ -27,10 +32,8 @@ def driven(run: Run, way: str) -> Recording:
 
 def main(argv: list[str]) -> None:
     """Print the hash of the run that the words name."""
-    scenario, name, seconds, way = argv
-    runs = load_scenario(scenario, Overrides(duration=float(seconds))).runs
-    (run,) = [each for each in runs if each.name == name]
-    print(signal_hash(driven(run, way)))
+    scenario, name, seconds, changes, way = argv
+    print(signal_hash(driven(run_with(scenario, name, float(seconds), json.loads(changes)), way)))
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from documentation.own_methods import own_methods
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.configuration import CommonParameters
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
 from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.parameters.declaration import Entry, entries
 from ev_msgs_py.sensors.quantities import QUANTITIES

@@ -11,7 +11,7 @@ from documentation.measured import is_long, write_measured
 from documentation.neutral_steer import neutral_steer_table, save_bode_plot
 from documentation.results import Driven
 from ev_sim.report.metric import Metric
-from ev_sim.study.run_study import arguments
+from ev_sim.study.command import arguments
 from ev_sim.study.study import Results, study_named
 from ev_sim.verdicts.driving import drive
 from ev_sim.verdicts.kept import kept_by_user

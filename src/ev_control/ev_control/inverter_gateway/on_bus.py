@@ -45,7 +45,7 @@ class GatewayOnBus(LawObject):
         self._heartbeats: dict[int, int] = {}
         self._heard_before = [(0.0, 0.0), (0.0, 0.0)]
         self._has_begun = False
-        self._newest, self._taken = newest, -1
+        self._newest = newest
         self.step = self._answer
 
     def receive(self, circuit: str, frame: Frame) -> None:
@@ -76,10 +76,10 @@ class GatewayOnBus(LawObject):
         if not self._has_begun:
             self._has_begun, self.station.s.tick = True, 0.0
         p, g = self.given["p"], self.station.s
-        newest = self._newest()
-        if newest > self._taken:  # else it is held from before, and gets too old (`command_timeout`)
+        newest = float(self._newest())
+        if newest > g.commanded:  # else it is held from before, and gets too old (`command_timeout`)
             command_drives(p, g, command)
-        self._taken = newest
+        g.commanded = newest
         command_loads(p, g, load)
         # The bench says at an instant what it measured before the last one (`BenchOnBus`).
         for place, device in enumerate((g.drive_11, g.drive_12)):

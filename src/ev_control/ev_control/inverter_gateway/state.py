@@ -70,4 +70,5 @@ class Gateway:
         unit="1",
         about="for the first moment at which the drives may be enabled by themselves, 1 and the cycles for one alone",
     )
+    commanded: float = entry(-1.0, unit="ns", about="stamp of the newest torque command, in real time")
     heartbeat_counters: list[float] = series(2, unit="1", about="of the next heartbeat of each circuit")

@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ev_msgs_py.can.codec import BitField
+from ev_msgs_py.can.codec import BitField, raw_number
 from ev_msgs_py.can.frame_layout import GUARDS, FrameLayout
 from ev_msgs_py.parameters.csv_file import find_file
 from ev_msgs_py.parameters.data_file import TEXT, read_data
@@ -126,13 +126,9 @@ def _field(frame: str, signal: Signal) -> BitField:
             f"{_SMALLEST:g} to {_LARGEST:g} and at most {_LARGEST:g}"
         )
     least = -(1 << signal.length - 1) if signal.is_signed else 0
-    first, last = offset + scale * least, offset + scale * (least + (1 << signal.length) - 1)
-    if not first <= low <= high <= last:
-        raise ParameterError(
-            f"frame {frame}, signal {signal.name}: the range {low:g} to {high:g} is refused, "
-            f"its {signal.length} bits hold {first:g} to {last:g}"
-        )
-    return BitField(
+    most = least + (1 << signal.length) - 1
+    first, last = offset + scale * least, offset + scale * most
+    field = BitField(
         start=float(signal.start),
         length=float(signal.length),
         signed=float(signal.is_signed),
@@ -142,3 +138,10 @@ def _field(frame: str, signal: Signal) -> BitField:
         low=low,
         high=high,
     )
+    # An offset of many more digits than the scale has is rounded: its ends may be steps away from those of the bits.
+    if not (first <= low <= high <= last and least <= raw_number(field, low) <= raw_number(field, high) <= most):
+        raise ParameterError(
+            f"frame {frame}, signal {signal.name}: the range {low:g} to {high:g} is refused, "
+            f"its {signal.length} bits hold {first:g} to {last:g}"
+        )
+    return field

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from ev_msgs_py.can.codec import BitField, extracted, inserted
-from ev_msgs_py.can.protection import protected
+from ev_msgs_py.can.protection import COUNTERS, protected
 
 GUARDS = ("Crc", "Counter")  # signals that the protection writes
 
@@ -48,7 +48,9 @@ class FrameLayout:
         return payload
 
     def pack(self, values: Mapping[str, float], counter: int) -> bytes:
-        """The data of the frame, protected; ValueError as `payload`."""
+        """The data of the frame, protected; ValueError as `payload`, and for a counter that is none."""
+        if counter not in range(COUNTERS):
+            raise ValueError(f"{self.name}: counter {counter} is refused, allowed is 0 to {COUNTERS - 1}")
         return self.data(protected(self.payload(values), self.length, self.data_id, counter))
 
     def data(self, payload: int) -> bytes:

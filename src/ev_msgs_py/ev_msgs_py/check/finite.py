@@ -1,12 +1,13 @@
-"""Finite: numbers, or a refusal; NaN neither leaves a method nor stays in it."""
+"""Finite: numbers, or a refusal; NaN neither leaves a method nor stays in it. And what has no direction has no sign."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ev_msgs_py.check.inputs import ExtremeInputs
-from ev_msgs_py.check.stepping import Subject, stepped
-from ev_msgs_py.contract.shape import SignalError
+from ev_msgs_py.check.stepping import Subject, numbers_in, stepped
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.shape import SignalError, shape_of
 from ev_msgs_py.lockstep.part import Part
 
 
@@ -15,9 +16,11 @@ def not_finite(subject: Subject, seed: int) -> str:
     part = subject.part()
     for step, here in enumerate(subject.frames(seed)):
         try:
-            stepped(part, here)
+            raw = stepped(part, here)
         except Exception as error:  # whatever a stranger's law raises is a finding
             return f"plausible inputs, step {step}: {_said(error)}"
+        if negative := _negative(subject, numbers_in(raw)):
+            return f"plausible inputs, step {step}: {negative}"
     return "plausible inputs leave NaN in the state" if _holds_nan(part) else ""
 
 
@@ -36,6 +39,16 @@ def not_refused(subject: Subject, seed: int) -> str:
         except Exception as error:  # as above
             return f"absurd inputs, step {step}: {_said(error)}; a refusal is a ValueError"
     return "absurd inputs leave NaN in the state, though none was refused" if _holds_nan(part) else ""
+
+
+def _negative(subject: Subject, numbers: np.ndarray) -> str:
+    """The first number that is negative and must not be, such as a brake torque; empty if there is none."""
+    for kind in subject.configuration.method.writes:
+        shape = shape_of(kind)
+        for channel, value in zip(shape.channels, numbers[frame.PLACES[kind]], strict=True):
+            if value < 0.0 and shape.fields[channel.partition(".")[0]].never_negative:
+                return f"{kind.__name__}.{channel} is {value}, allowed is never below zero"
+    return ""
 
 
 def _holds_nan(part: Part) -> bool:

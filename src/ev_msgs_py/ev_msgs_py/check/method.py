@@ -10,12 +10,13 @@ from ev_msgs_py.check.finite import not_finite, not_refused
 from ev_msgs_py.check.inputs import RandomInputs
 from ev_msgs_py.check.mirror import asymmetry
 from ev_msgs_py.check.pure import impurity
+from ev_msgs_py.check.reached import Reached, reached
 from ev_msgs_py.check.state import lost_by_live_change, lost_state, unnamed_state
 from ev_msgs_py.check.stepping import MakesInputs, Subject
-from ev_msgs_py.lockstep.configuration import Configuration, configure
+from ev_msgs_py.lockstep.configuration import Configuration, configure, refuse_unused
 
 SEEDS = (1, 2)
-STEPS = 60
+STEPS = 200
 
 
 class ContractError(AssertionError):
@@ -35,16 +36,21 @@ def check_method(
     steps: int = STEPS,
     inputs: MakesInputs = RandomInputs,
     mirrored: bool = True,
-) -> None:
+    whole: bool = True,
+) -> Reached:
     """Hold a registered method, with these parameter values, against the contract; ContractError lists the findings.
 
     It has to be pure and deterministic, finite or refused, and the same to the bit after it was saved and loaded, after
     a parameter was set to its own value, and compiled if it is marked so. If it claims mirror symmetry it is held to
     that, unless `mirrored` is false, for values that are an exception. For each seed it is stepped so many times with
-    what `inputs` makes: random numbers, by default.
+    what `inputs` makes: random numbers and launches, by default. The answer says how often its lines were reached in
+    plain Python; a function of its module that was never called is a finding, unless `whole` is false, for values that
+    leave some out.
     """
     configuration = configure(role, {"method": name, **(values or {})})
-    check_configuration(configuration, seeds=seeds, steps=steps, inputs=inputs, mirrored=mirrored)
+    for said in values or {}:
+        refuse_unused(said, [configuration])
+    return check_configuration(configuration, seeds=seeds, steps=steps, inputs=inputs, mirrored=mirrored, whole=whole)
 
 
 def check_configuration(
@@ -54,11 +60,21 @@ def check_configuration(
     steps: int = STEPS,
     inputs: MakesInputs = RandomInputs,
     mirrored: bool = True,
-) -> None:
+    whole: bool = False,
+) -> Reached:
     """The same for a method that is configured already, such as that of a scenario."""
     found = list(_findings(configuration, seeds, steps, inputs, mirrored and configuration.method.mirrored))
+    of = Reached({}, {}) if found else reached(Subject(configuration, _is_heavy(configuration), steps, inputs), seeds)
+    if whole and of.never_called:
+        found.append(f"in {steps} steps for each of {len(seeds)} seeds never called: {', '.join(of.never_called)}")
     if found:
         raise ContractError(f"{configuration.role} method {configuration.method.name}", found)
+    return of
+
+
+def _is_heavy(configuration: Configuration) -> bool:
+    law = configuration.method.law
+    return law is not None and law.heavy
 
 
 def _findings(
@@ -66,7 +82,7 @@ def _findings(
 ) -> Iterator[str]:
     law = configuration.method.law
     can_compile = law is not None and law.is_compilable
-    forms = (False, True) if can_compile and not (law and law.heavy) else (can_compile,)
+    forms = (False, True) if can_compile and not _is_heavy(configuration) else (can_compile,)
     for compiled in forms:
         subject = Subject(configuration, compiled, steps, inputs)
         found = list(_of(subject, seeds, mirrored))

@@ -6,7 +6,8 @@ where they are declared, at the field of the signal or at the parameter. Zero ha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Collection, Sequence
 from functools import cache
 from typing import Any
 
@@ -16,7 +17,6 @@ from ev_msgs_py.check.stepping import Subject, difference, said
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.shape import shape_of
-from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.parameters.declaration import Entry
 
@@ -82,12 +82,18 @@ def _unsigned_zeros(raw: bytes) -> bytes:
 def mirrored_configuration(configuration: Configuration) -> Configuration:
     """The configuration of the mirror image: its vehicle, its parameters."""
     known = {entry.name: entry for entry in configuration.entries()}
-    values = {_other_side(name): _mirrored_value(entry) for name, entry in known.items()}
+    values = {_among(known, name): _mirrored_value(entry) for name, entry in known.items()}
     return configuration.changed({name: value for name, value in values.items() if value != known[name].default})
 
 
-def _other_side(name: str) -> str:
-    return ".".join(_SIDES.get(word, word) for word in name.split("."))
+def _among(known: Collection[str], name: str) -> str:
+    """The name of the other side, if it is one of the known ones, else the name itself."""
+    other = _other_side(name)
+    return other if other in known else name
+
+
+def _other_side(text: str) -> str:
+    return "".join(_SIDES.get(word, word) for word in re.split(r"([\W_]+)", text))
 
 
 def _mirrored_value(entry: Entry) -> Any:
@@ -96,6 +102,8 @@ def _mirrored_value(entry: Entry) -> Any:
         return tuple(-element for element in value) if entry.is_array else -value
     if spec.per_wheel:
         return tuple(_exchanged(value))
-    if entry.is_array and set(spec.choices) == set(WHEEL_NAMES):
-        return tuple(WHEEL_NAMES[WHEEL_NAMES.index(wheel) ^ 1] for wheel in value)
+    if entry.name == "faults":  # of wheels and sides; those of signals act behind the part that is checked
+        return tuple(map(_other_side, value))
+    if entry.type is str:
+        return tuple(_among(spec.choices, each) for each in value) if entry.is_array else _among(spec.choices, value)
     return value

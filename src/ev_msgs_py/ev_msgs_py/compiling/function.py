@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -38,7 +38,6 @@ def step(constants, row, states, {rest}):
 '''
 
 
-@cache
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function, compiled and kept on disk; it takes numbers, arrays, named tuples and `in_memory` records."""
     arguments = ", ".join(inspect.signature(function).parameters)

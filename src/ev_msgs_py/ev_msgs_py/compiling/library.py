@@ -13,13 +13,15 @@ from typing import Any
 
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
+from numba.core.registry import cpu_target
 from numba.core.serialize import dumps
 from numba.extending import register_jitable
 
 from ev_msgs_py.compiling import foreign_calls, stack_memory  # noqa: F401, what `call` and `working_memory` are
 from ev_msgs_py.compiling.callees import only_machine_code_of
 from ev_msgs_py.compiling.compilable import FUNCTIONS, INLINED
-from ev_msgs_py.compiling.machine_code import forget_older, keep, kept_file, key_of
+from ev_msgs_py.compiling.fingerprint import Reach
+from ev_msgs_py.compiling.machine_code import forget_older, keep, kept_file, key_of, reach_of
 from ev_msgs_py.compiling.user_cache import read_checked, write_checked
 
 # Division by zero gives infinity as in numpy, without a test at each division; sums keep the order in which they are
@@ -29,25 +31,40 @@ OPTIONS: dict[str, Any] = {"error_model": "numpy"}
 _rebuilt: Any = CompileResult._rebuild
 _written: Any = dumps
 _registered = 0
+_reached = Reach()
+_functions: dict[str, Any] = {}
 
 
 def register_functions() -> None:
-    """Make all functions that are marked as compilable so far known to the compiler."""
-    global _registered
+    """Make all functions that are marked as compilable so far known to the compiler.
+
+    It keeps what it has made of each of them, and forgets that where one is not what it was.
+    """
+    global _registered, _reached
+    if not _reached.holds:
+        typing: Any = cpu_target.typing_context
+        typing.refresh()
+        for known in FUNCTIONS[:_registered]:
+            for template in typing.resolve_value_type(known).templates:
+                template._impl_cache.clear()
+    elif _registered == len(FUNCTIONS):
+        return
     while _registered < len(FUNCTIONS):
         function = FUNCTIONS[_registered]
         register_jitable(**OPTIONS, no_cfunc_wrapper=True, forceinline=function in INLINED)(function)
         _registered += 1
+    _reached = Reach(*FUNCTIONS)
 
 
 class _Overloads(NullCache):
     """What numba makes of a function of Python, in files with checksums: one for each choice of types."""
 
-    def __init__(self, key: str) -> None:
-        self._key = key
+    def __init__(self, key: str, reach: Reach) -> None:
+        self._key, self._reach = key, reach
 
     def load_overload(self, signature: Sequence[Any], target: Any) -> Any:
         """What was kept for these types; None, and a line that it is compiled now, if nothing was."""
+        register_functions()
         target.refresh()
         kept = read_checked(self._file(signature))
         if kept is not None:
@@ -56,8 +73,8 @@ class _Overloads(NullCache):
         return None
 
     def save_overload(self, signature: Sequence[Any], made: Any) -> None:
-        """Keep it, unless it holds addresses of this process."""
-        if not made.library.has_dynamic_globals:
+        """Keep it, unless it holds addresses of this process, or what it was made of has changed on the way."""
+        if self._reach.holds and not made.library.has_dynamic_globals:
             write_checked(self._file(signature), _written(made._reduce()))
             forget_older(self._key)
 
@@ -73,7 +90,8 @@ def _with_names(kinds: Sequence[Any]) -> list[Any]:
 
 def keep_overloads(function: Any) -> Any:
     """Let what numba makes of a function with `njit` be kept on disk; the function itself comes back."""
-    function._cache = _Overloads(key_of(function.__name__, "", {"function": function}))
+    names = {"function": function}
+    function._cache = _Overloads(key_of(function.__name__, "", names), reach_of("", names))
     return function
 
 
@@ -90,11 +108,11 @@ def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:
 
 def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
     """The function `step` of a text that uses these names, compiled or loaded with its first call."""
-    register_functions()
     key = key_of(name, text, names)
-    step = _executed(key, text, names)
-    step._cache = _Overloads(key)
-    return step
+    if key not in _functions:
+        _functions[key] = _executed(key, text, names)
+        _functions[key]._cache = _Overloads(key, reach_of(text, names))
+    return _functions[key]
 
 
 def _executed(key: str, text: str, names: dict[str, Any]) -> Any:

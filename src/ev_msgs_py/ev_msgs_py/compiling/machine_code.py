@@ -18,7 +18,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.compiling.fingerprint import fingerprint
+from ev_msgs_py.compiling.fingerprint import Reach
 from ev_msgs_py.compiling.user_cache import cache_folder, read_checked, write_checked
 
 _SETTINGS = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_OPT")  # of the compiler, which change what it makes
@@ -33,11 +33,21 @@ _DIGITS = 12
 _CODE = "code"
 
 _engines: list[Any] = []  # what they have loaded lasts as long as they do
+_reaches: dict[Any, Reach] = {}
+_addresses: dict[str, int] = {}
+
+
+def reach_of(text: str, names: dict[str, Any]) -> Reach:
+    """Everything that the compiled form of a text depends on; looked for anew only where something has changed."""
+    of = (text, *names, *names.values())
+    if of not in _reaches or not _reaches[of].holds:
+        _reaches[of] = Reach(*of)
+    return _reaches[of]
 
 
 def key_of(name: str, text: str, names: dict[str, Any]) -> str:
     """The name, and digits that change with everything that the compiled form of a text depends on."""
-    return f"{name}_{fingerprint(text, *names, *names.values())[:_DIGITS]}"
+    return f"{name}_{reach_of(text, names).digits[:_DIGITS]}"
 
 
 def kept_file(key: str, what: str) -> Path:
@@ -72,16 +82,18 @@ def is_kept(name: str, text: str, names: dict[str, Any]) -> bool:
 def function_address(name: str, text: str, names: dict[str, Any]) -> int:
     """The address of the C function `step` of a text that uses these names: loaded from disk, or compiled first."""
     key = key_of(name, text, names)
-    address = load(key)
-    if address:
-        return address
+    if key not in _addresses:
+        _addresses[key] = _loaded(key) or _compiled(key, text, names)
+    return _addresses[key]
+
+
+def _compiled(key: str, text: str, names: dict[str, Any]) -> int:
     from ev_msgs_py.compiling.library import compiled_address
 
     return compiled_address(key, text, names)
 
 
-@cache
-def load(key: str) -> int:
+def _loaded(key: str) -> int:
     """The address of the function of a text; 0 if it was not kept, or if its code calls what is not there."""
     kept = read_checked(kept_file(key, _CODE))
     if kept is None:

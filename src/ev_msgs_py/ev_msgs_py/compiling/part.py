@@ -18,8 +18,6 @@ from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.lockstep.law import Given, Law
 from ev_msgs_py.lockstep.methods import Method
 
-_ADDRESSES: dict[Any, int] = {}
-
 
 def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
     """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
@@ -38,11 +36,7 @@ def _name(method: Method) -> str:
 
 def _address(method: Method, given: Given) -> int:
     """Of the compiled function of a method (`part_source`); `given` is that of any of its objects."""
-    law = _law(method)
-    key = (law.function, law.outputs)
-    if key not in _ADDRESSES:
-        _ADDRESSES[key] = machine_code.function_address(_name(method), *part_source(method, given))
-    return _ADDRESSES[key]
+    return machine_code.function_address(_name(method), *part_source(method, given))
 
 
 class CompiledPart:

@@ -8,6 +8,7 @@ A role that answers reads and writes `now`. One that integrates advances its sta
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -81,6 +82,7 @@ def _indented(lines: list[str]) -> list[str]:
     return [f"    {line}" for line in lines]
 
 
+@cache
 def _reading(signal: type) -> str:
     """The expression that makes a signal of the frame `here`."""
     if signal is Instant:

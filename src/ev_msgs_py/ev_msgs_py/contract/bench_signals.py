@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from ev_msgs_py.contract.field import Field
+from ev_msgs_py.contract.field import Field, magnitude
 from ev_msgs_py.contract.wheels import Wheels
 
 
@@ -52,11 +52,11 @@ class BenchElectrical(NamedTuple):
 
     voltage: Annotated[
         Wheels,
-        Field("V", "of the machine under test", "{wheel}_voltage.effort", sensor="bench_voltage", largest=1e3),
+        magnitude("V", "of the machine under test", "{wheel}_voltage.effort", sensor="bench_voltage", largest=1e3),
     ]
     load_voltage: Annotated[
         Wheels,
-        Field("V", "of the load machine", "{wheel}_load_voltage.effort", sensor="bench_voltage", largest=1e3),
+        magnitude("V", "of the load machine", "{wheel}_load_voltage.effort", sensor="bench_voltage", largest=1e3),
     ]
     current: Annotated[
         Wheels,

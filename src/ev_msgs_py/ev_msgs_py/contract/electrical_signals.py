@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from ev_msgs_py.contract.field import Field
+from ev_msgs_py.contract.field import Field, magnitude
 from ev_msgs_py.contract.wheels import Wheels
 
 
@@ -52,7 +52,7 @@ class CellCondition(NamedTuple):
     """One cell of the traction battery, in the single precision that BatteryState carries."""
 
     voltage: Annotated[
-        float, Field("V", "at its terminals", "voltage", single_precision=True, sensor="cell_voltage", largest=1.0)
+        float, magnitude("V", "at its terminals", "voltage", single_precision=True, sensor="cell_voltage", largest=1.0)
     ]
     temperature: Annotated[
         float,

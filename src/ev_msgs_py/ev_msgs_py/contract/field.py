@@ -13,7 +13,7 @@ class Field:
     `place` is a path in the message, such as twist.linear.x; in a JointState it is JOINT.ARRAY, such as drive.effort,
     where {wheel} stands for the name of each wheel. `sensor` names the sensor, which fields with one name share, and
     `largest` is the largest error that its parameters accept, in the unit. `lateral` is what points or turns
-    to the left.
+    to the left, `never_negative` what has no direction.
     """
 
     unit: str
@@ -23,11 +23,17 @@ class Field:
     sensor: str = ""
     largest: float = 0.0
     lateral: bool = False
+    never_negative: bool = False
 
 
 def leftward(unit: str, about: str, place: str, **more: Any) -> Field:
     """A Field of what changes its sign where left and right are exchanged."""
     return Field(unit, about, place, lateral=True, **more)
+
+
+def magnitude(unit: str, about: str, place: str, **more: Any) -> Field:
+    """A Field of what has no direction."""
+    return Field(unit, about, place, never_negative=True, **more)
 
 
 def field_of(hint: Any) -> Field:

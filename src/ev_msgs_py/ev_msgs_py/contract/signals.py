@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from ev_msgs_py.contract.field import Field, leftward
+from ev_msgs_py.contract.field import Field, leftward, magnitude
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.elementary import atan2, cos, remainder, sin
 
@@ -25,7 +25,7 @@ class DriverCommand(NamedTuple):
     """What the driver does: pedals as torques summed over all wheels, and the hands on the steering wheel."""
 
     drive_torque: Annotated[float, Field("N m", "of all drives together, negative to slow down", "drive.effort")]
-    brake_torque: Annotated[float, Field("N m", "of all brakes together, never negative", "brake.effort")]
+    brake_torque: Annotated[float, magnitude("N m", "of all brakes together, never negative", "brake.effort")]
     hand_torque: Annotated[float, leftward("N m", "on the steering wheel, left positive", "steering_wheel.effort")]
 
 
@@ -55,7 +55,7 @@ class SteeringColumnState(NamedTuple):
 
 
 _Drive = Annotated[Wheels, Field("N m", "drive torque at the wheel", "{wheel}.effort")]
-_Brake = Annotated[Wheels, Field("N m", "brake torque at the wheel, never negative", "{wheel}_brake.effort")]
+_Brake = Annotated[Wheels, magnitude("N m", "brake torque at the wheel, never negative", "{wheel}_brake.effort")]
 
 
 class WheelTorqueRequest(NamedTuple):
@@ -148,7 +148,8 @@ class BatteryCondition(NamedTuple):
     """Terminal values of the traction battery, in the single precision that BatteryState carries."""
 
     voltage: Annotated[
-        float, Field("V", "at the terminals", "voltage", single_precision=True, sensor="battery_voltage", largest=1e3)
+        float,
+        magnitude("V", "at the terminals", "voltage", single_precision=True, sensor="battery_voltage", largest=1e3),
     ]
     current: Annotated[
         float, Field("A", "into the battery", "current", single_precision=True, sensor="battery_current", largest=1e3)
@@ -159,7 +160,7 @@ class BatteryCondition(NamedTuple):
     capacity: Annotated[float, Field("A h", "between empty and full", "capacity", single_precision=True)]
     state_of_charge: Annotated[
         float,
-        Field(
+        magnitude(
             "1", "charge over capacity", "percentage",
             single_precision=True, sensor="battery_state_of_charge", largest=1.0,
         ),
@@ -175,7 +176,7 @@ class TireForces(NamedTuple):
     lateral_force: Annotated[
         Wheels, leftward("N", "across the wheel", "{wheel}_lateral.effort", sensor="tire_force", largest=1e5)
     ]
-    load: Annotated[Wheels, Field("N", "on the road", "{wheel}_vertical.effort", sensor="tire_load", largest=1e5)]
+    load: Annotated[Wheels, magnitude("N", "on the road", "{wheel}_vertical.effort", sensor="tire_load", largest=1e5)]
     slip_ratio: Annotated[
         Wheels, Field("1", "sign of its force", "{wheel}_longitudinal.position", sensor="tire_slip_ratio", largest=1.0)
     ]
@@ -183,7 +184,7 @@ class TireForces(NamedTuple):
         Wheels, leftward("rad", "left positive", "{wheel}_lateral.position", sensor="tire_slip_angle", largest=1.0)
     ]
     friction_coefficient: Annotated[
-        Wheels, Field("1", "available", "{wheel}_vertical.position", sensor="tire_friction", largest=1.0)
+        Wheels, magnitude("1", "available", "{wheel}_vertical.position", sensor="tire_friction", largest=1.0)
     ]
 
 

@@ -16,6 +16,7 @@ class Restart:
     """Puts a part back to its start at the instants at which it begins anew."""
 
     error: BaseException | None = None
+    state = None  # nothing lasts but that of the part
 
     def __init__(self, part: Any, faults: Sequence[Fault], period: float) -> None:
         self._part, self._period = part, period

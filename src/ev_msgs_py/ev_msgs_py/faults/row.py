@@ -12,11 +12,12 @@ from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.faults.fault import Fault, parsed
 from ev_msgs_py.faults.kinds import OF_SIGNALS
-from ev_msgs_py.faults.striking import HEAD, WIDTH, strike
+from ev_msgs_py.faults.striking import HEAD, LENGTH, MEMORY, NAME, NUMBER, WIDTH, strike
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
 from ev_msgs_py.sensors.measuring import Numbers
+from ev_msgs_py.sensors.row import keep_memories
 
 _CODES = list(OF_SIGNALS)
 _PAIR = 2
@@ -35,35 +36,38 @@ class FaultRow:
 
     def __init__(self, faults: Sequence[Fault], writes: tuple[type, ...], seed: int, period: float) -> None:
         self.constants = [0.0] * HEAD
-        self._size = 1
-        for fault in faults:
-            for told in self._entries(fault, writes, seed, period):
+        self._size = 0
+        texts = [fault.text for fault in faults]
+        for n, fault in enumerate(faults):
+            again = texts[:n].count(fault.text)  # of two that say the same each has random numbers of its own
+            name = zlib.crc32((f"{fault.text} {again}" if again else fault.text).encode())
+            for told in self._entries(fault, writes, seed, name, period):
                 self.constants += told
         total = len(self.constants)
         self.constants[:HEAD] = float(total), float(self._size), float((total - HEAD) // WIDTH), period
         self.start()
 
-    def _entries(self, fault: Fault, writes: tuple[type, ...], seed: int, period: float) -> Iterator[list[float]]:
+    def _entries(
+        self, fault: Fault, writes: tuple[type, ...], seed: int, name: int, period: float
+    ) -> Iterator[list[float]]:
         begin, end = fault.periods(period)
         struck = channels_of(fault, writes)
         pairs = [struck] if fault.kind == "swapped" else [(channel, channel) for channel in struck]
         lengths = {"frozen": 1, "lost": 1, "reordered": 1, "restarted": 1}
         length = max(round(fault.value / period), 1) if fault.kind == "delayed" else lengths.get(fault.kind, 0)
         for number, (one, other) in enumerate(pairs):
-            memory, self._size = self._size, self._size + length
+            memory, self._size = self._size, self._size + (1 + length if length else 0)
             places = [float(place) for _, place, _ in (one, other)]
-            name = float(zlib.crc32(fault.text.encode()))
-            told = [float(_CODES.index(fault.kind)), *places, begin, end, fault.value, float(seed), name]
-            yield [*told, float(number), float(memory), float(length), float(one[2])]
+            told = [float(_CODES.index(fault.kind)), *places, begin, end, fault.value, float(seed), float(name)]
+            yield [*told, float(number), float(memory), float(length), float(one[2]), float(other[2])]
 
     def start(self) -> None:
         """Begin anew, before the first period."""
         self.state = [0.0] * self._size
 
     def go_on_from(self, other: Any) -> None:
-        """Go on where others were, if they are the same; else begin anew with the present numbers."""
-        if self.constants == other.constants:
-            self.state = list(other.state)
+        """What the same faults remember goes on; others begin with the present numbers."""
+        keep_memories(self, other, HEAD, WIDTH, (NAME, NUMBER, LENGTH), MEMORY)
 
     def step(self, numbers: Numbers) -> None:
         """Put what the faults leave of them into the place of the numbers in a frame; once per period."""
@@ -79,11 +83,16 @@ def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, 
             TOPICS[signal].channels, frame.places(signal), shape_of(signal).single, strict=True
         )
     }
+    topics = {TOPICS[signal].name.replace("/", ".") for signal in writes}
+    if fault.kind == "restarted":  # a node that is killed says nothing at all
+        if fault.where not in topics:
+            unknown = unknown_name("topic of this node", fault.where, topics)
+            raise ParameterError(f"faults: {quoted(fault.text)}: {unknown}")
+        return list(known.values())
     found = []
     for where in fault.where.split(","):
         here = [known[name] for name in known if name == where or name.startswith(f"{where}.")]
         if not here:
-            topics = {TOPICS[signal].name.replace("/", ".") for signal in writes}
             listed = [name for name in known if name.partition(".")[0] == where.partition(".")[0]] or topics
             raise ParameterError(f"faults: {quoted(fault.text)}: {unknown_name('number of this node', where, listed)}")
         found += here
@@ -94,9 +103,18 @@ def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, 
     return found
 
 
-def refuse_faults(role: str, texts: tuple[str, ...], writes: tuple[type, ...], has_car: bool) -> None:
-    """ParameterError, in one line, for a fault that a method of a role with these `writes` cannot have."""
+def refuse_faults(role: str, texts: tuple[str, ...], writes: tuple[type, ...], has_car: bool, period: float) -> None:
+    """ParameterError, in one line, for a fault that a method of a role with these `writes` cannot have.
+
+    Nor may one lie between two instants, which are a control period [s] apart: it would never strike.
+    """
     for fault in parsed(texts):
+        begin, end = fault.periods(period)
+        if begin >= end:
+            raise ParameterError(
+                f"faults: {quoted(fault.text)} strikes at no instant, allowed is one that lasts over a multiple of "
+                f"control_period, {period:g} s"
+            )
         if fault.kind in OF_SIGNALS:
             channels_of(fault, writes)
         elif not has_car:

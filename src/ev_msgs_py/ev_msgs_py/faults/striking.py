@@ -2,8 +2,8 @@
 
 A row of numbers holds what the faults behind one object are told, another one what lasts between periods:
 
-    constants  total  size of the state  entries  period [s]  then for each entry the numbers from KIND to ROUNDS
-    state      whether it has begun, then what each entry remembers
+    constants  total  size of the state  entries  period [s]  then for each entry the numbers from KIND to OTHER_ROUNDS
+    state      for each entry that remembers: whether it has begun, then the numbers
 """
 
 from __future__ import annotations
@@ -14,16 +14,17 @@ from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.frame import TIME
 from ev_msgs_py.elementary import cos, sin
 from ev_msgs_py.faults.kinds import OF_SIGNALS
-from ev_msgs_py.sensors.measuring import Numbers, in_single
+from ev_msgs_py.sensors.measuring import Numbers, carried
 from ev_msgs_py.sensors.random_numbers import WORD, normals, philox, uniform
 from ev_msgs_py.vehicle.car import GRAVITY
 
 CONSTANT, SCALED, OFFSET, NOISY, TILTED, SWAPPED, FROZEN, LOST, DELAYED, REORDERED, RESTARTED = range(len(OF_SIGNALS))
 
 # What an entry, one fault of one number, is told. OTHER is the place of the number that it is swapped with, NUMBER its
-# own among those of the fault, MEMORY where its LENGTH numbers stand in the state.
-WIDTH = 12
-KIND, PLACE, OTHER, BEGIN, END, VALUE, SEED, NAME, NUMBER, MEMORY, LENGTH, ROUNDS = range(WIDTH)
+# own among those of the fault, MEMORY where the state has what it remembers, LENGTH numbers. A message carries PLACE in
+# single precision if it ROUNDS.
+WIDTH = 13
+KIND, PLACE, OTHER, BEGIN, END, VALUE, SEED, NAME, NUMBER, MEMORY, LENGTH, ROUNDS, OTHER_ROUNDS = range(WIDTH)
 HEAD = 4
 
 # The last word of the counter says what a random number is for; sensors have 0 and 1.
@@ -37,7 +38,6 @@ def strike(frame: Numbers, state: Numbers, faults: Sequence[float]) -> None:
     for n in range(int(faults[2])):
         begin = HEAD + n * WIDTH
         suffer(frame, state, faults[begin : begin + WIDTH], period)
-    state[0] = 1.0
 
 
 @compilable
@@ -54,7 +54,7 @@ def suffer(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> N
         return
     if kind == SWAPPED:
         other = int(c[OTHER])
-        frame[place], frame[other] = frame[other], true
+        frame[place], frame[other] = carried(frame[other], c[ROUNDS]), carried(true, c[OTHER_ROUNDS])
         return
     shown = value
     if kind == SCALED:
@@ -67,14 +67,16 @@ def suffer(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> N
         shown = true + value * normal
     elif kind == TILTED:
         shown = true * cos(value) + GRAVITY * sin(value)
-    frame[place] = in_single(shown) if c[ROUNDS] == 1.0 else shown
+    frame[place] = carried(shown, c[ROUNDS])
 
 
 @compilable
 def remembered(state: Numbers, c: Sequence[float], period: int, is_on: bool, true: float) -> float:
     """What a fault shows that knows earlier numbers, and remembers this one."""
-    memory, length, kind = int(c[MEMORY]), int(c[LENGTH]), c[KIND]
-    if state[0] == 0.0:
+    begun, length, kind = int(c[MEMORY]), int(c[LENGTH]), c[KIND]
+    memory = begun + 1
+    if state[begun] == 0.0:
+        state[begun] = 1.0
         for age in range(length):
             state[memory + age] = true
     if kind == DELAYED:

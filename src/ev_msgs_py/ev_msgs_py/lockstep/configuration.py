@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -11,47 +11,21 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.faults.fault import FaultParameters
 from ev_msgs_py.faults.row import refuse_faults
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
 from ev_msgs_py.lockstep.hooks import ReadingFiles
-from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout
+from ev_msgs_py.lockstep.methods import Method, create, find_method, methods_of, refuse_layout, refuse_taken
 from ev_msgs_py.parameters.declaration import (
     Entry,
+    ParameterError,
     Spec,
     defaults,
     entries,
     flatten,
-    group,
-    parameter,
 )
 from ev_msgs_py.parameters.values import entries_by_name, replaced, unknown_name
 from ev_msgs_py.sensors.quantities import sensors_for
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.sensors.seeds import seeded
 from ev_msgs_py.vehicle.files import with_files
-
-
-@dataclass(frozen=True, slots=True)
-class CommonParameters:
-    """Parameters that every node of the graph has."""
-
-    control_period: float = parameter(
-        0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
-    )
-    mode: str = parameter(
-        "lockstep",
-        choices=("lockstep", "realtime"),
-        about="lockstep: a step when all inputs are there; realtime: a step when the wall clock says so",
-        read_only=True,
-    )
-    seed: int = parameter(0, low=0, high=2**31 - 1, about="seed of everything random in the node", read_only=True)
-    scheduling_priority: int = parameter(
-        0,
-        low=0,
-        high=99,
-        about="SCHED_FIFO for all threads of the process; 0: not asked for",
-        read_only=True,
-    )
-    lock_memory: bool = parameter(False, about="keep the memory of the node's process from being paged", read_only=True)
-    vehicle: Vehicle = group(Vehicle)
-
 
 P = TypeVar("P")
 _METHOD, _SENSORS = "method", "sensors."
@@ -91,9 +65,19 @@ class Configuration:
         kind: type = type(self.sensors)
         return bool(self.sensors == defaults(kind))
 
+    @property
+    def told(self) -> Any:
+        """The parameters as the method is told them: its own seeds go with that of the node."""
+        return seeded(self.parameters, self.common.seed)
+
+    @property
+    def has_random_method(self) -> bool:
+        """Whether the method itself hangs on the seed, and not its sensors and faults alone."""
+        return seeded(self.parameters, 1) is not self.parameters
+
     def create(self) -> Any:
         """A new object of the method, at rest, in plain Python and in front of its sensors."""
-        return create(self.method, self.parameters, self.common.vehicle, self.common.control_period)
+        return create(self.method, self.told, self.common.vehicle, self.common.control_period)
 
     def entries(self) -> tuple[Entry, ...]:
         """Every parameter of the node with its present value as default."""
@@ -114,6 +98,8 @@ class Configuration:
         sensors = _replaced(rest, self.sensors, _SENSORS)
         own_faults = _replaced(rest, self.own_faults) if self.own_faults is not None else None
         if not rest:
+            if self.extra is not None:
+                self.extra.refuse_beside(common)
             changed = {"common": common, "parameters": parameters, "sensors": sensors, "own_faults": own_faults}
             made = dataclasses.replace(self, **changed)
             same = parameters is self.parameters and own_faults is self.own_faults
@@ -132,13 +118,16 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
 
     `extra` is a dataclass of further parameters that only this node has. Raises ParameterError for unknown names and
     refused values. A value for another method of the same role, or for a sensor of a signal that this method does not
-    write, is checked and then listed as unused, so that one scenario file can serve several methods.
+    write, is checked and then listed as unused, so that one scenario file can serve several methods; `refuse_unused`
+    is for what somebody says of the chosen ones.
     """
     rest = dict(values)
     method = chosen_method(role, rest)
     rest.pop(_METHOD, None)
     common = _take(rest, CommonParameters)
     further = _take(rest, extra) if extra is not None else None
+    if extra is not None:
+        refuse_taken(f"{role} method {method.name}", method.parameters, entries_by_name(extra))
     parameters: Any = _take(rest, method.parameters)
     sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
     own_faults = None if hasattr(parameters, "faults") else _take(rest, FaultParameters)
@@ -155,6 +144,26 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     return _fitting(Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors, own_faults))
 
 
+def refuse_unused(name: str, configurations: Collection[Configuration]) -> None:
+    """ParameterError if the methods chosen for a role lack a parameter: it says who has it, or its name there."""
+    if not all(name in each.unused for each in configurations):
+        return
+    role = next(each.role for each in configurations)
+    here = sorted({known for each in configurations for known in each.values() if _ends_alike(known, name)})
+    having = [
+        each.name
+        for each in methods_of(role).values()
+        if name in entries_by_name(each.parameters) or name in entries_by_name(sensors_for(each.writes), _SENSORS)
+    ]
+    chosen = ", ".join(dict.fromkeys(each.method.name for each in configurations))
+    where = f"its name there is {' or '.join(here)}" if here else f"allowed with {', '.join(having)}"
+    raise ParameterError(f"parameter {name} is refused: {role} method {chosen} does not have it, {where}", name)
+
+
+def _ends_alike(one: str, other: str) -> bool:
+    return one.endswith(f".{other}") or other.endswith(f".{one}")
+
+
 def _fitting(configuration: Configuration) -> Configuration:
     """The configuration with what its files hold; ParameterError if its method does not suit the vehicle."""
     method, common = configuration.method, configuration.common
@@ -162,8 +171,11 @@ def _fitting(configuration: Configuration) -> Configuration:
     parameters = configuration.parameters
     if isinstance(method.factory, ReadingFiles):
         parameters = method.factory.load_files(parameters)
+    if configuration.extra is not None:
+        configuration.extra.refuse_beside(common)
     refuse_layout(method, parameters, common.vehicle)
-    refuse_faults(configuration.role, configuration.faults, method.writes, hasattr(parameters, "faults"))
+    has_car, period = hasattr(parameters, "faults"), common.control_period
+    refuse_faults(configuration.role, configuration.faults, method.writes, has_car, period)
     return dataclasses.replace(configuration, common=common, parameters=parameters)
 
 

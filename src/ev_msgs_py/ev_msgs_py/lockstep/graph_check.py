@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ev_msgs_py.lockstep.configuration import CommonParameters, Configuration
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.parameters.declaration import ParameterError, flatten
 
 # Of the common parameters those that each node may have its own value of.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import typing
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
@@ -12,18 +12,23 @@ from typing import Any, TypeVar
 
 from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.faults.fault import FaultParameters
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
 from ev_msgs_py.lockstep.hooks import refuse_lacking
 from ev_msgs_py.lockstep.installed_methods import load_installed_methods
 from ev_msgs_py.lockstep.law import Law, given_names
-from ev_msgs_py.parameters.data_file import TextOfFile
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.csv_file import find_file
+from ev_msgs_py.parameters.data_file import TextOfFile, tell
+from ev_msgs_py.parameters.declaration import ParameterError, entries
 from ev_msgs_py.parameters.shown import quoted
-from ev_msgs_py.parameters.values import unknown_name
+from ev_msgs_py.parameters.values import entries_by_name, unknown_name
 from ev_msgs_py.vehicle.layout import refusal
 
 T = TypeVar("T")
 
 NODES = "ev_stack.nodes"  # of entry points, named after their roles
+SENSORS = "sensors"  # the group of a node's sensors
+(FAULTS,) = entries(FaultParameters)
 LIBRARIES = (".so", ".dylib")  # what the path of a shared library ends with
 RECORDINGS = ".npz"  # and that of recorded signals
 _REGISTER: dict[str, dict[str, Method]] = {}
@@ -111,7 +116,7 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
     `lockstep.law.Law` has.
 
     The annotations of `step`, `advance` or the function name the signals that are read; TypeError if there is no such
-    role, if it may not read one of them, or if a hook is missing.
+    role, if it may not read one of them, if a hook is missing, or if a parameter has the name of one of every node.
     """
     if role not in ROLES:
         raise TypeError(f"method {name}: {quoted(role)} is no role, allowed is one of {', '.join(ROLES)}")
@@ -131,10 +136,28 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
         for signal in reads:
             if not ROLES[role].may_read(signal):
                 raise TypeError(f"{role} method {name}: a {role} does not read {signal.__name__} (see roles.py)")
+        try:
+            refuse_taken(f"{role} method {name}", factory.parameters)
+        except ParameterError as error:
+            raise TypeError(str(error)) from None
         _REGISTER.setdefault(role, {})[name] = Method(role, name, factory, reads, factory.parameters)
         return defined
 
     return register
+
+
+def refuse_taken(who: str, parameters: type, taken: Iterable[str] = ()) -> None:
+    """ParameterError if a parameter has the name of one that every node has, or one of `taken`: it would not get there.
+
+    Only a method whose `faults` are those of every node may ask for them itself.
+    """
+    own = entries_by_name(parameters)
+    of_nodes = entries_by_name(CommonParameters)
+    groups = {"method", SENSORS, *(name.partition(".")[0] for name in of_nodes)}
+    for name, entry in own.items():
+        is_fault = name == FAULTS.name and entry != FAULTS
+        if name.partition(".")[0] in groups or name in taken or is_fault:
+            raise ParameterError(f"{who}: parameter {name} is refused: every node has one of this name, take another")
 
 
 def _stepping(role: str, factory: Any) -> Callable[..., Any]:
@@ -170,11 +193,15 @@ def find_method(role: str, name: str) -> Method:
             )
         from ev_msgs_py.native.method import library_method
 
-        return library_method(role, name)
+        found = library_method(role, name)
+        tell(find_file(name))
+        return found
     if isinstance(name, str) and name.endswith(RECORDINGS):
         from ev_msgs_py.playback.method import playback_method
 
-        return playback_method(role, name)
+        found = playback_method(role, name)
+        tell(name)
+        return found
     known = methods_of(role)
     if not isinstance(name, str) or name not in known:
         failed = "".join(f"; not loaded: {line}" for line in load_installed_methods(role))

@@ -56,7 +56,7 @@ def is_compiled(configuration: Configuration) -> bool:
         return True
     from ev_msgs_py.compiling.part import is_kept
 
-    return is_kept(method, configuration.parameters, common.vehicle, common.control_period)
+    return is_kept(method, configuration.told, common.vehicle, common.control_period)
 
 
 def compiled_parts(configuration: Configuration) -> list[Any]:
@@ -85,7 +85,7 @@ def method_part(configuration: Configuration, compiled: bool) -> Any:
         return kind(method, configuration.create())
     from ev_msgs_py.compiling.part import CompiledPart
 
-    return CompiledPart(method, configuration.parameters, common.vehicle, common.control_period)
+    return CompiledPart(method, configuration.told, common.vehicle, common.control_period)
 
 
 def hand_over(before: Part, after: Part) -> None:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import ctypes
 import math
+import os
 from collections.abc import Iterator
 from ctypes import POINTER, Structure, c_char_p, c_double, c_uint32, c_void_p
 from dataclasses import make_dataclass
+from keyword import iskeyword
+from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.lockstep.methods import refuse_taken
 from ev_msgs_py.native.interface import CAR, VERSION, bit, layout, reads_of, size_of
 from ev_msgs_py.parameters.csv_file import find_file
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
@@ -18,6 +22,30 @@ from ev_msgs_py.parameters.shown import quoted
 _WORD = 8  # bytes of a number, and of a pointer
 GIVEN = 2 + len(CAR) + 3  # words of ev_given: period, parameters, car with one number for each of four wheels
 _MOST = 10_000  # parameters or numbers of a state; more is a mistake
+
+
+_files: dict[Path, list[os.stat_result]] = {}  # those that were opened at a path in this process, one after the other
+
+
+def path_of(name: str) -> Path:
+    """The whole path of the file that a method's name means now."""
+    return find_file(name).absolute()
+
+
+def _opened(path: Path) -> ctypes.CDLL:
+    """The file that is there now: the loader gives the one that was there before for the same text of a path.
+
+    OSError if it cannot be loaded, or was written over in place, so that the law that came out of it is damaged.
+    """
+    before, found = _files.setdefault(path, []), path.stat()
+    known = [os.path.samestat(each, found) for each in before]
+    place = known.index(True) if True in known else len(before)
+    if any(known) and (before[place].st_mtime_ns, before[place].st_size) != (found.st_mtime_ns, found.st_size):
+        raise OSError("it was written over while it was in use, allowed is a new file in its place, or a new process")
+    opened = ctypes.CDLL(f"{path.parent}{'/.' * place}/{path.name}")
+    if not any(known):
+        before.append(found)
+    return opened
 
 
 class _Parameter(Structure):
@@ -51,11 +79,11 @@ class Library:
 
     def __init__(self, role: str, name: str) -> None:
         self.role, self.name = role, name
-        path = find_file(name).absolute()
+        path = path_of(name)
         try:
-            self._opened = ctypes.CDLL(str(path))
+            self._opened = _opened(path)
         except OSError as error:
-            raise self.refused(str(error).removeprefix(f"{path}: ")) from None
+            raise self.refused(str(error).rpartition(f"{path.name}: ")[2]) from None
         try:
             declared = _Declared.in_dll(self._opened, f"ev_{role}")
         except ValueError:
@@ -68,6 +96,7 @@ class Library:
             raise self.refused("it lacks a step function, reads nothing of its role, or declares absurdly much")
         self.about = _text(declared.about) or "A law in C."
         self.parameters = make_dataclass("LibraryParameters", self._fields(declared), frozen=True, slots=True)
+        refuse_taken(f"{role} method {name}", self.parameters)
 
     def refused(self, why: str) -> ParameterError:
         """The error for something wrong with the library."""
@@ -84,8 +113,13 @@ class Library:
                 raise self.refused(f"compiled with another ev_laws.h: {name} {shown}; make it anew with that of here")
 
     def _fields(self, declared: _Declared) -> Iterator[tuple[str, type, Any]]:
+        seen: set[str] = set()
         for each in declared.parameters[: declared.number_of_parameters]:
             name, low, high = _text(each.name), each.low, each.high
+            if name in seen or iskeyword(name) or name.startswith("_"):
+                allowed = "allowed is once" if name in seen else "allowed is a name of Python's without _ before it"
+                raise self.refused(f"parameter {quoted(name)} is refused, {allowed}")
+            seen.add(name)
             if not name.isidentifier() or not low <= each.value <= high or not math.isfinite(each.value):
                 raise self.refused(f"parameter {quoted(name)} needs a name and a finite value between its bounds")
             declared_as = parameter(

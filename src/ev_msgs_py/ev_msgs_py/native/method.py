@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Sequence
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.lockstep.methods import Method
 from ev_msgs_py.lockstep.part import PythonPart
 from ev_msgs_py.native.interface import LAW_ROLES, car_row, reads_of, size_of
-from ev_msgs_py.native.library import GIVEN, Library
+from ev_msgs_py.native.library import GIVEN, Library, path_of
 from ev_msgs_py.parameters.declaration import ParameterError, number_tree
 from ev_msgs_py.vehicle.car import car_numbers
 
@@ -24,11 +25,21 @@ STATUS = 1  # place of what the last step returned; before it stands the address
 INPUTS = 2
 
 
-@cache
 def library_method(role: str, name: str) -> Method:
     """The method of a role that a library brings; ParameterError, in one line, if it cannot."""
     if role not in LAW_ROLES:
         raise ParameterError(f"{role} method {name}: a library plays one of {', '.join(LAW_ROLES)}", "method")
+    path = path_of(name)
+    try:
+        found = path.stat()
+    except OSError as error:
+        raise ParameterError(f"{role} method {name}: {error.strerror}", "method") from None
+    return _made(role, name, path, (found.st_dev, found.st_ino, found.st_mtime_ns, found.st_size))
+
+
+@cache
+def _made(role: str, name: str, _path: Path, _file: tuple[int, ...]) -> Method:
+    """The same for one file, as it was built once."""
     factory = NativeMethod(Library(role, name))
     return Method(role, name, factory, (Instant, *factory.library.reads), factory.parameters)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
 
 LONGEST = 1e7  # simulated time of a run [s]; a stamp holds 2e9
 RECORDER_LAG = 200  # steps that the recorder may be behind; less than topics.QUEUE_DEPTH
@@ -35,3 +36,10 @@ class MasterParameters:
     await_recorder: bool = parameter(
         False, about=f"stay within {RECORDER_LAG} steps of the recorder, so that it misses nothing", read_only=True
     )
+
+    def refuse_beside(self, common: CommonParameters) -> None:
+        """ParameterError if they do not fit to those that every node has."""
+        if common.mode == "realtime" and self.command_timeout <= 2.0 * common.control_period:
+            allowed = f"more than two control periods, {2.0 * common.control_period:g} s"
+            name = "command_timeout"
+            raise ParameterError(f"parameter {name}: {self.command_timeout:g} is refused, allowed is {allowed}", name)

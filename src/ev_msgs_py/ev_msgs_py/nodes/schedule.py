@@ -13,7 +13,6 @@ from ev_msgs_py.nodes.held_inputs import HeldInputs
 from ev_msgs_py.nodes.master_parameters import RECORDER_LAG, MasterParameters
 from ev_msgs_py.nodes.pace import Pace
 from ev_msgs_py.nodes.timing import Timing
-from ev_msgs_py.parameters.declaration import ParameterError
 
 
 class Schedule:
@@ -24,9 +23,6 @@ class Schedule:
         self.realtime = realtime
         self.held = HeldInputs(stepper.reads)
         self.timing = Timing(stepper.reads)
-        if realtime and stamps.from_seconds(parameters.command_timeout) <= 2 * stepper.period:
-            given = f"{parameters.command_timeout:g} s"
-            raise ParameterError(f"command_timeout: {given} is refused, allowed is more than two control periods")
         self._pace = Pace()
         self._recorded = -1  # stamp up to which the recorder holds everything
         self.rests: Callable[[], bool] = lambda: False  # whether a service has stopped time

@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from ev_msgs_py.lockstep.configuration import CommonParameters
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
 
 _CURRENT_AND_FUTURE = 1 | 2  # of mlockall
 

@@ -33,8 +33,8 @@ def read_csv(parameter: str, name: str, columns: tuple[Mapping[str, float], ...]
 
     `columns`: for each column the names that it may have, with the factor from its unit to SI. The file has a header;
     further columns, empty lines and lines that begin with # are passed over. Raises ParameterError, in one line that
-    names `parameter` and file, if the file cannot be read, lacks a column or holds something else than finite numbers,
-    and if `make` raises one.
+    names `parameter` and file, if the file cannot be read, lacks a column or has it twice, or holds something else than
+    finite numbers, and if `make` raises one.
     """
     path: Path | str = name
     try:
@@ -57,6 +57,8 @@ def _read(path: Path, columns: tuple[Mapping[str, float], ...]) -> list[tuple[fl
         wanted = [names[0] if len(names) == 1 else f"one of {' and '.join(names)}" for names in map(list, columns)]
         line = rows[0][0] if rows else 1
         raise ParameterError(f"line {line}: no header with the columns {', '.join(wanted[:-1])} and {wanted[-1]}")
+    if twice := [name for (name,) in found if header.count(name) > 1]:
+        raise ParameterError(f"line {rows[0][0]}: column {twice[0]} stands there twice, allowed is once")
     chosen = [(name, header.index(name), names[name]) for (name,), names in zip(found, columns, strict=True)]
     return [
         tuple(factor * _number(row[place] if place < len(row) else None, name, line) for line, row in rows[1:])

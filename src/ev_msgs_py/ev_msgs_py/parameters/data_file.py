@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import BufferedReader
 from pathlib import Path
 from typing import IO
 
@@ -14,6 +18,7 @@ from ev_msgs_py.parameters.shown import quoted
 
 MEGABYTE = 2**20
 TEXT, TABLE, SIGNALS = 4 * MEGABYTE, 64 * MEGABYTE, 4096 * MEGABYTE  # the largest size of a file, by its kind
+_listening: list[dict[str, str]] = []  # what `files_read` has given to those who still ask
 _KINDS = ((stat.S_ISDIR, "a folder"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"), (stat.S_ISREG, ""))
 
 
@@ -41,6 +46,30 @@ def refuse_outside(name: str, path: Path) -> None:
             )
 
 
+@contextmanager
+def files_read() -> Iterator[dict[str, str]]:
+    """By path the SHA-256 of every file of data that is opened, or told to be needed, in the meantime."""
+    read: dict[str, str] = {}
+    _listening.append(read)
+    try:
+        yield read
+    finally:
+        _listening.pop()
+
+
+def tell(path: Path | str) -> None:
+    """Say that a file is needed, which is not opened anew each time: it is a library, or was read before."""
+    if _listening:
+        with Path(path).open("rb") as file:
+            _tell(path, file)
+
+
+def _tell(path: Path | str, file: BufferedReader) -> None:
+    digest = hashlib.file_digest(file, "sha256").hexdigest()
+    for each in _listening:
+        each[os.fspath(path)] = digest
+
+
 def open_data(path: Path | str, most: int) -> IO[bytes]:
     """A regular file of at most so many bytes; OSError, whose strerror says what is allowed, for anything else."""
     opened = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
@@ -52,10 +81,14 @@ def open_data(path: Path | str, most: int) -> IO[bytes]:
         if what:
             allowed = f"it is {what}, allowed is a regular file of at most {most // MEGABYTE} MB"
             raise OSError(errno.EINVAL, allowed, str(path))
-        return os.fdopen(opened, "rb")
     except BaseException:
         os.close(opened)
         raise
+    file = os.fdopen(opened, "rb")
+    if _listening:
+        _tell(path, file)
+        file.seek(0)
+    return file
 
 
 def read_data(path: Path | str, most: int) -> bytes:

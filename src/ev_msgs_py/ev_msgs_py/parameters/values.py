@@ -10,6 +10,8 @@ from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any, TypeVar
 
+import numpy as np
+
 from ev_msgs_py.parameters.declaration import Entry, ParameterError, entries
 from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.units import number_of, units_for
@@ -23,11 +25,17 @@ def check(entry: Entry, value: Any) -> Any:
 
     Raises ParameterError for a wrong type, a value out of range, NaN or infinity.
     """
+    value = plain(value)
     if entry.is_array:
         if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, Iterable):
             raise _refused(entry, value, f"an array of {_type_word(entry.type)}")
-        return tuple(_check_element(entry, element) for element in value)
+        return tuple(_check_element(entry, plain(element)) for element in value)
     return _check_element(entry, value)
+
+
+def plain(value: Any) -> Any:
+    """A number or an array of numpy as Python's own; everything else as it is."""
+    return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
 
 
 def _check_element(entry: Entry, value: Any) -> Any:

@@ -50,7 +50,7 @@ def _recorded(role: str, name: str) -> Recorded:
     path = Path(name)
     try:
         refuse_outside(name, path)
-        return _read(role, name, path.stat().st_mtime_ns)
+        return _read(role, name, path.absolute(), path.stat().st_mtime_ns)
     except OSError as error:
         raise ParameterError(f"{role} method {name}: {error.strerror}", "method") from None
     except RecordingError as error:
@@ -58,7 +58,7 @@ def _recorded(role: str, name: str) -> Recorded:
 
 
 @lru_cache(maxsize=8)  # the roles of one recording
-def _read(role: str, name: str, _modified: int) -> Recorded:
+def _read(role: str, name: str, _path: Path, _modified: int) -> Recorded:
     return Recorded(role, name, read_arrays(name))
 
 

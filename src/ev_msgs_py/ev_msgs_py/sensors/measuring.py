@@ -3,7 +3,8 @@
 A row of numbers holds what the sensors behind one object are told, another one what lasts between periods:
 
     constants  total  size of the state  sensors  then for each sensor the numbers from KIND to FIRST
-    state      period                             then for each sensor what it shows and what is on its way
+    state      period                             then for each sensor whether it has begun, what it shows, what is on
+                                                  its way
 """
 
 from __future__ import annotations
@@ -55,8 +56,9 @@ def measure(frame: Numbers, state: Numbers, sensors: Sequence[float]) -> None:
 @compilable
 def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> None:
     """One sensor: gain, bias, noise, range, quantisation, delay, drop-out of all its numbers at once."""
-    count, shown, delay = int(c[COUNT]), int(c[MEMORY]), int(c[DELAY])
-    is_lost = period > 0 and is_dropped(c, period)
+    count, begun, delay = int(c[COUNT]), int(c[MEMORY]), int(c[DELAY])
+    shown, is_first = begun + 1, state[begun] == 0.0
+    is_lost = not is_first and is_dropped(c, period)
     spare = 0.0
     for i in range(count):
         normal = spare
@@ -69,7 +71,7 @@ def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> Non
         value = sampled(true_number(frame, c, i), normal, c)
         if delay > 0:
             line = shown + count + i
-            if period == 0:
+            if is_first:
                 for age in range(delay):
                     state[line + age * count] = value
             here = line + (period % delay) * count
@@ -78,6 +80,7 @@ def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> Non
         if not is_lost:
             state[shown + i] = value
         write(frame, c, i, state[shown + i])
+    state[begun] = 1.0
 
 
 @compilable
@@ -124,18 +127,12 @@ def write(frame: Numbers, c: Sequence[float], i: int, number: float) -> None:
     if c[KIND] == HEADING:
         frame[place], frame[second] = sin(0.5 * number), cos(0.5 * number)
     else:
-        frame[place + i] = carried(number, c)
+        frame[place + i] = carried(number, c[ROUNDS])
         if c[KIND] == SHARE:
-            frame[second] = carried(frame[place] * frame[int(c[THIRD])], c)
+            frame[second] = carried(frame[place] * frame[int(c[THIRD])], c[ROUNDS])
 
 
 @compilable
-def carried(number: float, c: Sequence[float]) -> float:
-    """The number in the precision of its message."""
-    return in_single(number) if c[ROUNDS] == 1.0 else number
-
-
-@compilable
-def in_single(number: float) -> float:
-    """The number in single precision."""
-    return float(np.float32(number))
+def carried(number: float, rounds: float) -> float:
+    """The number in the precision of its message, which is single where that `rounds`."""
+    return float(np.float32(number)) if rounds == 1.0 else number

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.parameters.declaration import defaults
-from ev_msgs_py.sensors.measuring import DELAY, HEAD, NAME, NUMBERS, WIDTH, Numbers, measure
+from ev_msgs_py.sensors.measuring import COUNT, DELAY, FIRST, HEAD, MEMORY, NAME, NUMBERS, WIDTH, Numbers, measure
 from ev_msgs_py.sensors.quantities import QUANTITIES, Quantity
 from ev_msgs_py.sensors.sensor import DISTRIBUTIONS
 
@@ -33,7 +33,7 @@ class SensorRow:
 
     def _told(self, quantity: Quantity, errors: Any, seed: int, part: range) -> list[float]:
         places = quantity.places[part.start : part.start + 1] if quantity.kind == NUMBERS else quantity.places
-        memory, self._size = self._size, self._size + len(part) * (1 + errors.delay)
+        memory, self._size = self._size, self._size + 1 + len(part) * (1 + errors.delay)
         told = [quantity.kind, *places, *[0] * (3 - len(places)), len(part), shape_of(quantity.signal).has_single]
         told += [memory, errors.offset, errors.least_noise, errors.quantisation, errors.delay, errors.dropout]
         told += [seed, zlib.crc32(quantity.name.encode()), errors.gain, errors.lowest, errors.highest]
@@ -45,17 +45,31 @@ class SensorRow:
         self.state = [0.0] * self._size
 
     def go_on_from(self, other: Any) -> None:
-        """Go on where others were, if they are the same sensors with the same delays; else begin anew."""
-        if self._lines() == other._lines():
-            self.state = list(other.state)
-
-    def _lines(self) -> list[tuple[float, float]]:
-        """Name and delay of each sensor."""
-        return [(self.constants[n + NAME], self.constants[n + DELAY]) for n in range(HEAD, len(self.constants), WIDTH)]
+        """Go on in the period where others were; a sensor that has another delay or was not there begins with it."""
+        self.state[0] = other.state[0]
+        keep_memories(self, other, HEAD, WIDTH, (NAME, FIRST, COUNT, DELAY), MEMORY)
 
     def step(self, frame: Numbers) -> None:
         """Put what the sensors show into a frame of true numbers; once per period, the first time at the start."""
         measure(frame, self.state, self.constants)
+
+
+def keep_memories(row: Any, other: Any, head: int, width: int, key: Sequence[int], memory: int) -> None:
+    """Give a row of sensors or of faults what those of another one remember that have the same numbers at `key`."""
+    before = dict(_memories(other, head, width, key, memory))
+    for name, place in _memories(row, head, width, key, memory):
+        if name in before:
+            row.state[place] = other.state[before[name]]
+
+
+def _memories(
+    row: Any, head: int, width: int, key: Sequence[int], memory: int
+) -> Iterator[tuple[tuple[float, ...], slice]]:
+    """By name where each one's numbers stand in the state, up to those of the next one."""
+    c = row.constants
+    begins = [int(c[n + memory]) for n in range(head, len(c), width)]
+    for i, end in enumerate([*begins[1:], len(row.state)]):
+        yield tuple(c[head + i * width + k] for k in key), slice(begins[i], end)
 
 
 def imperfect(parameters: Any) -> Iterator[tuple[Quantity, Any]]:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
-from ev_msgs_py.lockstep.configuration import CommonParameters, Configuration
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
+from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import check, entries_by_name, unknown_name
+from ev_msgs_py.parameters.values import check, entries_by_name, plain, unknown_name
 
 EVERY_ROLE = "*"
 _VEHICLE, _SENSORS = "vehicle.", "sensors."
@@ -61,8 +60,8 @@ class Variation:
     def configurations(self, role: str) -> list[Configuration] | None:
         """Those of a role in all runs, None if nothing that matters differs; ParameterError if a value is refused."""
         base, columns = self._configurations[role], self._by_role[role]
-        # Only sensors know the seed.
-        matters = self.concerns_method(role) or self.concerns_sensors(role) or not base.is_ideal
+        is_sound = base.is_ideal and not base.faults
+        matters = self.concerns_method(role) or self.concerns_sensors(role) or not is_sound
         found = []
         for run in range(self.runs if columns else 0):
             values = {name: column[run] for name, column in columns.items()}
@@ -80,13 +79,10 @@ class Variation:
         return any(name.startswith(_SENSORS) for name in self._by_role[role])
 
     def concerns_method(self, role: str) -> bool:
-        """Whether anything differs that the method of a role knows of, and not its sensors alone."""
-        return any(name != "seed" and not name.startswith(_SENSORS) for name in self._by_role[role])
+        """Whether anything differs that the method of a role knows of, and not its sensors and faults alone."""
+        seed = () if self._configurations[role].has_random_method else ("seed",)
+        return any(name not in seed and not name.startswith(_SENSORS) for name in self._by_role[role])
 
 
 def _column(values: Iterable[Any]) -> list[Any]:
-    return values.tolist() if isinstance(values, np.ndarray) else [_plain(value) for value in values]
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+    return list(map(plain, plain(values)))

@@ -104,7 +104,8 @@ def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
 def overrides(given: argparse.Namespace) -> Overrides:
     """What the command line says beyond the files; ParameterError, in one line, for words without NODE, name or =."""
     cycle = getattr(given, "cycle", None)
-    values, duration = cycle_values(cycle) if cycle is not None else ([], None)
+    prepared, duration = cycle_values(cycle) if cycle is not None else ([], None)
+    values: list[tuple[str, str, Any]] = []
     for word in getattr(given, "method", ()):
         node, name = _split(word, "=", "--method", "NODE=NAME")
         values.append((node, "method", name))
@@ -116,7 +117,8 @@ def overrides(given: argparse.Namespace) -> Overrides:
         values.append((_EVERY_NODE, "seed", given.seed))
     if getattr(given, "realtime", False):
         values.append((_EVERY_NODE, "mode", "realtime"))
-    return Overrides(given.params, values, duration if given.duration is None else given.duration, given.vehicle)
+    duration = duration if given.duration is None else given.duration
+    return Overrides(given.params, values, duration, given.vehicle, prepared)
 
 
 def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import shutil
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -79,9 +80,8 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
     except ValueError as error:
         raise RunFailed(f"inverter_gateway.bus.log: {error}") from None
     outcome = _driven(run, directory, given)
-    bus = run.configurations["test_bench"].parameters.bus
-    write_can_log(log, outcome.recording, bus)
-    return outcome
+    note = write_can_log(log, outcome.recording, run.configurations["test_bench"])
+    return replace(outcome, notes=(*outcome.notes, note)) if note else outcome
 
 
 def _driven(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:

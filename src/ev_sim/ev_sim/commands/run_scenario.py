@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import sys
@@ -33,6 +34,9 @@ def main(argv: list[str] | None = None) -> None:
     """scripts/run.sh SCENARIO [options]"""
     words = sys.argv[1:] if argv is None else argv
     signal.signal(signal.SIGTERM, interrupt)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal may know ASCII only
     try:
         if words and words[0] in STUDIES:
             from ev_sim.study.run_study import run_study

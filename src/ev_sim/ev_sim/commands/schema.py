@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from ev_msgs_py.contract.roles import MASTER, ROLES
-from ev_msgs_py.lockstep.configuration import CommonParameters
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
 from ev_msgs_py.lockstep.methods import methods_of
 from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.parameters.declaration import Entry, Spec, entries

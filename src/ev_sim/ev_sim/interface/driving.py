@@ -26,7 +26,8 @@ def run(scenario: str | PathLike[str], runs: Sequence[str] = (), **changed: Any)
     may be `changed`:
 
     - `method`: {"asr": "pi_slip"}, by node,
-    - `set`: {"electronic_differential.gamma": 10.0}, by NODE.PARAMETER, where the node `*` is every node,
+    - `set`: {"electronic_differential.gamma": 10.0}, by NODE.PARAMETER, where the node `*` is every node; a method that
+      is driven must have it,
     - `seed`: of everything random, `duration`: simulated time of every run [s],
     - `cycle`: another speed cycle, as a name in config/cycles or the path of a CSV file,
     - `vehicle`: another car, as a name or the path of a complete file,
@@ -68,8 +69,8 @@ def overrides(
     cycle: str | PathLike[str] | None = None,
 ) -> Overrides:
     """What differs from a scenario's file; ParameterError for a name in `set` that has no dot."""
-    values, length = cycle_values(fspath(cycle)) if cycle is not None else ([], None)
-    values += [(node, "method", name) for node, name in (method or {}).items()]
+    prepared, length = cycle_values(fspath(cycle)) if cycle is not None else ([], None)
+    values: list[tuple[str, str, Any]] = [(node, "method", name) for node, name in (method or {}).items()]
     for place, value in (set or {}).items():
         node, _, parameter = place.partition(".")
         if not parameter:
@@ -78,7 +79,8 @@ def overrides(
     if seed is not None:
         values.append(("*", "seed", seed))
     duration = length if duration is None else duration
-    return Overrides([Path(path) for path in params], values, duration, fspath(vehicle) if vehicle else None)
+    files = [Path(path) for path in params]
+    return Overrides(files, values, duration, fspath(vehicle) if vehicle else None, prepared)
 
 
 def only_run(scenario: str | PathLike[str], run: str, told: Overrides) -> Run:

@@ -15,11 +15,13 @@ from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.faults.row import of_signals
 from ev_msgs_py.lockstep.parts import compiled_parts
 from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
+from ev_msgs_py.sensors.row import imperfect
 from ev_sim.interface.driving import only_run, overrides
 from ev_sim.running.recording.recording import Recording, recording_of
 from ev_sim.running.scenarios.scenario import Run
@@ -27,11 +29,16 @@ from ev_sim.running.scenarios.scenario import Run
 
 @dataclass(frozen=True)
 class SimulationState:
-    """All that lasts between steps: number of the instant, its frame, and by role the states of its parts."""
+    """All that lasts between steps: number of the instant, its frame, and by role the seed and the states of its parts.
+
+    `of` says what it is the state of: the control period [ns], and by role method, sensors and faults.
+    """
 
     instant: int
     frame: np.ndarray
+    seeds: Mapping[str, int]
     parts: Mapping[str, tuple[Any, ...]]
+    of: Mapping[str, Any]
 
 
 class Simulation:
@@ -95,11 +102,7 @@ class Simulation:
         """Begin again, at rest, with another seed of everything random if one is given; the first frame comes back."""
         if seed is not None:
             self.configurations = {role: each.changed({"seed": seed}) for role, each in self.configurations.items()}
-        self._parts = {
-            role: compiled_parts(configuration)
-            for role, configuration in self.configurations.items()
-            if role not in self._without
-        }
+        self._parts = {role: compiled_parts(self.configurations[role]) for role in self.kept}
         self._here, self._next = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
         self._instant, self._frames = 0, []
         for role in self._integrating:
@@ -167,14 +170,51 @@ class Simulation:
 
     @property
     def state(self) -> SimulationState:
-        """All that lasts, as a copy, which can be pickled; may be set to go on from there. The recording goes on."""
-        parts = {role: tuple(copy.deepcopy(part.state) for part in of) for role, of in self._parts.items()}
-        return SimulationState(self._instant, self._here.copy(), parts)
+        """All that lasts, as a copy, which can be pickled; may be set to go on from there. The recording goes on.
+
+        It may be that of other parameters of the same methods. ParameterError, and nothing changes, if it is of another
+        period, of other roles, methods, sensors or faults of signals, or if its numbers are not as many.
+        """
+        seeds = {role: self.configurations[role].common.seed for role in self.kept}
+        parts = {role: tuple(copy.deepcopy(part.state) for part in self._parts[role]) for role in self.kept}
+        return SimulationState(self._instant, self._here.copy(), seeds, parts, self._of())
 
     @state.setter
     def state(self, saved: SimulationState) -> None:
+        if not isinstance(saved, SimulationState):
+            raise ParameterError(f"state: {quoted(saved)} is refused, allowed is the state of a Simulation")
+        here = self._of()
+        for what in {**here, **saved.of}:
+            if here.get(what) != saved.of.get(what):
+                was, there_is = quoted(saved.of.get(what, "none")), quoted(here.get(what, "none"))
+                raise ParameterError(f"state: {what} was {was}, here it is {there_is}; allowed is the same")
+        configurations, parts = {**self.configurations}, {**self._parts}
+        for role, seed in saved.seeds.items():
+            if configurations[role].common.seed != seed:
+                configurations[role] = configurations[role].changed({"seed": seed})
+                parts[role] = compiled_parts(configurations[role])
+        told = [
+            (role, part, state)
+            for role in self.kept
+            for part, state in zip(parts[role], saved.parts[role], strict=True)
+        ]
+        for role, part, state in told:
+            size, fits = np.size(state), np.size(part.state)
+            if size != fits:
+                raise ParameterError(f"state: {role} had {size} numbers, here it has {fits}; allowed is as many")
+        for _, part, state in told:
+            part.state = copy.deepcopy(state)
+        self.configurations, self._parts = configurations, parts
         self._instant = saved.instant
         self._here[:] = saved.frame
-        for role, states in saved.parts.items():
-            for part, state in zip(self._parts[role], states, strict=True):
-                part.state = copy.deepcopy(state)
+
+    def _of(self) -> dict[str, Any]:
+        """What a state is a state of, by name."""
+        found: dict[str, Any] = {"control period [ns]": self.period, "roles": self.kept}
+        for role in self.kept:
+            configuration = self.configurations[role]
+            errors = {quantity.name: each.delay for quantity, each in imperfect(configuration.sensors)}
+            faults = [fault.text for fault in of_signals(configuration.faults)]
+            found |= {f"{role}.method": configuration.method.name, f"{role}.faults of signals": faults}
+            found[f"delays of sensors of {role}"] = errors
+        return found

@@ -16,6 +16,7 @@ from ev_sim.interface.simulation import Simulation
 from ev_sim.learning.actions import ACTIONS
 from ev_sim.learning.rewards import Reward, calm_yaw, like_the_driver, quick_without_slip
 
+_LARGEST_SEED = 2**31 - 1
 OBSERVED = ("driver.command", "steering_column.state", "twist", "imu", "wheel_states.velocity")
 
 
@@ -71,9 +72,13 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin again at rest; `seed` is that of the scenario, too: with it the signals are those of `ev_sim.run`."""
+        """Begin again at rest; `seed` is that of the scenario, too: with it the signals are those of `ev_sim.run`.
+
+        A scenario has seeds below 2^31; of a larger one its seed is drawn.
+        """
         super().reset(seed=seed)
-        frame = self.simulation.reset(int(self.np_random.integers(2**31 - 1)) if seed is None else seed)
+        is_drawn = seed is None or seed > _LARGEST_SEED
+        frame = self.simulation.reset(int(self.np_random.integers(_LARGEST_SEED)) if is_drawn else seed)
         self._law = self._own_law()
         return self._seen(frame), self._info(frame)
 

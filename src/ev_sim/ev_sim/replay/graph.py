@@ -11,7 +11,8 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.configuration import CommonParameters, Configuration, configure
+from ev_msgs_py.lockstep.common_parameters import CommonParameters
+from ev_msgs_py.lockstep.configuration import Configuration, configure, refuse_unused
 from ev_msgs_py.nodes.master_parameters import MasterParameters
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import entries_by_name, unknown_name
@@ -93,7 +94,10 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
     duration = recorded.duration if overrides.duration is None else overrides.duration
     if not 0.0 < duration <= recorded.duration:
         raise ParameterError(f"duration: {duration!r} is refused, allowed is more than 0 and up to {recorded.duration}")
-    return Replay(recorded, role, values, duration)
+    replay = Replay(recorded, role, values, duration)
+    for _, key, _ in overrides.values:
+        refuse_unused(key, [replay.configuration])
+    return replay
 
 
 def _car(recorded: Recorded, vehicle: str | None) -> Sequence[ParameterFile]:

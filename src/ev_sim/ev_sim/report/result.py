@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.nodes.master_parameters import MasterParameters
+from ev_msgs_py.parameters.config_folders import files_in_config
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.saving import figure_files, save_figures
@@ -30,6 +32,9 @@ from ev_sim.running.scenarios.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+_TIMES = {each.name for each in fields(MasterParameters)} - {"duration"}
+_HOW_IT_IS_RUN = {"mode", "seed", "scheduling_priority", "lock_memory", *_TIMES}  # the sources have no seeds
 
 
 @dataclass(frozen=True)
@@ -82,10 +87,21 @@ class Result:
     def metrics(self) -> Mapping[str, Metric]:
         """Numbers with units, and verdicts where something was published, by name."""
         found = {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.truth)}
-        changed = [f"{d.node}.{d.parameter}" for d in self.differs if d.by == COMMAND_LINE and _is_of_the_source(d)]
-        changed += [f"node {role}" for role in self.own_nodes]
-        why = f"not what the reference is about: {', '.join(dict.fromkeys(changed))} differs" if changed else ""
+        changed = dict.fromkeys(self._other_than_the_source)
+        why = f"{', '.join(changed)} differ{'s' * (len(changed) == 1)} from the source's" if changed else ""
         return {name: replace(each, unjudged=each.unjudged or why) for name, each in found.items()}
+
+    @property
+    def _other_than_the_source(self) -> list[str]:
+        """What is not as the scenario has it by which a source is reproduced; how fast it is run does not matter."""
+        source = files_in_config("scenarios").get(self._report)
+        own_file = [f"scenario {self.scenario.file}"] if source and not source.samefile(self.scenario.file) else []
+        changed = [d for d in self.differs if d.by == COMMAND_LINE and d.parameter not in _HOW_IT_IS_RUN]
+        return [*own_file, *(f"{d.node}.{d.parameter}" for d in changed), *(f"node {role}" for role in self.own_nodes)]
+
+    @property
+    def _report(self) -> str:
+        return self.scenario.parameters.report or self.scenario.name
 
     @cached_property
     def differs(self) -> Sequence[Difference]:
@@ -107,8 +123,9 @@ class Result:
     def _of_report(self, what: str) -> dict[str, Any]:
         first = self.scenario.runs[0].configurations
         parameters: Parameters = {role: configuration.values() for role, configuration in first.items()}
-        report = report_for(self.scenario.parameters.report or self.scenario.name)
-        found: dict[str, Any] = getattr(report, what)(self.truth, first[MASTER].common.vehicle, parameters)
+        found: dict[str, Any] = getattr(report_for(self._report), what)(
+            self.truth, first[MASTER].common.vehicle, parameters
+        )
         return found
 
     def data_frame(self, run: str = "") -> DataFrame:
@@ -182,8 +199,3 @@ class Result:
         from ev_sim.report.html_of_result import html_of
 
         return html_of(self.metrics, self.figures(), self.hash)
-
-
-def _is_of_the_source(difference: Difference) -> bool:
-    """Whether a parameter is what a source is about: its law and its car. The rest is a matter of its report."""
-    return difference.parameter == "method" or difference.parameter.startswith("vehicle.")

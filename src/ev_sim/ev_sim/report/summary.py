@@ -18,7 +18,7 @@ from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.running.recording.recording import combined_hash, signal_hash
 from ev_sim.running.scenarios.differences import Difference
 
-PACKAGES = ("numpy", "scipy", "numba", "rclpy")
+PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "rclpy")
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from ev_sim.study.study import Results
 ABOUT = "All traction controls pulling away on ice, snow, wet and dry roads, split friction, friction jumps, hill, bend"
 SCENARIO, RUN = "launch_split_mu", "steered"
 DURATION = 8.0  # [s]
+SHORTEST = 1.0  # [s]; the driver asks for torque from 0.5 s on
 NOISE = {"wheel_speed": 0.03, "wheel_torque": 0.5, "imu_acceleration": 0.05, "imu_yaw_rate": 0.002}
 TRACED = ("snow", "wet", "snow, then dry", "dry, then ice")
 DRAWN = ("off", "least_squares", "slip_window", "pi_slip")

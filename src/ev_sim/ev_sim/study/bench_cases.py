@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities.traction_windows import in_windows
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.urban_cases import Values
 
 WHEEL = "front_right"
-SAMPLING = 0.005  # s between the samples that are compared
+SAMPLING = 0.005  # s between the samples that are compared, as far as the control period divides it
 _STIFF, _NO_LIMIT = 1e7, 1e9
 _SENSORS = ("bench_torque", "bench_speed", "bench_load_speed", "bench_voltage", "bench_current", "bench_temperature")
 
@@ -44,17 +45,24 @@ def ideal(but: str = "") -> Values:
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """Of the right circuit: torque at the shaft [N m], with the rotor and as a transducer shows it, and wheel speed."""
+    """Of the right circuit: torque at the shaft [N m], with the rotor and as a transducer shows it, and wheel speed.
+
+    All of it at the `instants` [s]. NotMeasured if the run ends before the first traction window.
+    """
     every = max(round(SAMPLING / run.configurations["plant"].common.control_period), 1)
     channels = recording.channels
     torque = channels[f"motor_states.effort.{WHEEL}"]
     shown = channels.get(f"bench.shafts.torque.{WHEEL}", torque)
+    in_traction = in_windows(recording, run.configurations["driver"].values())
+    if not in_traction.any():
+        raise NotMeasured("the run has no traction window")
     return {
+        "instants": recording.time[::every].copy(),
         "torque": torque[::every].copy(),
         "transducer": shown[::every].copy(),
         "speed": channels[f"wheel_states.velocity.{WHEEL}"][::every].copy(),
         "pressed": channels["driver.command.drive_torque"][::every] > 0.0,
-        "in_traction": in_windows(recording, run.configurations["driver"].values())[::every].copy(),
+        "in_traction": in_traction[::every].copy(),
         "distance": float(channels["pose.x"][-1]),
     }
 

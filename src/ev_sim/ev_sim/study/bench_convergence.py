@@ -27,6 +27,7 @@ COLUMNS = (
     "torque away from switches [%]",
 )
 SUMS = ("ideal_",)
+SHORTEST = 16.0  # s: the first traction window of the cycle begins at 15.7 s
 LENGTH = 24.0  # s: rest, pulling away, both surfaces, spinning wheels
 EXCHANGE = 1e-3  # s, control period of the runs in which another parameter is varied
 PERIODS = (5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)

@@ -14,7 +14,7 @@ from ev_sim.report.figures.panels import Curve, Panel
 from ev_sim.report.metric import Metric
 from ev_sim.report.text_table import text_table
 from ev_sim.study import bench_cases, urban_cases
-from ev_sim.study.bench_cases import IDEAL, SAMPLING, apart, ideal
+from ev_sim.study.bench_cases import IDEAL, apart, ideal
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 from ev_sim.study.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, Values
@@ -33,6 +33,7 @@ RUNS: dict[str, tuple[str, Values]] = {
     **{group: (BENCH, ideal(but=group)) for group in IDEAL},
     "bus": (BENCH, (*ideal(), ("test_bench", "method", "circuits_on_can"))),
 }
+SHORTEST = 16.0  # s: the first traction window of the cycle begins at 15.7 s
 _ZOOM = 15.0  # s of the figure
 
 
@@ -114,9 +115,9 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
         panels = []
         for method in FIVE:
             model, bench = (_of(results, method, driver, run) for run in ("model", "bench"))
-            begin = int(np.argmax(model["in_traction"]))
-            part = slice(begin, begin + round(_ZOOM / SAMPLING))
-            time = SAMPLING * np.arange(len(model["torque"]))[part]
+            begin = float(model["instants"][np.argmax(model["in_traction"])])
+            part = slice(*np.searchsorted(model["instants"], (begin, begin + _ZOOM)))
+            time = model["instants"][part]
             curves = [
                 Curve(time, model["torque"][part], "model"),
                 Curve(time[: len(bench["transducer"][part])], bench["transducer"][part], "bench"),

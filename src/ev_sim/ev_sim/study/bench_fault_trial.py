@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,11 +16,11 @@ from ev_sim.study.case import Case
 
 SCENARIO = "bench_fault"
 CYCLE = 0.001  # s, of the bus
+EARLIEST, LATEST = 0.8, 1.0  # s, begin of a fault
 LASTS = 0.1  # s, that the cause is there
 ENABLED_IN_VAIN, RESET, END = 0.2, 0.3, 0.6  # s after the fault
 _SLOW = 0.02  # s until a frame with faults and a heartbeat have come, both every 10 ms
 _SIDES = {"right": ("11", "front_right"), "left": ("12", "front_left")}
-GEAR_RATIO = 7.4  # of the vehicle of the scenario
 _LEAST_TORQUE = 5.0  # N m, of a drive that works
 
 
@@ -59,7 +58,7 @@ FAULTS = {
 def trial(what: str, seed: int) -> Case:
     """A fault at a random instant, side and torque."""
     fault, chance = FAULTS[what], random.Random(f"{what} {seed}")
-    begin = 0.8 + CYCLE * chance.randrange(200)
+    begin = EARLIEST + CYCLE * chance.randrange(round((LATEST - EARLIEST) / CYCLE))
     value = float(chance.randrange(64)) if fault.kind == "wrong_crc" else fault.value
     return Case(
         f"{what} {seed}",
@@ -81,12 +80,13 @@ def trial(what: str, seed: int) -> Case:
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     """When which torque was gone, what stood on the bus, and how it went on."""
-    p = run.configurations["test_bench"].parameters.inject
+    p, gateway = run.configurations["test_bench"].parameters.inject, run.configurations["inverter_gateway"]
     side, other = p.drive, "left" if p.drive == "right" else "right"
     t = recording.time - p.begin
     since = 0.0
     if p.kind == "load_limit":
-        since = _apart_after(recording, side, t, run.configurations["inverter_gateway"].parameters.plausibility.speed)
+        ratio = gateway.common.vehicle.gear_ratio
+        since = _apart_after(recording, side, ratio, t, gateway.parameters.plausibility.speed)
     torque, others = _torque(recording, side), _torque(recording, other)
     faulty = (t > CYCLE) & (t < RESET)
     return {
@@ -94,7 +94,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
         "other_gone_after": _gone_after(t, others),
         "least": float(np.abs(torque[(t > LASTS / 2) & (t < LASTS)]).max()),
         "before": float(torque[t < 0.0][-1]),
-        "named": sorted(_named(recording, side, (t > 0.0) & (t < LASTS + _SLOW))),
+        "named": sorted(_named(recording, side, gateway.parameters.bus.database, (t > 0.0) & (t < LASTS + _SLOW))),
         "latched": bool(np.all(torque[(t > LASTS) & (t < RESET)] == 0.0)),
         "other_kept": bool(np.all(np.abs(others[faulty]) > _LEAST_TORQUE)),
         "back": bool(torque[-1] > _LEAST_TORQUE and others[-1] > _LEAST_TORQUE),
@@ -110,18 +110,18 @@ def _gone_after(t: np.ndarray, torque: np.ndarray) -> float:
     return float(t[(t < RESET) & (torque != 0.0)][-1])
 
 
-def _apart_after(recording: Recording, side: str, t: np.ndarray, least: float) -> float:
+def _apart_after(recording: Recording, side: str, gear_ratio: float, t: np.ndarray, least: float) -> float:
     """When the shaft is so far [rad/s] from the wheel that it stands for [s]; before that nothing can be noticed."""
     wheel = _SIDES[side][1]
     speed = recording.channels[f"bench.shafts.speed.{wheel}"]
-    turned = GEAR_RATIO * recording.channels[f"wheel_states.velocity.{wheel}"]
+    turned = gear_ratio * recording.channels[f"wheel_states.velocity.{wheel}"]
     return float(t[(t > 0.0) & (np.abs(speed - turned) > least)][0])
 
 
-def _named(recording: Recording, side: str, when: np.ndarray) -> set[str]:
+def _named(recording: Recording, side: str, database: str, when: np.ndarray) -> set[str]:
     """The names of what is set in frames with faults of a drive and in heartbeats."""
     circuit = _SIDES[side][0]
-    faults, heartbeat = _layouts(circuit)
+    faults, heartbeat = _layouts(circuit, database)
     words = [recording.channels[f"can.feedback.drive_{circuit}_faults_{half}"][when] for half in ("low", "high")]
     names = {name for low, high in zip(*words, strict=True) if low >= 0.0 for name in _set(faults, joined(low, high))}
     for low in recording.channels[f"can.set_points.heartbeat_{circuit}"][when]:
@@ -136,7 +136,6 @@ def _set(layout: Any, payload: int) -> set[str]:
     return {name for name, value in layout.values(payload).items() if value != 0.0}
 
 
-@cache
-def _layouts(circuit: str) -> tuple[Any, Any]:
-    database = load_database()
+def _layouts(circuit: str, name: str) -> tuple[Any, Any]:
+    database = load_database(name)
     return database[f"Drive{circuit}_Faults"], database["Ecu_Heartbeat"]

@@ -13,7 +13,7 @@ from ev_sim.report.text_table import text_table
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study import bench_fault_trial
-from ev_sim.study.bench_fault_trial import CYCLE, FAULTS, trial
+from ev_sim.study.bench_fault_trial import CYCLE, END, FAULTS, LATEST, trial
 from ev_sim.study.case import Case, CaseResult
 from ev_sim.study.study import Results
 
@@ -22,6 +22,7 @@ SEEDS = 100
 TIMEOUT = 0.010  # s, of set-points, of feedback, and of what cannot be
 COLUMNS = ("fault", "passed", "that drive without torque after", "the other one", "on the bus and in the diagnosis")
 SUMS = ("passed", "latest")
+SHORTEST = LATEST + END
 _HALF_STEP = 1e-6  # s, by which sums of periods may be off
 _DERATED = (20.0, 45.0)  # N m: a tenth of 360 N m is left at 138 degC, and 61 to 122 were asked for
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.parameters.data_file import SIGNALS, read_data
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.outcome import RunFailed
 from ev_sim.running.recording.atomic import atomic_file
 from ev_sim.running.recording.recording import Recording, save
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult, Measure
-from ev_sim.study.depends import case_key, digest_of_files, digest_of_sources
+from ev_sim.study.depends import digest_of_sources, row_key
 
 NAME = "driven.jsonl"
 _ARRAY, _TUPLE = "array", "tuple"  # what JSON does not know, as objects with one of these keys
@@ -26,34 +28,56 @@ _ARRAY, _TUPLE = "array", "tuple"  # what JSON does not know, as objects with on
 class KeptRows:
     """A line for each case that was driven, with a digest of all that its result depends on.
 
-    `run` is any run of the study: files that its parameters name count like sources. What was driven with other
-    sources is left out.
+    What was driven with other sources is left out; what is of other cases, or of another study, stays. ParameterError
+    if none of the cases can be driven.
     """
 
-    def __init__(self, folder: Path, study: str, cases: Sequence[Case], run: Run) -> None:
-        self._path = folder / NAME
-        self._sources = f"{study} {digest_of_sources()} {digest_of_files(_words(cases, run))}"
+    def __init__(self, folder: Path, study: str, cases: Sequence[Case], anew: bool = False) -> None:
+        self._path, self._study = folder / NAME, study
+        self._sources = digest_of_sources()
+        self._keys = dict(self._resolved(cases))
         text = read_data(self._path, SIGNALS).decode(errors="replace") if self._path.is_file() else ""
         self._gap = "\n" if text and not text.endswith("\n") else ""
         self._results = {line["case"]: line["result"] for line in self._lines(text)}
+        for key in self._keys.values() if anew else ():
+            self._results.pop(key, None)
+
+    def _resolved(self, cases: Sequence[Case]) -> Iterator[tuple[str, str]]:
+        """Name and key of each case that is not refused."""
+        reasons = []
+        for case in cases:
+            try:
+                yield case.name, row_key(self._study, case)
+            except ValueError as error:  # it is told as refused when it is driven
+                reasons.append(f"{case.name}: {error}")
+        if len(reasons) == len(cases):
+            raise ParameterError(f"none of {len(cases)} runs can be driven; {reasons[0]}")
 
     @property
     def files(self) -> list[str]:
         """The names of what is worth to be kept, with signals; none if nothing of it holds any more."""
         return [NAME, *map(_signals_of_key, self._results)] if self._results else []
 
+    def signals_of(self, case: Case) -> str | None:
+        """Where the signals of a case are kept, below the folder of its study; None if it is refused."""
+        key = self._keys.get(case.name)
+        return None if key is None else _signals_of_key(key)
+
     def of(self, case: Case) -> CaseResult | None:
         """The result of a case if it was driven before."""
-        found = self._results.get(case_key(case))
+        found = self._results.get(self._keys.get(case.name, ""))
         if found is None:
             return None
         return result_of(found, case.name)
 
     def keep(self, case: Case, result: CaseResult) -> None:
-        """Write a result, at once; one that was refused is not worth it."""
+        """Write a result, at once; one that was refused is not worth it. RunFailed if its files are others by now."""
         if result.refused:
             return
-        line = {"sources": self._sources, "case": case_key(case), "result": as_json(result)}
+        key = row_key(self._study, case)
+        if key != self._keys.get(case.name):
+            raise RunFailed(f"{case.name}: what it depends on has changed while the study was driven: start it again")
+        line = {"sources": self._sources, "case": key, "result": as_json(result)}
         if self._path.exists() and self._path.stat().st_nlink > 1:  # under its other name it is a copy of the user's
             with atomic_file(self._path, replaces=True) as copy:
                 copy.write(self._path.read_bytes())
@@ -85,21 +109,8 @@ class MeasureAndSave:
         return self.measure(recording, run)
 
 
-def signals_of(case: Case) -> str:
-    """Where the signals of a case are kept, below the folder of its study."""
-    return _signals_of_key(case_key(case))
-
-
 def _signals_of_key(key: str) -> str:
     return f"signals/{key}.npz"
-
-
-def _words(cases: Sequence[Case], run: Run) -> Iterable[object]:
-    """Everything that may be a path."""
-    for configuration in run.configurations.values():
-        yield from configuration.values().values()
-    for case in cases:
-        yield from (case.scenario, case.vehicle, *case.files, *(value for *_, value in case.values))
 
 
 def as_json(result: CaseResult) -> dict[str, Any]:

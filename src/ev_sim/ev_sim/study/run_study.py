@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import hashlib
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.shown import quoted
-from ev_sim.commands.command_line import add_outputs, add_overrides, command_of, overrides
+from ev_sim.commands.command_line import command_of
+from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.saving import figure_files, save_figures
 from ev_sim.report.metric import Metric
 from ev_sim.report.metric_table import print_metrics
@@ -21,83 +21,51 @@ from ev_sim.running.files_of_run import OF_ALL_RUNS, PAGE, SUMMARY
 from ev_sim.running.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.progress_bar import bar_of_runs
-from ev_sim.running.scenarios.scenario import Run
-from ev_sim.study.case import Case, CaseResult, run_of
-from ev_sim.study.kept_rows import NAME, KeptRows, MeasureAndSave, signals_of
+from ev_sim.study.case import Case, CaseResult
+from ev_sim.study.command import arguments, study_cases
+from ev_sim.study.kept_rows import NAME, KeptRows, MeasureAndSave
 from ev_sim.study.study import Results, Study, study_named
 from ev_sim.study.workers import drive_cases
-
-
-def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
-    """Parse the command line of a study; argparse ends the process with status 2 for words it does not know."""
-    study = study_named(name)
-    parser = argparse.ArgumentParser(prog=f"run.sh {name}", description=study.ABOUT)
-    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
-    parser.add_argument("--workers", type=_positive, metavar="N", help="worker processes here; default: one per core")
-    parser.add_argument("--out", type=Path, metavar="DIR", help=f"output folder; default results/{name}")
-    parser.add_argument("--anew", action="store_true", help="drive again what was driven before with this --out")
-    parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
-    add_overrides(parser)
-    add_outputs(parser)
-    study.add_options(parser)
-    return parser.parse_args(argv)
-
-
-def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
-    """The cases of a study with what the command line changes in all of them."""
-    common = overrides(given)
-    return [
-        Case(
-            case.name,
-            case.scenario,
-            (*case.values, *common.values),
-            case.run,
-            (*case.files, *common.files),
-            case.duration if common.duration is None else common.duration,
-            common.vehicle or case.vehicle,
-        )
-        for case in study.cases(given)
-    ]
 
 
 def run_study(name: str, argv: Sequence[str]) -> None:
     """Drive all cases of a study and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     study, given = study_named(name), arguments(name, argv)
     cases = study_cases(study, given)
-    run = _first_that_can_be_driven(cases)
     out = given.out or Path("results") / name
-    rows = KeptRows(out, name, cases, run)
-    names = [*OF_ALL_RUNS, *TABLES, NAME, *(map(signals_of, cases) if given.signals else ())]
-    with OutputFolder(out, f"study {name}", names, keeps=() if given.anew else rows.files) as folder:
+    rows = KeptRows(out, name, cases, given.anew)
+    signals = {case.name: path for case in cases if given.signals and (path := rows.signals_of(case))}
+    names = [*OF_ALL_RUNS, *TABLES, NAME, *signals.values()]
+    with OutputFolder(out, f"study {name}", names, keeps=rows.files) as folder:
         start = time.monotonic()
-        driven, before = _drive(name, given, cases, folder.directory, rows)
+        paths = {case: folder.directory / path for case, path in signals.items()}
+        driven, before = _drive(name, given, cases, paths, rows)
         wall_time = time.monotonic() - start
         results = {result.name: result for result in driven}
         if all(result.refused for result in driven):
-            raise RunFailed(f"none of {len(driven)} runs was driven; {driven[0].name}: {driven[0].refused}")
-        metrics = study.metrics(given, results)
-
-        figures = study.figures(given, results)
+            raise RunFailed(f"none of {len(driven)} runs has a row; {driven[0].name}: {driven[0].refused}")
+        metrics, figures, tables, table = _summed_up(study, given, results)
         folder.claim(figure_files(figures, given.figures))
         save_figures(figures, folder.directory, given.figures)
-        content = {**_summary(name, given, cases, results, metrics, wall_time), "command": command_of([name, *argv])}
+        content = _summary(name, given, cases, signals, results, metrics, wall_time)
+        content["command"] = command_of([name, *argv])
         write_summary(folder.directory / SUMMARY, content)
-        if hasattr(study, "table"):
-            write_tables(folder.directory, *study.table(given, results))
-        tables = study.tables(given, results)
+        if table is not None:
+            write_tables(folder.directory, *table)
         if not given.no_report:
             from ev_sim.report.page.images import images_of
             from ev_sim.report.page.measured import measured_signals
             from ev_sim.report.page.writing import Page, write_page
 
-            signals = measured_signals({case: result.measured for case, result in results.items()})
-            shown = Page(name, {"": content}, signals, images_of(figures, folder.directory), tables)
+            series = measured_signals({case: result.measured for case, result in results.items()})
+            shown = Page(name, {"": content}, series, images_of(figures, folder.directory), tables)
             write_page(shown, folder.directory / PAGE)
     if tables:
         print(tables, end="\n\n")
     print_metrics(metrics)
     for reason in dict.fromkeys(result.refused for result in driven if result.refused):
-        print(f"not driven: {', '.join(result.name for result in driven if result.refused == reason)}: {reason}")
+        of = [result for result in driven if result.refused == reason]
+        print(f"not {'measured' if of[0].signal_hash else 'driven'}: {', '.join(r.name for r in of)}: {reason}")
     _print_notes(driven)
     print(f"signal hash {content['signal_hash']}")
     again = f", {before} of them driven before (--anew drives them again)" if before else ""
@@ -107,16 +75,15 @@ def run_study(name: str, argv: Sequence[str]) -> None:
 
 
 def _drive(
-    name: str, given: argparse.Namespace, cases: Sequence[Case], folder: Path, rows: KeptRows
+    name: str, given: argparse.Namespace, cases: Sequence[Case], paths: Mapping[str, Path], rows: KeptRows
 ) -> tuple[list[CaseResult], int]:
     """The results of all cases, in their order, and how many of them were there already.
 
-    RunFailed if signals of a case are asked for and not there in the end.
+    `paths` are those of the signals by case, none if they are not kept. RunFailed if one is not there in the end.
     """
     measure = study_named(name).measure
-    paths = {case.name: folder / signals_of(case) for case in cases}
-    found = {} if given.anew else {case.name: result for case in cases if (result := rows.of(case)) is not None}
-    found = {key: result for key, result in found.items() if not given.signals or paths[key].exists()}
+    found = {case.name: result for case in cases if (result := rows.of(case)) is not None}
+    found = {key: result for key, result in found.items() if key not in paths or paths[key].exists()}
     missing = {case.name: case for case in cases if case.name not in found}
     with bar_of_runs(name, len(cases), len(found)) as bar:
 
@@ -124,13 +91,28 @@ def _drive(
             rows.keep(missing[result.name], result)
             bar.update()
 
-        measures = [MeasureAndSave(measure, paths[each]) if given.signals else measure for each in missing]
+        measures = [MeasureAndSave(measure, paths[each]) if each in paths else measure for each in missing]
         driven = drive_cases(list(missing.values()), measures, heard, given.scheduler, given.workers) if missing else []
     results = {**found, **{result.name: result for result in driven}}
     for case, result in results.items():
-        if given.signals and not result.refused and not paths[case].exists():
+        if case in paths and not result.refused and not paths[case].exists():
             raise RunFailed(f"{case}: its worker has written no {paths[case]}, which --signals needs all to see")
     return [results[case.name] for case in cases], len(found)
+
+
+def _summed_up(
+    study: Study, given: argparse.Namespace, results: Results
+) -> tuple[dict[str, Metric], dict[str, Figure], str, Any]:
+    """Metrics, figures, tables and, if the study has it, the table for files; RunFailed if a case lacks for them."""
+    try:
+        metrics, figures = study.metrics(given, results), study.figures(given, results)
+        table = study.table(given, results) if hasattr(study, "table") else None
+        return metrics, figures, study.tables(given, results), table
+    except Exception as error:
+        lacking = next((result for result in results.values() if result.refused), None)
+        if lacking is None or isinstance(error, ParameterError):
+            raise
+        raise RunFailed(f"this study needs all of its cases; {lacking.name}: {lacking.refused}") from error
 
 
 def _print_notes(results: Sequence[CaseResult]) -> None:
@@ -144,27 +126,11 @@ def _print_notes(results: Sequence[CaseResult]) -> None:
         print(f"note: {names[0]}{more}: {note}")
 
 
-def _first_that_can_be_driven(cases: Sequence[Case]) -> Run:
-    """The first run that is not refused; ParameterError, before an earlier result is replaced, if there is none."""
-    reason = ""
-    for case in cases:
-        try:
-            return run_of(case)
-        except ParameterError as error:
-            reason = reason or f"{case.name}: {error}"
-    raise ParameterError(f"none of {len(cases)} runs can be driven; {reason}")
-
-
-def _positive(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, allowed is 1 or more")
-    return int(text)
-
-
 def _summary(
     name: str,
     given: argparse.Namespace,
     cases: Sequence[Case],
+    signals: Mapping[str, str],
     results: Results,
     metrics: dict[str, Metric],
     wall_time: float,
@@ -185,7 +151,7 @@ def _summary(
                 "signal_hash": results[case.name].signal_hash,
                 "refused": results[case.name].refused,
                 "notes": list(results[case.name].notes),
-                "signals": signals_of(case) if given.signals else None,
+                "signals": signals.get(case.name),
                 "measured": {
                     key: value
                     for key, value in results[case.name].measured.items()

@@ -58,7 +58,8 @@ class Study(Protocol):
     def tables(self, given: argparse.Namespace, results: Results) -> str:
         """What is printed above the metrics, as aligned text; may be empty."""
 
-    # A study may also have `table(given, results)`, whose columns and rows of values are kept as files.
+    # A study may also have `table(given, results)`, whose columns and rows of values are kept as files, and `SHORTEST`,
+    # the least simulated time with which there is anything to measure [s].
 
     def figures(self, given: argparse.Namespace, results: Results) -> dict[str, Figure]:
         """Figures by the name of their file without suffix."""

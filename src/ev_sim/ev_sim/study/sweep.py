@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import yaml
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.parameters.declaration import ParameterError
@@ -39,7 +40,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NODE.PARAM=VALUES",
-        help="x,y,z, or FIRST:LAST:COUNT for so many numbers; may be repeated, then every value meets every other",
+        help="x,y,z, lists as [x,y],[z], or FIRST:LAST:COUNT for so many numbers; may be repeated, then every value "
+        "meets every other",
     )
     parser.add_argument("--seeds", type=int, default=1, metavar="N", help="runs of each, with the seeds 0 to N - 1")
     parser.add_argument("--metrics", default="", metavar="NAME,NAME", help="default: all that can be measured")
@@ -52,18 +54,33 @@ def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
         place, found, text = word.partition("=")
         if not (found and text and place.partition(".")[2]):
             raise ParameterError(f"--vary {quoted(word)} is refused, allowed is NODE.PARAM=x,y,z or =FIRST:LAST:COUNT")
+        for other in (*varied, *(["*.seed"] if given.seeds > 1 else [])):
+            if _is_same(place, other):
+                raise ParameterError(f"--vary {quoted(word)} is refused: {other} varies already, allowed is once")
         varied[place] = _values(word, text)
+        if not varied[place]:
+            raise ParameterError(f"--vary {quoted(word)} is refused: it names no value, allowed is one or more")
     if given.seeds < 1:
         raise ParameterError(f"--seeds {given.seeds} is refused, allowed is 1 or more")
     return {**varied, **({SEED: list(range(given.seeds))} if given.seeds > 1 else {})}
 
 
+def _is_same(place: str, other: str) -> bool:
+    (node, _, name), (other_node, _, other_name) = place.partition("."), other.partition(".")
+    return name == other_name and (node == other_node or "*" in (node, other_node))
+
+
 def _values(word: str, text: str) -> list[Any]:
-    if text.count(":") != 2:
-        return [read_yaml(each) for each in text.split(",")]
+    if text.count(":") != 2 or "," in text:
+        try:
+            return read_yaml(f"[{text}]")
+        except yaml.YAMLError:
+            raise ParameterError(f"--vary {quoted(word)} is refused, allowed is x,y,z or [x,y],[z]") from None
     try:
         first, last, count = text.split(":")
-        return np.linspace(float(first), float(last), int(count)).tolist()
+        values = np.linspace(float(first), float(last), int(count)).tolist()
+        is_whole = all(value.is_integer() for value in values)  # which parameters are that count
+        return [int(value) for value in values] if is_whole else values
     except ValueError:
         raise ParameterError(f"--vary {quoted(word)} is refused, allowed is FIRST:LAST:COUNT of numbers") from None
 
@@ -76,9 +93,14 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
     for values in itertools.product(*varied.values()):
         named = dict(zip(varied, values, strict=True))
         places = [("*", SEED, value) if name == SEED else (*name.split(".", 1), value) for name, value in named.items()]
-        name = ", ".join(f"{name}={cell(value)}" for name, value in named.items())
+        name = ", ".join(f"{name}={_shown_value(value)}" for name, value in named.items())
         found.append(Case(name or given.scenario, given.scenario, tuple(places), run))
     return found
+
+
+def _shown_value(value: Any) -> str:
+    """A value with all digits that tell it from others."""
+    return str(value).removesuffix(".0") if isinstance(value, float) else str(value)
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
@@ -126,7 +148,9 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text."""
     columns, rows = table(given, results)
-    return text_table(columns, [[cell(value) for value in row] for row in rows], left=())
+    given_ones = len(variations(given))
+    texts = [[*map(_shown_value, row[:given_ones]), *map(cell, row[given_ones:])] for row in rows]
+    return text_table(columns, texts, left=())
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

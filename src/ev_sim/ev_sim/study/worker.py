@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 
+from ev_sim.running.children import ends_with_us
 from ev_sim.study.case import Case, CaseResult, Measure, drive_case
 
 Job = tuple[Case, Measure]
@@ -25,7 +26,8 @@ class Worker:
     def __init__(self, jobs: Sequence[Job]) -> None:
         self.number = -1  # of the case that it drives
         self._connection, its_end = _FORK.Pipe()
-        self._process = _FORK.Process(target=_serve, args=(its_end, jobs), daemon=True)
+        ends = (its_end, self._connection)
+        self._process = _FORK.Process(target=_serve, args=(*ends, jobs, ends_with_us()), daemon=True)
         self._process.start()
         its_end.close()  # so that the end of the process is heard
 
@@ -56,7 +58,14 @@ class Worker:
         self._connection.close()
 
 
-def _serve(connection: Connection, jobs: Sequence[Job]) -> None:
+def _serve(connection: Connection, parents: Connection, jobs: Sequence[Job], bind: Callable[[], None] | None) -> None:
+    """Answer until the parent ends, however it does: what it holds, the lock of its folder too, is held here as well.
+
+    Without signals of death its end is heard by the pipe, of which its own end is closed here.
+    """
+    if bind is not None:
+        bind()
+    parents.close()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent as well, which ends its workers
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     with suppress(EOFError, ConnectionError):  # the parent has ended

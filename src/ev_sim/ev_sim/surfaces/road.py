@@ -34,7 +34,7 @@ class RoadParameters:
     length: tuple[float, ...] = parameter(
         (10.0,), unit="m", low=0.1, high=1e6, about="lengths of the segments; the last one given repeats"
     )
-    seed: int = parameter(1, low=0, high=2**31 - 1, about="seed of the random segments")
+    seed: int = parameter(1, low=0, high=2**31 - 1, about="seed of the random segments; goes with that of the node")
     random_surfaces: tuple[str, ...] = parameter(
         ("wet_asphalt_1", "packed_snow_1"), about="surfaces that random segments are drawn from"
     )
@@ -105,6 +105,11 @@ class RoadParameters:
         for name in (*self.left, *self.right, *self.random_surfaces):
             if name not in SURFACES and name not in self.own:
                 raise unknown_name("surface of left, right or random_surfaces", name, (*SURFACES, *self.own))
+
+    @property
+    def is_random(self) -> bool:
+        """Whether the seed matters."""
+        return self.pattern == "random"
 
     def surface(self, name: str) -> Surface:
         """The surface of the table or of one's own with this name."""

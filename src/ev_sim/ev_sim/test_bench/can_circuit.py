@@ -13,6 +13,7 @@ from ev_msgs_py.can.bus_model import (
     ChannelState,
     advance_channel,
     bits_per_tick,
+    next_period,
     next_tick,
     release,
     take,
@@ -66,7 +67,7 @@ def advance_can_circuit(
 ) -> None:
     """One control period of a circuit, tick by tick."""
     begin_period(s)
-    line.channel.busy = line.channel.latency = 0.0
+    next_period(line.channel)
     for place in range(2 * HEARD):
         line.heard[place] = NO_FRAME
     for tick in range(int(c.ticks)):
@@ -84,10 +85,10 @@ def _tick(
     put_in(p.inject, s, kind)
     _release_set_points(line, tick)
     advance_channel(which.channel, p.bus, channel, which.number, phase)
-    low, high = take(channel, SET_POINT + DRIVE, phase)
+    low, high = take(channel, SET_POINT + DRIVE)
     arrived = on_the_way(p.inject, line.fault, kind, low, high)
     _receive(c, which.drive, s.machine, arrived.low, arrived.high)
-    low, high = take(channel, SET_POINT + LOAD, phase)
+    low, high = take(channel, SET_POINT + LOAD)
     _receive(c, which.load, s.load, low, high)
     make_cycle(p, c, which.number, s, now, kind == LOAD_LIMIT)
     for kind in range(MOTION, FAULTS + 1):
@@ -95,7 +96,7 @@ def _tick(
             _release_feedback(c, which.drive, machine, s.machine, channel, kind, DRIVE, s.speed, phase)
             _release_feedback(c, which.load, p.load, s.load, channel, kind, LOAD, s.load_speed, phase)
     advance_channel(which.channel, p.bus, channel, which.number, end)
-    _hear(line, tick, end)
+    _hear(line, tick)
     next_tick(p.bus, channel)
 
 
@@ -128,11 +129,13 @@ def _release_feedback(
 
 
 @compilable
-def _hear(line: Line, tick: int, end: float) -> None:
-    """Keep the words of what has arrived."""
+def _hear(line: Line, tick: int) -> None:
+    """Keep the words of what has arrived; of the frames that come less often a control period has the newest."""
+    take(line.channel, HEARTBEAT)  # whoever reads it
     for device in range(2):
         for kind in range(MOTION, FAULTS + 1):
-            low, high = take(line.channel, PLACES_SENT[kind] + device, end)
+            low, high = take(line.channel, PLACES_SENT[kind] + device)
             if low >= 0.0:
                 place = HEARD * device + (2 * tick if kind == MOTION else SAID + 2 * (kind - 1))
+                line.channel.lost += 1.0 if line.heard[place] >= 0.0 else 0.0
                 line.heard[place], line.heard[place + 1] = low, high

@@ -59,14 +59,14 @@ def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) 
         ticks,
         float(steps),
         bench_frames(database),
-        channel_frames(_of_channel(database, "11")),
-        channel_frames(_of_channel(database, "12")),
+        channel_frames(channel_layouts(database, "11")),
+        channel_frames(channel_layouts(database, "12")),
         float(right),
         float(left),
     )
 
 
-def _of_channel(database: Database, circuit: str) -> list[FrameLayout]:
+def channel_layouts(database: Database, circuit: str) -> list[FrameLayout]:
     """The frames of a circuit, which must stand in this order of identifiers."""
     frames = [database[f"{device}{circuit}_{kind}"] for kind in _FRAMES for device in ("Drive", "Load")]
     frames.append(database["Ecu_Heartbeat"])

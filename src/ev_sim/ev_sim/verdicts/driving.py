@@ -13,8 +13,8 @@ from ev_sim.running.outcome import RunFailed
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study.case import Case, CaseResult, Measure
+from ev_sim.study.command import arguments, study_cases
 from ev_sim.study.depends import case_key
-from ev_sim.study.run_study import arguments, study_cases
 from ev_sim.study.study import study_named
 from ev_sim.verdicts.kept import Keep, KeepMeasured, Kept, keep, measured_at, recording_at
 from ev_sim.verdicts.need import Driven, Need, ScenarioRuns, StudyCases, StudyNeed

@@ -18,6 +18,7 @@ from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.depends import NEVER_DRIVES, case_key, digest_of_sources
 from ev_sim.study.kept_rows import as_json, result_of
 
+_ONLY_JUDGES = (*NEVER_DRIVES, "ev_sim/verdicts", "ev_sim/report/figures")
 _ONLY_MEASURES = ("ev_sim/report", "ev_sim/study")
 _DIGEST = "[0-9a-f]" * 24
 _FOLDERS = 3  # of each kind: those of other checkouts and branches come back
@@ -61,8 +62,8 @@ class Kept:
     """
 
     def __init__(self, folder: Path) -> None:
-        self._recordings = folder / f"recordings_{digest_of_sources(NEVER_DRIVES + _ONLY_MEASURES)}"
-        self._measured = folder / f"measured_{digest_of_sources(NEVER_DRIVES)}"
+        self._recordings = folder / f"recordings_{digest_of_sources(_ONLY_JUDGES + _ONLY_MEASURES, config=True)}"
+        self._measured = folder / f"measured_{digest_of_sources(_ONLY_JUDGES, config=True)}"
         for each in (self._recordings, self._measured):
             each.mkdir(parents=True, exist_ok=True)
             os.utime(each)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import cycle
+from itertools import cycle, product
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ TITLE_SIZE, TEXT_SIZE = 9.0, 8.0  # [pt]
 # Okabe and Ito's colours can be told apart with every kind of colour vision; the dashes also in print, and they
 # let a curve be seen under another one.
 SOLID, DASHED, DOTTED, MIXED = "-", (0, (4, 2)), (0, (1, 1.2)), (0, (6, 2, 1, 2))
-STROKES = (
+_FIRST = (
     ("#0072B2", SOLID),
     ("#D55E00", DASHED),
     ("#009E73", DOTTED),
@@ -32,6 +32,8 @@ STROKES = (
     ("#D55E00", DOTTED),
     ("#56B4E9", MIXED),
 )
+# Behind them all that are left, for as many laws as there may be.
+STROKES = tuple(dict.fromkeys((*_FIRST, *product([colour for colour, _ in _FIRST], (SOLID, DASHED, DOTTED, MIXED)))))
 CHARACTER, STROKE = 0.06, 0.37  # width of a letter of a legend, and of a stroke with its gaps [inch]
 BAND = "band: lowest to highest, line: mean"
 LEGEND_COLUMNS, LEGEND_ROW = 5, 0.17  # of that legend, the height of a row in [inch]

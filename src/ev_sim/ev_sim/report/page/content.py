@@ -74,7 +74,7 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
                 {
                     "name": f"{result.label}: {name}" if result.label else name,
                     "car": car_of(car) if car else None,
-                    "time": placed(pack(thinned.time, planes=3, step=_period(thinned.time))),
+                    "time": placed(pack(thinned.time, planes=3, step=_period(run.time))),
                     "channels": {key: placed(pack(values, planes)) for key, values in thinned.channels.items()},
                 }
             )

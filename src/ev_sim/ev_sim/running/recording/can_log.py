@@ -1,22 +1,27 @@
-"""The frames of a lockstep run as a log of the bus, beside its signals."""
+"""The frames of a lockstep run as a log of the bus, beside its signals.
+
+What arrives is in the signals, but not what is lost, nor when each frame was on the wire. So the bench steps once more
+with what it has read, which is recorded, and tells what its channels carried: to the bit what they did in the run.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ev_msgs_py.can.bus_model import BusModelParameters
+from ev_msgs_py.can.bus_model import SENT
 from ev_msgs_py.can.bus_parameters import CIRCUITS
-from ev_msgs_py.can.database import Database, load_database
-from ev_msgs_py.can.frame_layout import FrameLayout
-from ev_msgs_py.can.frames import DEVICES, SENT
+from ev_msgs_py.can.database import load_database
 from ev_msgs_py.can.payload_words import joined
-from ev_msgs_py.can.schedule import TICK
-from ev_msgs_py.can.wire_time import header, wire_bits
-from ev_msgs_py.contract.bus_signals import MOST_TICKS
+from ev_msgs_py.compiling.loop import call_part
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.bus_signals import BusStates
+from ev_msgs_py.contract.record import names
+from ev_msgs_py.lockstep.configuration import Configuration
+from ev_msgs_py.lockstep.parts import compiled_parts
 from ev_sim.running.recording.recording import Recording
+from ev_sim.test_bench.circuits_on_can import CanCircuitsState, channel_layouts
 
 if TYPE_CHECKING:
     from ev_msgs_py.can.bus_log import BusLog
@@ -31,72 +36,59 @@ class LoggedFrame(NamedTuple):
     data: bytes
 
 
-class _Kind(NamedTuple):
-    """A frame as signals: begin of their names, layout, and the time [s] from the instant to its release."""
-
-    channel: str
-    layout: FrameLayout
-    circuit: str
-    offset: float
-
-
-def write_can_log(log: BusLog, recording: Recording, bus: BusModelParameters) -> None:
-    """Write all frames of a run and close the log."""
+def write_can_log(log: BusLog, recording: Recording, bench: Configuration) -> str:
+    """Write all frames of a run and close the log; a line that says why if it ends before the run does."""
     import can
 
-    for frame in logged_frames(recording, bus, load_database(bus.database)):
+    frames, until = logged_frames(recording, bench)
+    for each in frames:
         log.write(
             can.Message(
-                timestamp=frame.time,
-                arbitration_id=frame.identifier,
-                data=frame.data,
+                timestamp=each.time,
+                arbitration_id=each.identifier,
+                data=each.data,
                 is_extended_id=False,
-                channel=f"can{frame.circuit}",
+                channel=f"can{each.circuit}",
             )
         )
     log.close()
+    ends = f"the log of the bus ends at {until:g} s: from there on the test bench was not what its parameters say"
+    return "" if until == recording.time[-1] else ends
 
 
-def logged_frames(recording: Recording, bus: BusModelParameters, database: Database) -> Iterator[LoggedFrame]:
-    """The frames in the signals of a run, one after the other as they end on the wire.
-
-    Set-points are those that were sent, feedback is what arrived: what was lost on the way back is in no signal.
-    """
-    period = float(recording.time[1] - recording.time[0]) if len(recording.time) > 1 else TICK
-    waiting = sorted(
-        (time, kind.layout.identifier, payload, kind)
-        for kind in _kinds(database, period, bus.phase)
-        for time, payload in _released(recording, kind)
-    )
-    free = dict.fromkeys(CIRCUITS, 0.0)
+def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[LoggedFrame], float]:
+    """The frames on the wire, one after the other as they end, and until when [s] the bench is the recorded one."""
+    layouts = {c: channel_layouts(load_database(bench.parameters.bus.database), c) for c in CIRCUITS}
+    rate = bench.parameters.bus.bit_rate
+    counts = {c: names(CanCircuitsState()).index(f"line_{c}.channel.sent_count") for c in CIRCUITS}
+    columns = {frame.channels()[name]: values for name, values in recording.channels.items()}
+    read = [place for signal in bench.method.reads for place in frame.places(signal)]
+    told = list(frame.places(BusStates))
+    parts = compiled_parts(bench)
+    here, there = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
+    for part in parts:
+        _call(part, 0, there)
     found = []
-    for time, identifier, payload, kind in waiting:
-        head, length = header(identifier, kind.layout.length), kind.layout.length
-        bits = wire_bits(*head, payload, length)
-        free[kind.circuit] = max(free[kind.circuit], time) + bits / bus.bit_rate
-        found.append(LoggedFrame(free[kind.circuit], kind.circuit, identifier, kind.layout.data(payload)))
-    yield from sorted(found)
+    for instant, time in enumerate(recording.time):
+        if there[told].tolist() != [columns[place][instant] for place in told]:
+            return sorted(found), float(recording.time[max(instant - 1, 0)])
+        if instant == len(recording.time) - 1:
+            break
+        here[frame.TIME] = time
+        here[read] = [columns[place][instant] for place in read]
+        there[frame.TIME] = recording.time[instant + 1]
+        for part in parts:
+            _call(part, here.ctypes.data, there)
+        for circuit, count in counts.items():
+            begin, sent = count + 1, int(parts[0].state[count])
+            for place, end, low, high in parts[0].state[begin : begin + SENT * sent].reshape(sent, SENT).tolist():
+                layout = layouts[circuit][int(place)]
+                data = layout.data(joined(low, high))
+                found.append(LoggedFrame(time + end / rate, circuit, layout.identifier, data))
+    return sorted(found), float(recording.time[-1])
 
 
-def _kinds(database: Database, period: float, phase: float) -> Iterator[_Kind]:
-    for device in DEVICES:
-        circuit, name = device[-2:], f"{device[:-2].lower()}_{device[-2:]}"
-        for tick in range(MOST_TICKS):
-            yield _Kind(f"can.set_points.{name}_{tick}", database[f"{device}_SetPoint"], circuit, tick * TICK)
-            heard = tick * TICK + phase - period
-            yield _Kind(f"can.feedback.{name}_motion_{tick}", database[f"{device}_Motion"], circuit, heard)
-        for sent in SENT[1:]:  # of the ticks of a period it is not told which
-            yield _Kind(f"can.feedback.{name}_{sent.lower()}", database[f"{device}_{sent}"], circuit, phase - TICK)
-    for circuit in CIRCUITS:
-        yield _Kind(f"can.set_points.heartbeat_{circuit}", database["Ecu_Heartbeat"], circuit, 0.0)
-
-
-def _released(recording: Recording, kind: _Kind) -> Iterator[tuple[float, int]]:
-    """Time of release [s] and payload of all frames of a kind."""
-    channels = recording.channels
-    low = channels.get(f"{kind.channel}_low", channels.get(kind.channel))
-    if low is None:
-        return
-    high = channels.get(f"{kind.channel}_high", np.zeros(len(low)))
-    for instant in np.flatnonzero(low >= 0.0):
-        yield float(recording.time[instant]) + kind.offset, joined(low[instant], high[instant])
+def _call(part: Any, here: int, there: np.ndarray) -> None:
+    function, state, constants = part.addresses()
+    if call_part(function, here, there.ctypes.data, state, constants) != 0:
+        raise part.error

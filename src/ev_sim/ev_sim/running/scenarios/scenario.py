@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
-from ev_msgs_py.lockstep.configuration import Configuration, chosen_method, configure
+from ev_msgs_py.faults.fault import parsed
+from ev_msgs_py.lockstep.configuration import Configuration, chosen_method, configure, refuse_unused
 from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.nodes.master_parameters import LONGEST, MasterParameters
 from ev_msgs_py.parameters.config_folders import files_in_config
@@ -47,15 +49,17 @@ class Run:
 class Overrides:
     """What the command line says beyond the scenario's own files; later entries go before earlier ones.
 
-    `values`: (node, dotted parameter name, value). Node `*` means every role. `vehicle` is another car than that of the
-    scenario, as a name or a path; what the scenario itself changes about the car of all runs is left out then. What it
-    changes about that of some runs stays: it is what these runs are about.
+    `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is driven must have each of
+    them; those that are `prepared`, which come before, may be for other methods, like what files say. `vehicle` is
+    another car than that of the scenario, as a name or a path; what the scenario itself changes about the car of all
+    runs is left out then. What it changes about that of some runs stays: it is what these runs are about.
     """
 
     files: Sequence[Path] = ()
     values: Sequence[tuple[str, str, Any]] = ()
     duration: float | None = None
     vehicle: str | None = None
+    prepared: Sequence[tuple[str, str, Any]] = ()
 
 
 @dataclass(frozen=True)
@@ -110,6 +114,9 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
             run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
             notes += [note] if note else []
         runs.append(replace(run, report=about.report or name, metrics=about.metrics))
+    refuse_unused_values(overrides.values, runs)
+    notes += [] if only else _unused_in(files, runs, overrides)
+    notes += [note for run in runs for note in _late_faults(run)]
     return Scenario(name, about, tuple(runs), own.path, tuple(notes))
 
 
@@ -126,6 +133,14 @@ def _means_all(pattern: str, namespaces: Iterable[str]) -> bool:
     return all(any(matches(pattern, f"{space}/{role}") for role in ROLES) for space in namespaces)
 
 
+def _late_faults(run: Run) -> Iterator[str]:
+    """A line for each fault that the run does not live to see."""
+    for role, configuration in run.configurations.items():
+        for fault in parsed(configuration.faults):
+            if fault.periods(configuration.common.control_period)[0] > stamps.from_seconds(run.duration) // run.period:
+                yield f"{run.namespace}/{role}: fault {quoted(fault.text)} begins after the end at {run.duration:g} s"
+
+
 def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:
     """What a scenario says about itself stands in its own file only, and the runner tells the recorder what to do."""
     for pattern in file.sections:
@@ -138,6 +153,36 @@ def _refuse_unknown_overrides(overrides: Overrides) -> None:
         if node != "*" and node not in ROLES:
             hint = f"; the car is that of all nodes: '*.{node}.{key}'" if node == VEHICLE else ""
             raise ParameterError(f"{unknown_name('node', node, ROLES)}{hint}")
+
+
+def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
+    """ParameterError for (node, parameter, value) that nothing in these runs takes: it would silently do nothing."""
+    for node, key, _ in values:
+        played = [c for run in runs for role, c in run.configurations.items() if node in ("*", role)]
+        if not played:
+            raise ParameterError(f"{node}.{key} is refused: nobody plays {node}, allowed with --method {node}=NAME")
+        if not any(key not in each.unused for each in played):
+            try:
+                refuse_unused(key, [each for each in played if each.role == played[0].role])
+            except ParameterError as error:
+                raise ParameterError(f"{node}: {error}", key) from None
+
+
+def _unused_in(files: Sequence[ParameterFile], runs: Sequence[Run], overrides: Overrides) -> list[str]:
+    """What files say and no run uses, a note for each file, but for roles whose method the command line chooses."""
+    switched = {node for node, key, _ in overrides.values if key == "method"}
+    roles = [role for role in ROLES if role not in switched]
+    notes = []
+    for file in files:
+        said: dict[str, bool] = {}  # by name whether it is used
+        for run in runs:
+            for role in (role for role in roles if role in run.configurations):
+                for name in file.values_for(f"{run.namespace}/{role}"):
+                    is_used = name not in run.configurations[role].unused
+                    said[f"{role}.{name}"] = said.get(f"{role}.{name}", False) or is_used
+        if unused := [name for name, is_used in said.items() if not is_used]:
+            notes.append(f"used by no chosen method: {', '.join(unused)} of {file.path}")
+    return notes
 
 
 def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides, duration: float) -> Run:
@@ -192,5 +237,6 @@ def _values(role: str, namespace: str, files: Sequence[ParameterFile], overrides
     values: dict[str, Any] = {}
     for file in files:
         values.update(file.values_for(f"{namespace}/{role}"))
-    values.update({key: value for node, key, value in overrides.values if node in ("*", role)})
+    said = (*overrides.prepared, *overrides.values)
+    values.update({key: value for node, key, value in said if node in ("*", role)})
     return values

@@ -1,0 +1,116 @@
+"""What parameters have to be to each other holds when a node starts and when it is changed live, alike."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import pytest
+from fuzz.fuzzing import fuzzed
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.lockstep.configuration import Configuration, configure
+from ev_msgs_py.lockstep.methods import all_methods
+from ev_msgs_py.nodes.master_parameters import MasterParameters
+from ev_msgs_py.parameters.declaration import Entry, ParameterError, entries
+
+# What some laws need of the car or of the period; the first that is accepted is taken.
+CARS: tuple[dict[str, Any], ...] = (
+    {},
+    {"vehicle.driven_wheels": ["rear_left", "rear_right"]},
+    {"vehicle.driven_wheels": list(WHEEL_NAMES)},
+    {"vehicle.gear_ratio": 7.4, "control_period": 0.005},
+)
+METHODS = [(role, name) for role, methods in all_methods().items() for name in methods]
+BASES: dict[tuple[str, str], tuple[dict[str, Any], Configuration]] = {}
+
+
+def base_of(role: str, name: str) -> tuple[dict[str, Any], Configuration]:
+    """What a method is told at least, and its configuration."""
+    if (role, name) not in BASES:
+        for car in CARS:
+            try:
+                BASES[role, name] = car, configure(role, {"method": name, **car}, extra_of(role))
+                break
+            except ParameterError:
+                continue
+    return BASES[role, name]
+
+
+def extra_of(role: str) -> type | None:
+    return MasterParameters if role == MASTER else None
+
+
+def related(of: Any, prefix: str = "") -> Iterator[tuple[Entry, ...]]:
+    """The parameters of each group that checks them together, with all groups in it."""
+    if "__post_init__" in vars(type(of)):
+        yield entries(of, prefix)
+    for field in fields(of):
+        if is_dataclass(inner := getattr(of, field.name)):
+            yield from related(inner, f"{prefix}{field.name}.")
+
+
+def groups_of(configuration: Configuration) -> list[tuple[Entry, ...]]:
+    extra = configuration.extra
+    beside = [] if extra is None else [tuple(e for e in entries(extra) if e.name.startswith("command_"))]
+    of = (
+        *related(configuration.parameters),
+        *related(configuration.common),
+        *related(configuration.sensors, "sensors."),
+    )
+    return [*beside, *of] or [entries(configuration.common)]
+
+
+def values_of(entry: Entry) -> st.SearchStrategy[Any]:
+    """What is allowed by itself, often at an end of the range."""
+    spec, default = entry.spec, entry.default[0] if entry.is_array and entry.default else entry.default
+    if spec.choices:
+        one: Any = st.sampled_from(spec.choices)
+    elif entry.type is bool:
+        one = st.booleans()
+    elif entry.type is str:
+        return st.just(entry.default)
+    else:
+        low = -1e6 if spec.low is None else spec.low
+        high = max(low, 1e6 if spec.high is None else spec.high)
+        ends = [entry.type(each) for each in (low, high)] + ([default] if isinstance(default, entry.type) else [])
+        numbers = st.integers(int(low), int(high)) if entry.type is int else st.floats(low, high)
+        one = st.sampled_from(ends) | numbers
+    return st.lists(one, max_size=4) if entry.is_array else one
+
+
+def outcome(make: Any) -> Any:
+    try:
+        return make().values()
+    except ParameterError as error:
+        return str(error)
+
+
+@fuzzed(150, 3.0)
+@given(st.sampled_from(METHODS), st.data())
+def test_what_a_start_refuses_a_live_change_refuses_with_the_same_words(method, data):
+    """And what is taken over is the same, whichever way it came."""
+    role, name = method
+    least, base = base_of(role, name)
+    group = data.draw(st.sampled_from(groups_of(base)))
+    chosen = data.draw(st.lists(st.sampled_from(group), min_size=1, max_size=4, unique_by=lambda entry: entry.name))
+    values = {entry.name: data.draw(values_of(entry)) for entry in chosen}
+    begun = outcome(lambda: configure(role, {"method": name, **least, **values}, extra_of(role)))
+    assert outcome(lambda: base.changed(values)) == begun
+
+
+@pytest.mark.parametrize(("timeout", "period"), [(0.001, 0.01), (0.02, 0.01), (0.1, 0.05)])
+def test_a_command_is_not_given_up_within_two_periods(timeout, period):
+    """In real time: it was refused at the start and accepted live, and no torque acted any more."""
+    clock = {"mode": "realtime", "control_period": period}
+    allowed = f"more than two control periods, {2 * period:g} s"
+    said = f"^parameter command_timeout: {timeout:g} is refused, allowed is {allowed}$"
+    with pytest.raises(ParameterError, match=said):
+        configure(MASTER, {**clock, "command_timeout": timeout}, MasterParameters)
+    with pytest.raises(ParameterError, match=said):
+        configure(MASTER, {**clock, "command_timeout": 1.0}, MasterParameters).changed({"command_timeout": timeout})
+    assert configure(MASTER, {"control_period": period, "command_timeout": timeout}, MasterParameters)

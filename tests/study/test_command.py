@@ -1,0 +1,100 @@
+"""What the command line of a study may say: what its cases set themselves is theirs."""
+
+from __future__ import annotations
+
+import pytest
+
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.study.case import Case
+from ev_sim.study.command import _refuse_what_it_sets, arguments, study_cases
+from ev_sim.study.study import STUDIES, study_named
+
+
+def cases_of(name: str, *words: str) -> list[Case]:
+    return study_cases(study_named(name), arguments(name, words))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            "sweep double_lane_change --vary plant.initial_speed=15,20 --set plant.initial_speed=25",
+            "plant.initial_speed is refused: case 'plant.initial_speed=15' sets plant.initial_speed itself",
+        ),
+        (
+            "compare --method electronic_differential=equal_torque",
+            "electronic_differential.method is refused: case 'adaptive' sets electronic_differential.method itself",
+        ),
+        ("sweep coast_down --seeds 3 --seed 7", "*.seed is refused: case 'seed=0' sets *.seed itself"),
+        (
+            "five_methods --seeds 2 --set plant.road.seed=9",
+            "plant.road.seed is refused: case 'method 1 tracking seed 1' sets plant.road.seed itself",
+        ),
+        (
+            "asr_shootout --set plant.control_period=0.001",
+            "plant.control_period is refused: case 'ice: off' sets *.control_period itself",
+        ),
+        (
+            "faults --cycle nedc",
+            "driver.speed_profile.file is refused: case 'none: adaptive, off, dry' sets driver.speed_profile.time "
+            "itself",
+        ),
+        ("sweep coast_down --vary plant.initial_speed=20,20", "case 'plant.initial_speed=20' is there twice"),
+        ("five_methods --drivers pulse pulse", "case 'method 1 pulse seed 1' is there twice, allowed is once"),
+        (
+            "sweep coast_down --vary plant.initial_speed=20 --vary plant.initial_speed=30",
+            "--vary 'plant.initial_speed=30' is refused: plant.initial_speed varies already, allowed is once",
+        ),
+        (
+            "sweep coast_down --vary plant.seed=5,6 --seeds 2",
+            "--vary 'plant.seed=5,6' is refused: *.seed varies already",
+        ),
+        (
+            "sweep coast_down --vary plant.initial_speed=1:2:0",
+            "--vary 'plant.initial_speed=1:2:0' is refused: it names",
+        ),
+        ("sweep coast_down --vary plant.road.left=[ice", "--vary 'plant.road.left=[ice' is refused, allowed is x,y,z"),
+        ("faults --duration 4", "--duration 4 is refused: what this study measures comes later, allowed is 5 s"),
+        ("bench_difference --duration 1", "--duration 1 is refused: what this study measures comes later"),
+    ],
+)
+def test_what_a_case_sets_itself_is_refused_in_one_line(words, said):
+    """Rows stood under a value, a law or a seed that none of them had."""
+    with pytest.raises(ParameterError) as error:
+        cases_of(*words.split())
+    assert str(error.value).startswith(said) and "\n" not in str(error.value)
+
+
+def test_a_file_of_parameters_does_not_take_the_place_either(tmp_path):
+    file = tmp_path / "more.yaml"
+    file.write_text("/**/driver:\n  ros__parameters:\n    speed_profile: {file: cycles/nedc.csv}\n")
+    with pytest.raises(ParameterError, match=r"^\*\.speed_profile\.file is refused: case 'none: "):
+        cases_of("faults", "--params", str(file))
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_names_differ_and_what_a_case_sets_is_its_own(name):
+    """All studies: what the first case sets is refused on the command line, from its node and for every node."""
+    cases = cases_of(name)
+    assert len({case.name for case in cases}) == len(cases) > 0
+    for node, parameter, _ in cases[0].values:
+        for place in (node, "*"):
+            with pytest.raises(ParameterError, match=r"refused: case .* itself$"):
+                _refuse_what_it_sets(cases[0], [(place, parameter)])
+
+
+def test_what_no_case_sets_is_that_of_all():
+    cases = cases_of("sweep", "coast_down", "--vary", "plant.initial_speed=20,30", "--set", "plant.step=0.001")
+    assert [case.values for case in cases] == [
+        (("plant", "initial_speed", speed), ("plant", "step", 0.001)) for speed in (20, 30)
+    ]
+
+
+def test_names_have_all_digits_and_lists_are_values():
+    given = ["coast_down", "--vary", "plant.initial_speed=15.00001,15.00002"]
+    assert [case.name for case in cases_of("sweep", *given)] == [
+        "plant.initial_speed=15.00001",
+        "plant.initial_speed=15.00002",
+    ]
+    lists = cases_of("sweep", "coast_down", "--vary", "plant.road.left=[ice,dry_asphalt],[ice]")
+    assert [value for case in lists for *_, value in case.values] == [["ice", "dry_asphalt"], ["ice"]]

@@ -1,0 +1,221 @@
+"""What was driven is taken again as long as nothing that it depends on has changed, and no longer."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ev_msgs_py.lockstep import methods
+from ev_msgs_py.parameters.config_folders import find_in_config
+from ev_msgs_py.parameters.data_file import files_read
+from ev_sim.running.outcome import RunFailed
+from ev_sim.running.output_folder import OutputFolder
+from ev_sim.study import depends
+from ev_sim.study.case import Case, CaseResult, drive_case
+from ev_sim.study.kept_rows import KeptRows, MeasureAndSave
+
+LAW = '''"""A law of somebody's own."""
+
+from dataclasses import dataclass
+
+from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
+from ev_msgs_py.lockstep.methods import method
+
+
+@dataclass(frozen=True)
+class Parameters:
+    pass
+
+
+@method("asr", "row_law")
+class RowLaw:
+    """Passes the request on, less what another module says."""
+
+    parameters = Parameters
+
+    def __init__(self, parameters, vehicle, period):
+        from row_law_gain import GAIN
+
+        self.state, self.gain = None, GAIN
+
+    def step(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
+        return WheelTorqueCommand(request.drive, request.brake)
+'''
+DEPENDENTS = {  # by what a file is called the cases that read it
+    "profile.csv": {"profile"},
+    "own.yaml": {"own scenario"},
+    "car.yaml": {"own scenario"},
+    "tyre.tir": {"own scenario"},
+    "map.csv": {"own scenario"},
+    "more.yaml": {"more parameters"},
+    "recorded.npz": {"recorded"},
+    "bus.dbc": {"bus"},
+    "row_law.py": {"law"},
+    "row_law_gain.py": {"law"},
+}
+
+
+def in_config(name: str) -> Path:
+    found = find_in_config(name)
+    assert found is not None
+    return found
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Iterator[Path]:
+    """One file of each kind, and none of them in a config folder."""
+    made = tmp_path_factory.mktemp("files")
+    (made / "profile.csv").write_text("t_s,v_mps\n0,1\n10,2\n")
+    car = in_config("vehicles/compact_ev.yaml").read_text()
+    tyre = "tyres/pacejka_2006_205_60r15.tir"
+    (made / "tyre.tir").write_bytes(in_config(tyre).read_bytes())
+    (made / "map.csv").write_bytes(in_config("efficiency_maps/yasa_400.csv").read_bytes())
+    assert car.count(tyre) == 2 and car.count("      motor:\n") == 1
+    car = car.replace(tyre, str(made / "tyre.tir"))
+    car = car.replace("      motor:\n", f"      motor:\n        map_file: {made / 'map.csv'}\n")
+    (made / "car.yaml").write_text(car)
+    own = in_config("scenarios/coast_down.yaml").read_text()
+    (made / "own.yaml").write_text(own.replace("vehicle: audi_a2", f"vehicle: {made / 'car.yaml'}"))
+    (made / "more.yaml").write_text("/**/plant:\n  ros__parameters:\n    initial_speed: 20.0\n")
+    drive_case(Case("a", "coast_down", duration=0.1), MeasureAndSave(lambda recording, run: {}, made / "recorded.npz"))
+    (made / "bus.dbc").write_bytes(in_config("can/ev_bench.dbc").read_bytes())
+    (made / "row_law.py").write_text(LAW)
+    (made / "row_law_gain.py").write_text("GAIN = 1.0\n")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(made)
+        importlib.import_module("row_law")
+        yield made
+        del methods._REGISTER["asr"]["row_law"]
+
+
+def cases(folder: Path) -> list[Case]:
+    bus = str(folder / "bus.dbc")
+    return [
+        Case("plain", "coast_down"),
+        Case("profile", "shchur2019", (("driver", "speed_profile.file", str(folder / "profile.csv")),)),
+        Case("own scenario", str(folder / "own.yaml")),
+        Case("more parameters", "coast_down", files=(folder / "more.yaml",)),
+        Case("recorded", "coast_down", (("driver", "method", str(folder / "recorded.npz")),), duration=0.1),
+        Case("bus", "bench_fault", tuple((n, "bus.database", bus) for n in ("test_bench", "inverter_gateway"))),
+        Case("law", "coast_down", (("asr", "method", "row_law"),)),
+    ]
+
+
+def keys(folder: Path) -> dict[str, str]:
+    depends._texts_of.cache_clear()  # another process would begin so
+    return {case.name: depends.row_key("sweep", case) for case in cases(folder)}
+
+
+def change(file: Path) -> None:
+    """Another content, of which some readers take notice and others do not: a row has to be driven anew for both."""
+    if file.suffix == ".npz":
+        arrays = dict(np.load(file))
+        arrays["driver.command.drive_torque"][0] += 1.0
+        np.savez(file, **arrays)
+    else:
+        comment = {".tir": "$ x\n", ".dbc": "\n"}.get(file.suffix, "# x\n")
+        file.write_text(file.read_text("latin-1") + comment, "latin-1")
+
+
+@pytest.fixture(scope="module")
+def latest(folder) -> dict[str, str]:
+    """The keys of all cases, as they were last asked for."""
+    return keys(folder)
+
+
+@settings(max_examples=8)
+@given(st.sets(st.sampled_from(list(DEPENDENTS))))
+def test_a_changed_file_changes_the_rows_that_depend_on_it_and_no_others(folder, latest, changed):
+    for name in changed:
+        change(folder / name)
+    now = keys(folder)
+    assert {name for name in now if now[name] != latest[name]} == set().union(*(DEPENDENTS[c] for c in changed))
+    assert len(set(now.values())) == len(now)
+    latest |= now
+
+
+def test_a_library_in_c_is_a_file_that_was_read(tmp_path, monkeypatch):
+    library = tmp_path / "liblimit.so"
+    library.write_bytes(b"machine code")
+    monkeypatch.setattr("ev_msgs_py.native.method.library_method", lambda role, name: methods.methods_of(role)["off"])
+    with files_read() as read:
+        methods.find_method("asr", str(library))
+    assert list(read) == [str(library)]
+
+
+CASE = Case("first", "shchur2019", duration=0.1)
+
+
+def kept(folder: Path, *of: Case, study: str = "sweep", anew: bool = False) -> KeptRows:
+    return KeptRows(folder, study, of or [CASE], anew)
+
+
+def with_duration(duration: float) -> Case:
+    return Case(f"{duration:g} s", "shchur2019", duration=duration)
+
+
+def test_a_row_comes_back_to_the_bit_under_any_name(tmp_path):
+    measured = {"a": 1 / 3, "nan": float("nan"), "b": np.arange(3.0), "c": ("x", None, [True])}
+    kept(tmp_path).keep(CASE, CaseResult("first", measured, "hash", 0.1, 0.2, "", ("note",)))
+    second = Case("second", CASE.scenario, duration=CASE.duration)
+    found = kept(tmp_path, second).of(second)
+    assert (found.name, found.signal_hash, found.notes) == ("second", "hash", ("note",))
+    assert (found.measured["a"], found.measured["c"]) == (measured["a"], measured["c"])
+    assert np.array_equal(found.measured["b"], measured["b"])
+    other = with_duration(0.2)
+    assert kept(tmp_path, other).of(other) is None
+    assert kept(tmp_path, study="compare").of(CASE) is None
+
+
+@pytest.mark.parametrize("anew", [False, True])
+def test_another_sweep_or_study_in_the_same_folder_keeps_the_rows_of_the_first(tmp_path, anew):
+    """`--out DIR` twice with other options: the rows of the first, which may have taken days, were deleted."""
+    first, second = with_duration(0.1), with_duration(0.2)
+    for case in (first, second):
+        rows = kept(tmp_path, case, anew=anew)
+        with OutputFolder(tmp_path, "study sweep", ["driven.jsonl", rows.signals_of(case)], keeps=rows.files):
+            assert rows.of(case) is None
+            rows.keep(case, CaseResult(case.name, {"x": case.duration}))
+            (tmp_path / rows.signals_of(case)).parent.mkdir(exist_ok=True)
+            (tmp_path / rows.signals_of(case)).touch()
+    both = kept(tmp_path, first, second)
+    assert [both.of(case).measured["x"] for case in (first, second)] == [0.1, 0.2]
+    assert all((tmp_path / both.signals_of(case)).exists() for case in (first, second))
+
+
+def test_what_was_driven_with_other_sources_is_not_taken(tmp_path, monkeypatch):
+    kept(tmp_path).keep(CASE, CaseResult("first", {}))
+    monkeypatch.setattr("ev_sim.report.summary.PACKAGES", ("numpy", "llvmlite", "hypothesis"))
+    assert kept(tmp_path).of(CASE) is None
+    assert kept(tmp_path).files == []
+
+
+def test_versions_are_of_all_that_computes():
+    assert {"python", "numpy", "scipy", "numba", "llvmlite"} <= depends.versions().keys()
+
+
+def test_a_file_that_changes_while_it_is_driven_is_told(tmp_path):
+    """Its row would stand under the old content, with numbers of the new one."""
+    more = tmp_path / "more.yaml"
+    more.write_text("/**/asr:\n  ros__parameters:\n    method: 'off'\n")
+    case = Case("first", "shchur2019", files=(more,), duration=0.1)
+    rows = kept(tmp_path, case)
+    change(more)
+    with pytest.raises(RunFailed, match=r"^first: what it depends on has changed while the study was driven"):
+        rows.keep(case, CaseResult("first", {}))
+    assert not (tmp_path / "driven.jsonl").exists()
+
+
+def test_a_copy_by_hard_links_does_not_grow(tmp_path):
+    """As `cp -al` makes one: rows went into the user's copy as well."""
+    for _ in range(2):
+        kept(tmp_path).keep(CASE, CaseResult("first", {}))
+        if not (tmp_path / "copy").exists():
+            (tmp_path / "copy").hardlink_to(tmp_path / "driven.jsonl")
+    assert [len((tmp_path / name).read_text().splitlines()) for name in ("copy", "driven.jsonl")] == [1, 2]

@@ -1,0 +1,37 @@
+"""Runs too short to be measured: one line, never a traceback behind the driving."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.running.outcome import RunFailed
+from ev_sim.study.case import drive_case
+from ev_sim.study.command import arguments
+from ev_sim.study.run_study import _summed_up
+from ev_sim.study.study import STUDIES, study_named
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_whatever_is_too_short_is_told_in_one_line(name):
+    """All studies, shorter than the command line lets them be: each case has a row or says why it has none."""
+    study, given = study_named(name), arguments(name, ())
+    cases = study.cases(given)
+    result = drive_case(replace(cases[0], duration=0.05), study.measure)
+    assert "\n" not in result.refused and bool(result.refused) != bool(result.measured or name in CYCLES)
+    results = {case.name: replace(result, name=case.name) for case in cases}
+    try:
+        metrics, _, table, _ = _summed_up(study, given, results)
+    except (ParameterError, RunFailed) as error:
+        assert "\n" not in str(error)
+    else:
+        assert isinstance(table, str)
+        json.dumps({key: metric.as_json() for key, metric in metrics.items()}, allow_nan=False)
+
+
+CYCLES = ("five_methods", "urban_sensitivity")  # of which a part without traction has no numbers, and is no mistake
