@@ -14,8 +14,8 @@ from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import arguments, overrides
 from ev_sim.running.scenarios.about import describe_scenario
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario, scenario_names
-from ev_sim.study.run_study import _refuse_unused, study_cases
-from ev_sim.study.run_study import arguments as study_arguments
+from ev_sim.study.command import arguments as study_arguments
+from ev_sim.study.command import study_cases
 from ev_sim.study.study import study_named
 
 CONFIG = config_folders()[-1]
@@ -257,10 +257,10 @@ def test_a_study_takes_what_one_of_its_methods_has():
     """`compare` drives all laws; what none of them has is refused before anything is driven."""
     study, words = study_named("compare"), ["--set", f"{LAW}.gamma=7"]
     given = study_arguments("compare", words)
-    _refuse_unused(study, given, study_cases(study, given))
+    study_cases(study, given)
     given = study_arguments("compare", [*words, "--set", "asr.low=0.1"])
     with pytest.raises(ParameterError, match=r"^asr: parameter low is refused: asr method off does not have it"):
-        _refuse_unused(study, given, study_cases(study, given))
+        study_cases(study, given)
 
 
 def test_a_missing_further_file_is_named(scenario, tmp_path):

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import math
 
+import numpy as np
 import pytest
 from traction import METHODS, SPEED_MODE
 
 from ev_sim.report.metric import Metric
+from ev_sim.running.offline import run_offline
+from ev_sim.running.recording.recording import Recording
+from ev_sim.running.recording.truth import true_motion
 from ev_sim.study import asr_shootout
 from ev_sim.study.asr_controls import VARIANTS
-from ev_sim.study.case import CaseResult, drive_case
+from ev_sim.study.case import CaseResult, drive_case, run_of
 
 pytestmark = pytest.mark.slow
 
@@ -63,6 +68,44 @@ def test_slip_energy_is_the_work_that_the_speeds_do_not_show(results):
     m = results["dry, gentle: off"].measured
     work = 1500.0 * m["distance"] / 0.32 / 1e3
     assert m["slip_energy"] == pytest.approx(work * m["mean_slip"], rel=0.2)
+
+
+@pytest.mark.parametrize("finer", [2, 5])
+def test_measures_do_not_count_control_periods(finer):
+    """The same motion at 2.5 and 1 ms: commands hold, all else goes on evenly. Slip energy was 2 and 5 times it.
+
+    The ripple within 2 %: a command that holds in steps of 5 ms has that ripple itself, which is seen between samples.
+    """
+    (case,) = asr_shootout.cases(argparse.Namespace(controls=["slip_window"], roads=["snow, then dry"]))
+    run = run_of(case)
+    motion = true_motion(run_offline(run.configurations, run.duration), run.configurations)
+    time = np.arange((len(motion.time) - 1) * finer + 1) * asr_shootout.PERIOD / finer
+    held = ("torque_", "tire_forces.friction_coefficient")
+    channels = {
+        name: values[np.arange(len(time)) // finer] if name.startswith(held) else np.interp(time, motion.time, values)
+        for name, values in motion.channels.items()
+    }
+    wanted, found = (asr_shootout.measure(of, run) for of in (motion, Recording(time, channels)))
+    for name in asr_shootout.QUANTITIES:
+        assert found[name] == pytest.approx(wanted[name], rel=0.02 if name == "torque_ripple" else 1e-3), name
+
+
+def test_a_run_that_ends_early_has_gaps_and_no_error():
+    (case,) = asr_shootout.cases(argparse.Namespace(controls=["off"], roads=["ice"]))
+    result = drive_case(dataclasses.replace(case, duration=0.05), asr_shootout.measure)
+    assert result.measured["peak_slip"] is result.measured["torque_ripple"] is result.measured["recovery"] is None
+    assert asr_shootout.rows(None, {case.name: result})[0][2:] == (
+        "–",
+        "0.0",
+        "–",
+        "–",
+        "0.0",
+        "0.0",
+        "0.00",
+        "–",
+        "0",
+        "–",
+    )
 
 
 def test_table_and_metrics(results):

@@ -16,7 +16,7 @@ from ev_msgs_py.contract.shape import SignalError, shape_of
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.graph import step_order
 from ev_msgs_py.lockstep.graph_check import check_graph
-from ev_msgs_py.lockstep.parts import compiled_parts
+from ev_msgs_py.lockstep.parts import compiled_parts, method_part
 
 _PIECE = 100  # instants between two looks at progress
 _PIECES_PER_LOOK = 50  # pieces between two looks at what the parts note
@@ -70,7 +70,7 @@ class GraphRun:
         last, said = self.series.shape[1] - 1, set[tuple[str, str]]()
         stopped = np.zeros(2, np.int64)
         progress(0.0)
-        for begin, end in self._pieces():
+        for begin, end in _pieces(last):
             count = end - begin
             self.frames[: count + 1, frame.TIME] = self.series[frame.TIME, begin : end + 1]
             status = run_instants(self.frames, 0, count, end == last, self._rows, self._answering, stopped)
@@ -81,12 +81,6 @@ class GraphRun:
             if end == last or end % (_PIECE * _PIECES_PER_LOOK) == 0:
                 self._pass_on_notes(said, note)
             progress(float(self.series[frame.TIME, end]))
-
-    def _pieces(self) -> Iterator[tuple[int, int]]:
-        """First and last instants of the pieces of the run, of which each begins where the one before ends."""
-        last = self.series.shape[1] - 1
-        for begin in range(0, max(last, 1), _PIECE):
-            yield begin, min(begin + _PIECE, last)
 
     def _error(self, status: int, instant: int, place: int) -> BaseException:
         """What a part said that stopped at an instant of a piece, with the simulated time if a number is not finite."""
@@ -108,8 +102,32 @@ class GraphRun:
                     said.add((role, text))
                     note(role, text)
 
-    def drive_alone(self, role: str) -> None:
-        """Drive the parts of one role that integrates through all instants; what it reads is in the frames already."""
-        rows = np.array([row for row, (of, _) in zip(self._rows, self.parts, strict=True) if of == role])
-        for begin, end in self._pieces():
-            run_instants(self.frames, 0, end - begin, False, rows, 0, np.zeros(2, np.int64))
+
+def said_again(configuration: Configuration, series: np.ndarray) -> np.ndarray:
+    """What the part of a role that integrates says of recorded inputs without its sensors and faults.
+
+    `series` are all numbers of the frame, (frame size, instants); the same with what the part says in its place.
+    SignalError if a number of it is not finite.
+    """
+    part, writes = method_part(configuration, compiled=True), configuration.method.writes
+    again, last = series.copy(), series.shape[1] - 1
+    frames = np.zeros((min(_PIECE, last) + 1, len(series)))
+    row = np.array([(*part.addresses(), *frame.span(writes))], np.int64)
+    function, state, constants = part.addresses()
+    for begin, end in _pieces(last):
+        count = end - begin
+        frames[: count + 1] = series[:, begin : end + 1].T
+        if begin == 0 and call_part(function, 0, frames.ctypes.data, state, constants) != 0:
+            raise part.error
+        if run_instants(frames, 0, count, False, row, 0, np.zeros(2, np.int64)) != FINISHED:
+            refuse_not_finite(frames[count], writes)
+            raise part.error
+        new = slice(int(begin > 0), count + 1)  # the first instant of a piece stands in the one before
+        again[:, begin + new.start : end + 1] = frames[new].T
+    return again
+
+
+def _pieces(last: int) -> Iterator[tuple[int, int]]:
+    """First and last instants of the pieces of a run, of which each begins where the one before ends."""
+    for begin in range(0, max(last, 1), _PIECE):
+        yield begin, min(begin + _PIECE, last)

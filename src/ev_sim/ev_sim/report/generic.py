@@ -30,7 +30,7 @@ def figures(runs: Runs) -> dict[str, Figure]:
 def _metrics(run: Recording) -> dict[str, Metric]:
     return {
         "final_speed": metric(lambda: derived.speed(run)[-1], "m/s"),
-        "maximum_speed": metric(lambda: derived.speed(run).max(), "m/s"),
+        "maximum_speed": metric(lambda: motion.speed(run).max(), "m/s"),
         "maximum_total_drive_torque": metric(lambda: np.abs(derived.total_drive_torque(run)).max(), "N m"),
         "maximum_road_wheel_angle": metric(lambda: np.abs(channel(run, derived.ROAD_WHEEL_ANGLE)).max(), "rad"),
         **can_bus.metrics(run),

@@ -19,6 +19,10 @@ class NotMeasured(Exception):
     """A metric cannot be computed; the message says why in one line."""
 
 
+class NotJudged(NotMeasured):
+    """A verdict cannot be given, for not all that it takes was judged; the message says why in one line."""
+
+
 @dataclass(frozen=True, slots=True)
 class Reference:
     """A published number, the band (both ends included) in which a run reproduces it, and where it comes from.
@@ -39,7 +43,8 @@ class Reference:
 class Metric:
     """A number with its unit; `value` is None if it could not be computed, `reason` then says why.
 
-    `unjudged` says why the reference does not bind it, such as another law than that of the source.
+    `unjudged` says why the reference does not bind it, such as another law than that of the source, or why there is no
+    value to a verdict of its own.
     Of several seeds `value` is the mean, `per_seed` holds the single values in the order of the seeds.
     """
 
@@ -59,7 +64,7 @@ class Metric:
     def judgement(self) -> str:
         """What the number is worth: (not) measured, not judged, (not) reproduced, or no more than its inputs."""
         if self.value is None:
-            return NOT_MEASURED
+            return NOT_MEASURED if self.reason else NOT_JUDGED
         if self.reference is None:
             return "measured"
         if self.unjudged:
@@ -107,6 +112,8 @@ def metric(measure: Callable[[], float], unit: str, reference: Reference | None 
     """The metric that `measure` returns; what raises NotMeasured or is not finite becomes a metric without value."""
     try:
         value = float(measure())
+    except NotJudged as why:
+        return Metric(None, unit, reference, unjudged=str(why))
     except NotMeasured as why:
         return Metric(None, unit, reference, str(why))
     if not math.isfinite(value):

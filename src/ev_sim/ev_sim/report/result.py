@@ -26,6 +26,7 @@ from ev_sim.running.files_of_run import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY
 from ev_sim.running.outcome import Outcome
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.recording.recording import Recording, combined_hash, save, signal_hash
+from ev_sim.running.recording.truth import true_motion
 from ev_sim.running.scenarios.differences import COMMAND_LINE, Difference, differences
 from ev_sim.running.scenarios.scenario import Scenario, load_scenario
 
@@ -55,6 +56,12 @@ class Result:
         """The signals of each run by its name."""
         return {name: outcome.recording for name, outcome in self.outcomes.items()}
 
+    @cached_property
+    def truth(self) -> Runs:
+        """The true motion of each run by its name: that of metrics and figures, whatever sensors have shown."""
+        known = {run.name: run.configurations for run in self.scenario.runs}
+        return {name: true_motion(run, known[name]) for name, run in self.runs.items()}
+
     @property
     def time(self) -> np.ndarray:
         """The instants of the only run [s], (n,); ParameterError if there are several."""
@@ -79,10 +86,10 @@ class Result:
     @cached_property
     def metrics(self) -> Mapping[str, Metric]:
         """Numbers with units, and verdicts where something was published, by name."""
-        found = {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.runs)}
+        found = {**self._of_report("metrics"), **own_metrics(self.scenario.parameters.metrics, self.truth)}
         changed = dict.fromkeys(self._other_than_the_source)
         why = f"{', '.join(changed)} differ{'s' * (len(changed) == 1)} from the source's" if changed else ""
-        return {name: replace(each, unjudged=why) for name, each in found.items()}
+        return {name: replace(each, unjudged=each.unjudged or why) for name, each in found.items()}
 
     @property
     def _other_than_the_source(self) -> list[str]:
@@ -117,7 +124,7 @@ class Result:
         first = self.scenario.runs[0].configurations
         parameters: Parameters = {role: configuration.values() for role, configuration in first.items()}
         found: dict[str, Any] = getattr(report_for(self._report), what)(
-            self.runs, first[MASTER].common.vehicle, parameters
+            self.truth, first[MASTER].common.vehicle, parameters
         )
         return found
 

@@ -12,6 +12,7 @@ from ev_sim.running.recording.recording import Recording
 
 Runs = Mapping[str, Recording]  # name of the run -> its signals
 Parameters = Mapping[str, Mapping[str, Any]]  # node -> dotted parameter name -> value
+TYRES = "tire_forces."  # begins the channels that only a plant with tyres has
 
 
 def run_named(runs: Runs, name: str) -> Recording:
@@ -22,9 +23,11 @@ def run_named(runs: Runs, name: str) -> Recording:
 
 
 def channel(recording: Recording, name: str) -> np.ndarray:
-    """The samples of a channel, (n,); NotMeasured if the channel is missing, empty or not finite."""
+    """The samples of a channel, (n,); NotMeasured if the channel is missing, empty, not finite or not the truth."""
+    if name in recording.unknown:
+        raise NotMeasured(f"{name} was recorded as its sensor shows it, and what is true is not known")
     if name not in recording.channels:
-        raise NotMeasured(f"{name} was not recorded")
+        raise NotMeasured("the plant has no tyres" if name.startswith(TYRES) else f"{name} was not recorded")
     values = recording.channels[name]
     if not len(values):
         raise NotMeasured("the run has no samples")

@@ -62,6 +62,9 @@ class SteeringRobotParameters:
     """Which angle the robot imposes, and how fast it can turn."""
 
     shape: str = parameter("profile", choices=SHAPES, about="what the robot steers")
+    scale: float = parameter(
+        1.0, unit="1", low=0.0, high=100.0, about="of the angles of profile and sine: another car takes other ones"
+    )
     profile: SteeringAngleProfileParameters = group(SteeringAngleProfileParameters)
     sine_with_dwell: SineWithDwellParameters = group(SineWithDwellParameters)
     max_rate: float = parameter(
@@ -80,7 +83,7 @@ class SteeringRobotState:
 def profile(parameters: SteeringRobotParameters, _vehicle: Vehicle, _period: float) -> Profile:
     """The profile of the angle over time, whether it is the chosen shape or not."""
     p = parameters.profile
-    return profile_of(p.time, p.angle, p.interpolation)
+    return profile_of(p.time, tuple(parameters.scale * angle for angle in p.angle), p.interpolation)
 
 
 def at_its_beginning(p: SteeringRobotParameters, c: Profile, period: float) -> SteeringRobotState:
@@ -120,17 +123,19 @@ def steering_robot(p: SteeringRobotParameters, c: Profile, s: SteeringRobotState
 @compilable
 def wanted_angle(p: SteeringRobotParameters, points: Profile, t: float) -> float:
     """Steering-wheel angle [rad] that is wanted at the time t [s]."""
-    return sine_with_dwell(p.sine_with_dwell, t) if p.shape == SINE_WITH_DWELL else value_at(points, t)
+    if p.shape == SINE_WITH_DWELL:
+        return sine_with_dwell(p.sine_with_dwell, p.scale * p.sine_with_dwell.amplitude, t)
+    return value_at(points, t)
 
 
 @compilable
-def sine_with_dwell(p: SineWithDwellParameters, t: float) -> float:
+def sine_with_dwell(p: SineWithDwellParameters, amplitude: float, t: float) -> float:
     """A sin(2 pi f t), held for the dwell at its second peak, at three quarters of the period (UN R140, FMVSS 126)."""
     since, second_peak = t - p.begin, 0.75 / p.frequency
     since -= min(max(since - second_peak, 0.0), p.dwell)
     if not 0.0 < since < 1 / p.frequency:
         return 0.0
-    return p.amplitude * sin(math.tau * p.frequency * since)
+    return amplitude * sin(math.tau * p.frequency * since)
 
 
 @compilable

@@ -12,9 +12,10 @@ from typing import Any
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.report.metric import NotMeasured
 from ev_sim.running.recording.recording import Recording, signal_hash
+from ev_sim.running.recording.truth import true_motion
 from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
 
-Measure = Callable[[Recording, Run], Mapping[str, Any]]
+Measure = Callable[[Recording, Run], Mapping[str, Any]]  # of the true motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +72,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     wall_time = time.monotonic() - start
     driven = CaseResult(case.name, {}, signal_hash(recording), run.duration, wall_time, "", tuple(dict.fromkeys(notes)))
     try:
-        return replace(driven, measured=measure(recording, run))
+        return replace(driven, measured=measure(true_motion(recording, run.configurations), run))
     except OSError:
         raise
     except NotMeasured as why:

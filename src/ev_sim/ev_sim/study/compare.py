@@ -62,13 +62,13 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """QUANTITIES, None for what the plant does not write, and CURVES."""
+    """QUANTITIES, or in one line why one cannot be measured, and CURVES."""
     plant = run.configurations[MASTER]
     vehicle, road = plant.common.vehicle, getattr(plant.parameters, "road", None)
     surfaces = tuple(map(road.surface, {*road.left, *road.right, *road.random_surfaces})) if road else ()
     return {
         "peak_sideslip": handling.peak_sideslip(recording),
-        "yaw_rate_error": handling.yaw_rate_error(recording, vehicle),
+        "yaw_rate_error": _if_measured(lambda: handling.yaw_rate_error(recording, vehicle)),
         "peak_slip": _if_measured(lambda: handling.peak_slip_ratio(recording)),
         "slip_energy": _if_measured(lambda: handling.slip_energy(recording, vehicle)),
         "drive_energy": float(handling.drive_work(recording)[-1]),
@@ -96,7 +96,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 def table(given: argparse.Namespace, results: Results) -> tuple[Sequence[str], list[list[Any]]]:
     """Columns, and for each method that could be driven a row of its quantities."""
     driven = [(name, result.measured) for name, result in results.items() if not result.refused]
-    return COLUMNS, [[name, *(measured[quantity] for quantity in QUANTITIES)] for name, measured in driven]
+    return COLUMNS, [[name, *(_number(measured[quantity]) for quantity in QUANTITIES)] for name, measured in driven]
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
@@ -129,15 +129,19 @@ def _right_minus_left(recording: Recording) -> np.ndarray:
     return of("right") - of("left")
 
 
-def _if_measured(measure: Callable[[], float]) -> float | None:
+def _if_measured(measure: Callable[[], float]) -> float | str:
     try:
         return measure()
-    except NotMeasured:
-        return None
+    except NotMeasured as why:
+        return str(why)
 
 
-def _metric(value: float | None, unit: str) -> Metric:
-    return Metric(value, unit, reason="" if value is not None else "the plant has no tyres")
+def _metric(value: float | str, unit: str) -> Metric:
+    return Metric(None, unit, reason=value) if isinstance(value, str) else Metric(value, unit)
+
+
+def _number(value: float | str) -> float | None:
+    return None if isinstance(value, str) else value
 
 
 def _cell(value: float | None) -> str:

@@ -105,7 +105,7 @@ class MeasureAndSave:
     def __call__(self, recording: Recording, run: Run) -> Mapping[str, Any]:
         self.path.parent.mkdir(exist_ok=True)
         with suppress(FileExistsError):  # of a case that is the same under another name
-            save(recording, self.path)
+            save(recording.shown or recording, self.path)
         return self.measure(recording, run)
 
 

@@ -10,6 +10,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.vehicle.car import GRAVITY
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.constants import wheel_places
+from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.quantities.car_axes import wheel_directions
 from ev_sim.report.quantities.understeer import understeer_gradient
@@ -18,17 +19,10 @@ from ev_sim.running.recording.recording import Recording
 from ev_sim.surfaces.table import Surface, curve_on_road, tyre_on_road
 from ev_sim.tyres.curve import peak_slip
 
-SLOWEST = 1.0  # [m/s], below which the direction of travel and slip ratios say little
-
-
-def moving(run: Recording) -> np.ndarray:
-    """Whether the car moves, (n,)."""
-    return np.abs(derived.speed(run)) >= SLOWEST
-
 
 def peak_sideslip(run: Recording) -> float:
     """Largest magnitude of the sideslip angle of the moving car [rad]."""
-    return float(np.abs(np.where(moving(run), motion.sideslip_angle(run), 0.0)).max())
+    return float(np.abs(np.where(motion.moving(run), motion.sideslip_angle(run), 0.0)).max())
 
 
 def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
@@ -38,36 +32,43 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     friction; without tyres there is no such limit. After Rajamani, Vehicle Dynamics and Control, 2012, chapter 8.
     """
     speed, angle = channel(run, "twist.longitudinal"), channel(run, derived.ROAD_WHEEL_ANGLE)
-    turned = angle * (1.0 - vehicle.rear_steering_ratio)
+    turned = angle * (1.0 - vehicle.rear_steering_ratio) - run.channels.get("rear_steering.state.angle", 0.0)
     wanted = speed * turned / (vehicle.wheelbase + understeer_gradient(vehicle) * speed**2)
     if f"tire_forces.friction_coefficient.{WHEEL_NAMES[0]}" in run.channels:
         friction = np.mean(_of_wheels(run, "tire_forces.friction_coefficient"), axis=0)
-        limit = friction * GRAVITY / np.maximum(np.abs(speed), SLOWEST)
+        limit = friction * GRAVITY / np.maximum(np.abs(speed), motion.SLOWEST)
         wanted = np.clip(wanted, -limit, limit)
-    error = (channel(run, motion.YAW_RATE) - wanted)[moving(run)]
-    return float(np.sqrt(np.mean(error**2))) if len(error) else 0.0
+    error = (channel(run, motion.YAW_RATE) - wanted)[motion.moving(run)]
+    if not len(error):
+        raise NotMeasured("the car does not move")
+    return float(np.sqrt(np.mean(error**2)))
 
 
 def peak_slip_ratio(run: Recording) -> float:
     """Largest magnitude of the slip ratio of any wheel while the car moves [1]."""
-    return float(np.abs(_of_wheels(run, "tire_forces.slip_ratio") * moving(run)).max())
+    return float(np.abs(_of_wheels(run, "tire_forces.slip_ratio") * motion.moving(run)).max())
 
 
 def slip_energy(run: Recording, vehicle: Vehicle) -> float:
     """Work that the tyres take where they slip, along and across [J]; trapezoidal rule between the samples."""
-    vx, vy, yaw_rate = (channel(run, f"twist.{name}") for name in ("longitudinal", "lateral", "yaw_rate"))
-    power = np.zeros_like(vx)
-    directions = wheel_directions(run, vehicle)
-    places = zip(WHEEL_NAMES, *wheel_places(vehicle), vehicle.wheel_radius_ratio, strict=True)
-    for wheel, x, y, ratio in places:
-        cosine, sine = directions[wheel]
-        ground_x, ground_y = vx - y * yaw_rate, vy + x * yaw_rate
-        rim = ratio * vehicle.wheel_radius * channel(run, f"wheel_states.velocity.{wheel}")
-        slip_x = rim - (ground_x * cosine + ground_y * sine)
-        slip_y = ground_x * sine - ground_y * cosine
-        power += channel(run, f"tire_forces.longitudinal_force.{wheel}") * slip_x
-        power += channel(run, f"tire_forces.lateral_force.{wheel}") * slip_y
+    power = np.zeros_like(run.time)
+    for wheel in WHEEL_NAMES:
+        for part in slip_powers(run, vehicle, wheel):
+            power += part
     return float(np.trapezoid(power, run.time))
+
+
+def slip_powers(run: Recording, vehicle: Vehicle, wheel: str) -> tuple[np.ndarray, np.ndarray]:
+    """Force of a tyre times the speed at which it slips over the road, along and across the wheel, (n,) each [W]."""
+    vx, vy, yaw_rate = (channel(run, f"twist.{name}") for name in ("longitudinal", "lateral", "yaw_rate"))
+    number, (cosine, sine) = WHEEL_NAMES.index(wheel), wheel_directions(run, vehicle)[wheel]
+    x, y = (places[number] for places in wheel_places(vehicle))
+    ground_x, ground_y = vx - y * yaw_rate, vy + x * yaw_rate
+    radius = vehicle.wheel_radius_ratio[number] * vehicle.wheel_radius
+    slip_x = radius * channel(run, f"wheel_states.velocity.{wheel}") - (ground_x * cosine + ground_y * sine)
+    slip_y = ground_x * sine - ground_y * cosine
+    along, across = (channel(run, f"tire_forces.{kind}_force.{wheel}") for kind in ("longitudinal", "lateral"))
+    return along * slip_x, across * slip_y
 
 
 def drive_work(run: Recording) -> np.ndarray:
@@ -82,16 +83,18 @@ def drive_work(run: Recording) -> np.ndarray:
 def time_over_limit(run: Recording, vehicle: Vehicle, surfaces: Iterable[Surface]) -> float:
     """Time in which any wheel of the moving car slips beyond the peak of its friction curve [s].
 
-    The slip is the resultant of slip ratio and sine of the slip angle; `surfaces` are those of the road, told apart by
-    the available friction under the wheel.
+    The slip is the resultant of slip ratio and sine of the slip angle; `surfaces` are those of the road, of which that
+    one lies under a wheel whose friction is closest to the one that is available there.
     """
     friction = _of_wheels(run, "tire_forces.friction_coefficient")
-    limit = np.full_like(friction, np.inf)
-    for available, slip in _peak_slips(vehicle, surfaces).items():
-        limit[friction == available] = slip
+    known = _peak_slips(vehicle, surfaces)
+    if not known:
+        raise NotMeasured("the surfaces of the road are not known")
+    available, peaks = np.array(list(known.items())).T
+    limit = peaks[np.abs(friction[..., None] - available).argmin(axis=-1)]
     across = np.sin(_of_wheels(run, "tire_forces.slip_angle"))
-    over = (np.hypot(_of_wheels(run, "tire_forces.slip_ratio"), across) > limit).any(axis=0) & moving(run)
-    return float(np.count_nonzero(over[1:]) * (run.time[1] - run.time[0]))
+    over = (np.hypot(_of_wheels(run, "tire_forces.slip_ratio"), across) > limit).any(axis=0) & motion.moving(run)
+    return float(np.diff(run.time)[over[1:]].sum())
 
 
 def _peak_slips(vehicle: Vehicle, surfaces: Iterable[Surface]) -> Mapping[float, float]:

@@ -36,22 +36,29 @@ def body_width(vehicle: Vehicle) -> float:
     return max(vehicle.front_track, vehicle.rear_track) + BODY_BESIDE_TRACK
 
 
-def lanes(vehicle: Vehicle) -> tuple[Lane, ...]:
-    """The three lanes; the first begins at x = 0 and its middle is y = 0."""
+def side_of(run: Recording) -> float:
+    """1 where the car changes to a lane on the left, -1 where to one on the right: where it is in the middle of it."""
+    x, y = channel(run, "pose.x"), channel(run, "pose.y")
+    middle = LENGTHS[0] + LENGTHS[1] + LENGTHS[2] / 2
+    return float(np.copysign(1.0, y[np.abs(x - middle).argmin()] + 0.0))
+
+
+def lanes(vehicle: Vehicle, side: float) -> tuple[Lane, ...]:
+    """The three lanes; the first begins at x = 0 and its middle is y = 0, the second lies on a `side`."""
     edges = np.concatenate(([0.0], np.cumsum(LENGTHS)))
     widths = [factor * body_width(vehicle) + MARGIN for factor in WIDTHS]
     return tuple(
-        Lane(float(edges[2 * n]), float(edges[2 * n + 1]), LANE_OFFSET * (n % 2), width)
+        Lane(float(edges[2 * n]), float(edges[2 * n + 1]), side * LANE_OFFSET * (n % 2), width)
         for n, width in enumerate(widths)
     )
 
 
-def cones(vehicle: Vehicle) -> np.ndarray:
+def cones(vehicle: Vehicle, side: float) -> np.ndarray:
     """Positions of the cones, (n, 2) [m]; the lane's edge is where a cone begins, so a cone is a point on it."""
     return np.array(
         [
             (x, lane.middle + side * lane.width / 2)
-            for lane in lanes(vehicle)
+            for lane in lanes(vehicle, side)
             for x in np.linspace(lane.start, lane.end, CONES)
             for side in (-1, 1)
         ]
@@ -64,7 +71,7 @@ def hit_cones(run: Recording, vehicle: Vehicle) -> np.ndarray:
     front = vehicle.wheelbase - vehicle.centre_of_mass_to_rear_axle + OVERHANG
     rear = vehicle.centre_of_mass_to_rear_axle + OVERHANG
     hit = []
-    for cone_x, cone_y in cones(vehicle):
+    for cone_x, cone_y in cones(vehicle, side_of(run)):
         ahead = (cone_x - x) * np.cos(heading) + (cone_y - y) * np.sin(heading)
         aside = (cone_y - y) * np.cos(heading) - (cone_x - x) * np.sin(heading)
         inside = (ahead > -rear) & (ahead < front) & (np.abs(aside) < body_width(vehicle) / 2)

@@ -16,15 +16,46 @@ LATERAL_ACCELERATION = "imu.lateral_acceleration"
 DRIVE_TORQUE = "driver.command.drive_torque"
 BRAKE_TORQUE = "driver.command.brake_torque"
 
+SLOWEST = 1.0  # [m/s], below which the direction of travel and slip ratios say little
+
 
 def heading(run: Recording) -> np.ndarray:
     """Heading without jumps, counter-clockwise, (n,) [rad]."""
     return np.unwrap(2 * np.arctan2(channel(run, "pose.orientation_z"), channel(run, "pose.orientation_w")))
 
 
+def speed(run: Recording) -> np.ndarray:
+    """Magnitude of the velocity of the centre of mass, (n,) [m/s]."""
+    return np.hypot(channel(run, "twist.longitudinal"), channel(run, "twist.lateral"))
+
+
+def moving(run: Recording) -> np.ndarray:
+    """Whether the car moves, (n,)."""
+    return speed(run) >= SLOWEST
+
+
+def driving_direction(run: Recording) -> np.ndarray:
+    """1 where the car has set off forwards and -1 where in reverse, (n,), until it stands again; at rest as before.
+
+    So a car that slides backwards without having stood still has spun, and does not reverse.
+    """
+    moves = moving(run)
+    begins = np.flatnonzero(moves & ~np.concatenate(([False], moves[:-1])))
+    if not len(begins):
+        return np.ones(len(moves))
+    directions = np.copysign(1.0, channel(run, "twist.longitudinal")[begins])
+    which = np.searchsorted(begins, np.arange(len(moves)), side="right") - 1
+    return directions[np.maximum(which, 0)]
+
+
 def sideslip_angle(run: Recording) -> np.ndarray:
-    """Direction of travel of the centre of mass against the body, left positive, (n,) [rad]."""
-    return np.arctan2(channel(run, "twist.lateral"), channel(run, "twist.longitudinal"))
+    """Angle of the velocity of the centre of mass against the body's axis, in reverse against its rear, (n,) [rad].
+
+    Left of the velocity positive forwards (ISO 8855), and on a circle of one steering angle the same in reverse.
+    """
+    direction = driving_direction(run)
+    along, across = (direction * channel(run, f"twist.{name}") + 0.0 for name in ("longitudinal", "lateral"))
+    return np.arctan2(across, along)
 
 
 def lateral_acceleration_on_path(run: Recording) -> np.ndarray:
@@ -39,15 +70,20 @@ def radius_of_path(run: Recording) -> np.ndarray:
 
     Infinite where the path is straight.
     """
-    speed = np.hypot(channel(run, "twist.longitudinal"), channel(run, "twist.lateral"))
     with np.errstate(divide="ignore"):
-        return speed**2 / lateral_acceleration_on_path(run)
+        return speed(run) ** 2 / lateral_acceleration_on_path(run)
 
 
 def distance_on_path(run: Recording) -> np.ndarray:
     """Distance that the centre of mass has travelled, (n,) [m]."""
     steps = np.hypot(np.diff(channel(run, "pose.x")), np.diff(channel(run, "pose.y")))
     return np.concatenate(([0.0], np.cumsum(steps)))
+
+
+def way_aside(run: Recording, begin: int = 0) -> np.ndarray:
+    """Way of the centre of mass across the straight on from an instant, left positive, (n,) [m]."""
+    x, y, angle = channel(run, "pose.x"), channel(run, "pose.y"), heading(run)[begin]
+    return (y - y[begin]) * np.cos(angle) - (x - x[begin]) * np.sin(angle)
 
 
 def first(condition: np.ndarray, what: str) -> int:
@@ -59,9 +95,14 @@ def first(condition: np.ndarray, what: str) -> int:
 
 
 def crossing_time(time: np.ndarray, values: np.ndarray, level: float, what: str) -> float:
-    """When the values first reach a level from below, linear between samples [s]; NotMeasured if they never do."""
+    """When the values first reach a level from below, linear between samples [s]; NotMeasured if they never do.
+
+    Nor is it known of values that are beyond the level from the first sample on.
+    """
     n = first(values >= level, what)
     if n == 0:
+        if values[0] > level:
+            raise NotMeasured(f"{what} was passed before {time[0]:g} s")
         return float(time[0])
     before, after = values[n - 1], values[n]
     return float(time[n - 1] + (level - before) / (after - before) * (time[n] - time[n - 1]))

@@ -10,7 +10,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.papers import ge_ni2005 as paper
 from ev_sim.report.quantities import motion
-from ev_sim.report.samples import channel
+from ev_sim.report.samples import channel, last
 from ev_sim.running.recording.recording import Recording
 
 Measure = Callable[[Recording], float]
@@ -57,7 +57,10 @@ def own_response_time(run: Recording) -> float:
 
 def chatter(run: Recording) -> float:
     """How far both torque requests go to and fro, per time [N m/s]; one way only is no chatter."""
-    late = run.time >= run.time[-1] - CHATTER_WINDOW
+    begin, _ = last(run, CHATTER_WINDOW)
+    if begin < run.time[0] - 1e-9:
+        raise NotMeasured(f"the run is shorter than {CHATTER_WINDOW:g} s")
+    late = run.time >= begin
     torques = [channel(run, f"torque_request.drive.rear_{side}")[late] for side in SIDES]
     return (
         sum(float(np.abs(np.diff(torque)).sum() - abs(torque[-1] - torque[0])) for torque in torques) / CHATTER_WINDOW

@@ -16,7 +16,7 @@ from ev_sim.report.figures.over_time import over_time
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.report.quantities import derived, motion
-from ev_sim.report.samples import Runs
+from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
 
 GRAVITY = 9.81  # [m/s^2]
@@ -33,13 +33,23 @@ def effective_mass(vehicle: Vehicle) -> float:
 
 def decelerations(run: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Speeds (n,) [m/s] in the middle of the intervals and decelerations (n,) [m/s^2]; NotMeasured without any."""
-    speed = derived.speed(run)
-    stride = round(INTERVAL / (run.time[1] - run.time[0])) if len(run.time) > 1 else 1
-    ends = np.arange(0, len(speed), stride)
-    ends = ends[speed[ends] > LOWEST_SPEED]
-    if len(ends) < 10:
+    speed = coasting_speed(run)
+    ends = np.arange(run.time[0], run.time[-1] + 1e-9, INTERVAL)
+    at_ends = np.interp(ends, run.time, speed)
+    if np.count_nonzero(at_ends > LOWEST_SPEED) < 10:
         raise NotMeasured(f"the car coasts above {LOWEST_SPEED:.2f} m/s for less than 10 s")
-    return speed[(ends[:-1] + ends[1:]) // 2], -np.diff(speed[ends]) / np.diff(run.time[ends])
+    ends, at_ends = ends[at_ends > LOWEST_SPEED], at_ends[at_ends > LOWEST_SPEED]
+    return np.interp((ends[:-1] + ends[1:]) / 2, run.time, speed), -np.diff(at_ends) / np.diff(ends)
+
+
+def coasting_speed(run: Recording) -> np.ndarray:
+    """Speed of the car, forwards or in reverse, (n,) [m/s]; NotMeasured if a pedal is pressed: that is no road load."""
+    for pedal in (motion.DRIVE_TORQUE, motion.BRAKE_TORQUE):
+        if channel(run, pedal).any():
+            raise NotMeasured(
+                f"the car does not coast: {pedal} is not zero at {run.time[channel(run, pedal) != 0][0]:g} s"
+            )
+    return motion.speed(run)
 
 
 def road_load(run: Recording, vehicle: Vehicle) -> tuple[float, float]:
@@ -94,7 +104,7 @@ def _described(value: float, symbol: str) -> Reference | None:
 
 
 def _time_between(run: Recording) -> float:
-    slowness = -derived.speed(run)
+    slowness = -coasting_speed(run)
     return motion.crossing_time(run.time, slowness, -LOWER, "80 km/h") - motion.crossing_time(
         run.time, slowness, -UPPER, "100 km/h"
     )

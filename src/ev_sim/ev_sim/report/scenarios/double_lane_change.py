@@ -25,7 +25,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
             return np.abs(values(run)[_on_course(run, vehicle)]).max()
 
         return {
-            "cones_hit": metric(lambda: np.count_nonzero(course.hit_cones(run, vehicle)), "1"),
+            "cones_hit": metric(lambda: _cones_hit(run, vehicle), "1"),
             "entry_speed": metric(lambda: derived.speed(run)[_on_course(run, vehicle)][0], "m/s"),
             "exit_speed": metric(lambda: derived.speed(run)[_on_course(run, vehicle)][-1], "m/s"),
             "peak_lateral_acceleration": metric(lambda: largest(motion.lateral_acceleration_on_path), "m/s^2"),
@@ -49,15 +49,24 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
     names = ("steering_wheel_angle", "lateral_acceleration", "yaw_rate", "sideslip_angle")
     return {
         "course": plan_view(
-            "Double lane change, ISO 3888-1", tracks, course.cones(vehicle), course.hit_cones(run, vehicle)
+            "Double lane change, ISO 3888-1",
+            tracks,
+            course.cones(vehicle, course.side_of(run)),
+            course.hit_cones(run, vehicle),
         ),
         "motion": sheet(motion_panels(runs, *names), "time [s]"),
     }
 
 
+def _cones_hit(run: Recording, vehicle: Vehicle) -> int:
+    _on_course(run, vehicle)  # who leaves the course early spares its cones
+    return np.count_nonzero(course.hit_cones(run, vehicle))
+
+
 def _on_course(run: Recording, vehicle: Vehicle) -> np.ndarray:
     """Which samples lie between the first and the last cone, (n,) bool; NotMeasured if the last one is not reached."""
     x = channel(run, "pose.x")
-    first, last = course.lanes(vehicle)[0].start, course.lanes(vehicle)[-1].end
+    lanes = course.lanes(vehicle, course.side_of(run))
+    first, last = lanes[0].start, lanes[-1].end
     end = motion.first(x >= last, "the end of the course")
     return (x >= first) & (np.arange(len(x)) <= end)

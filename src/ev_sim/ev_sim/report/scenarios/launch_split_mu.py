@@ -7,8 +7,8 @@ import numpy as np
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.split_friction import split_friction_figures
-from ev_sim.report.metric import Metric, metric
-from ev_sim.report.quantities import derived, motion
+from ev_sim.report.metric import Metric, NotMeasured, metric
+from ev_sim.report.quantities import motion
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
 
@@ -24,11 +24,11 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
             return np.abs(values[_launch(run)] - values[_launch(run)][0]).max()
 
         return {
-            "time_to_5_m_s": metric(lambda: np.ptp(run.time[_launch(run)]), "s"),
-            "distance_to_5_m_s": metric(lambda: np.ptp(motion.distance_on_path(run)[_launch(run)]), "m"),
+            "time_to_5_m_s": metric(lambda: _reached(run) - run.time[_launch(run).start], "s"),
+            "distance_to_5_m_s": metric(lambda: _distance(run), "m"),
             "peak_yaw_rate": metric(lambda: np.abs(channel(run, motion.YAW_RATE)[_launch(run)]).max(), "rad/s"),
             "peak_yaw_deviation": metric(lambda: by_then(motion.heading(run)), "rad"),
-            "peak_lateral_deviation": metric(lambda: by_then(channel(run, "pose.y")), "m"),
+            "peak_lateral_deviation": metric(lambda: by_then(motion.way_aside(run, _launch(run).start)), "m"),
             "peak_steering_wheel_angle": metric(lambda: by_then(channel(run, motion.STEERING_WHEEL_ANGLE)), "rad"),
             **{
                 f"{wheel}_peak_slip": metric(lambda wheel=wheel: _slip(run, wheel), "1")
@@ -47,10 +47,23 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
 def _launch(run: Recording) -> slice:
     """The samples from the first drive torque to SPEED."""
     start = max(motion.first(np.abs(channel(run, motion.DRIVE_TORQUE)) > 0.0, "drive torque") - 1, 0)
-    return slice(start, motion.first(derived.speed(run) >= SPEED, f"{SPEED:g} m/s") + 1)
+    end = motion.first(motion.speed(run) >= SPEED, f"{SPEED:g} m/s")
+    if end < start:
+        raise NotMeasured(f"the car has {SPEED:g} m/s before it is driven")
+    return slice(start, end + 1)
+
+
+def _reached(run: Recording) -> float:
+    """When the car has SPEED, forwards or in reverse [s]."""
+    return motion.crossing_time(run.time, motion.speed(run), SPEED, f"{SPEED:g} m/s")
+
+
+def _distance(run: Recording) -> float:
+    way = motion.distance_on_path(run)
+    return motion.value_at(run, way, _reached(run)) - way[_launch(run).start]
 
 
 def _slip(run: Recording, wheel: str) -> float:
     part = _launch(run)
-    rolling = derived.speed(run)[part] > ROLLING
+    rolling = motion.speed(run)[part] > ROLLING
     return np.abs(channel(run, f"tire_forces.slip_ratio.{wheel}")[part][rolling]).max()

@@ -1,10 +1,14 @@
 """Report on the sine with dwell, by the measures of UN R140 and FMVSS 126.
 
-Run `slowly_increasing_steer` gives the steering-wheel angle A at 0.3 g; the others are sines with dwell. The beginning
-of steer is the last instant at zero angle before the sine, its completion the first one after it.
+Run `slowly_increasing_steer` gives the steering-wheel angle A at 0.3 g; the others are sines with dwell, to the left or
+to the right first, for the regulation asks for both. A sine is what was driven, whatever the run is called. The
+beginning of steer is where the angle passes 5 deg, as the regulation has it, its completion the first instant at zero
+after the sine. From the last instant at zero before the sine the displacement is less: that reading stands beside it.
 """
 
 from __future__ import annotations
+
+import re
 
 import numpy as np
 
@@ -12,17 +16,20 @@ from ev_sim.report.figures.drawing import sheet
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.over_time import motion_panels, over_time
 from ev_sim.report.figures.panels import Curve, panel
-from ev_sim.report.metric import Metric, NotMeasured, metric
+from ev_sim.report.metric import Metric, NotJudged, NotMeasured, metric
 from ev_sim.report.quantities import motion
 from ev_sim.report.samples import Runs, channel, run_named
 from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios.slow_ramp import angle_at
 
 SLOW = "slowly_increasing_steer"
 SHOWN_SIDESLIP = 30.0  # [deg], beyond which a car has spun and would flatten the others' curves
 REFERENCE_ACCELERATION = 0.3 * 9.81  # [m/s^2]
-FIT_RANGE = (0.1 * 9.81, 0.375 * 9.81)  # [m/s^2], over which FMVSS 126, S7.6, fits its line
+BEGINNING = np.radians(5.0)  # of the steering wheel, the beginning of steer (FMVSS 126, S7.11)
 DISPLACEMENT_TIME = 1.07  # [s] after the beginning of steer
 DISPLACEMENT = 1.83  # [m], at least, for cars up to 3500 kg and amplitudes of 5 A and more
+FULL = 5.0  # [A]
+ROUNDING = 0.01  # of an amplitude: A counts to a tenth of a degree
 YAW_LIMITS = ((1.0, 35.0), (1.75, 20.0))  # [s] after the completion of steer, [%] of the peak yaw rate at most
 
 
@@ -39,15 +46,16 @@ def metrics(runs: Runs) -> dict[str, Metric]:
             result[f"{name}_yaw_rate_ratio_{key}_s"] = metric(
                 lambda run=run, delay=delay: _yaw_rate_ratio(run, delay), "%"
             )
-        result[f"{name}_lateral_displacement"] = metric(lambda run=run: _displacement(run), "m")
+        result[f"{name}_lateral_displacement"] = metric(lambda run=run: _displacement(run, _beginning(run)), "m")
+        result[f"{name}_lateral_displacement_from_zero"] = metric(lambda run=run: _displacement(run, _zero(run)), "m")
         result[f"{name}_peak_sideslip_angle"] = metric(lambda run=run: np.abs(motion.sideslip_angle(run)).max(), "rad")
-        result[f"{name}_passed"] = metric(lambda run=run: _passes(run, runs), "1")
+        result[f"{name}_passed"] = metric(lambda name=name: _passes(name, runs), "1")
     return result
 
 
 def figures(runs: Runs) -> dict[str, Figure]:
     """Steering-wheel angle, yaw rate, sideslip angle and lateral displacement of all sines."""
-    sines = {_times(name): run for name, run in _sines(runs).items()}
+    sines = {_label(name, runs): run for name, run in _sines(runs).items()}
 
     panels = [
         *motion_panels(sines, "steering_wheel_angle", "yaw_rate"),
@@ -64,7 +72,7 @@ def figures(runs: Runs) -> dict[str, Figure]:
     def slow() -> list[Curve]:
         run = run_named(runs, SLOW)
         angle = np.degrees(channel(run, motion.STEERING_WHEEL_ANGLE))
-        rising = slice(0, int(angle.argmax()) + 1)
+        rising = slice(0, int(np.abs(angle).argmax()) + 1)
         return [Curve(angle[rising], motion.lateral_acceleration_on_path(run)[rising])]
 
     line = panel("Slowly increasing steer", "lateral acceleration [m/s²]", slow)
@@ -74,9 +82,12 @@ def figures(runs: Runs) -> dict[str, Figure]:
     }
 
 
-def _times(name: str) -> str:
-    """The name of a run as the multiple of A that it says: times_1_5 is 1.5 A."""
-    return f"{name.removeprefix('times_').replace('_', '.')} A"
+def _label(name: str, runs: Runs) -> str:
+    """The multiple of A that was driven, or the name of the run where A is not known."""
+    try:
+        return f"{_multiple(runs[name], runs):.1f} A"
+    except NotMeasured:
+        return name.replace("_", " ")
 
 
 def _sines(runs: Runs) -> dict[str, Recording]:
@@ -84,13 +95,8 @@ def _sines(runs: Runs) -> dict[str, Recording]:
 
 
 def _angle_at_reference(run: Recording) -> float:
-    """Steering-wheel angle A at 0.3 g, from a line through the linear range [rad]."""
-    acceleration = motion.lateral_acceleration_on_path(run)
-    angle = channel(run, motion.STEERING_WHEEL_ANGLE)
-    end = motion.first(acceleration > FIT_RANGE[1], f"a lateral acceleration of {FIT_RANGE[1]:.2f} m/s^2")
-    inside = acceleration[:end] >= FIT_RANGE[0]
-    slope, offset = np.polyfit(acceleration[:end][inside], angle[:end][inside], 1)
-    return float(slope * REFERENCE_ACCELERATION + offset)
+    """Steering-wheel angle A at 0.3 g, of either side [rad]."""
+    return angle_at(run, REFERENCE_ACCELERATION)
 
 
 def _multiple(run: Recording, runs: Runs) -> float:
@@ -122,17 +128,39 @@ def _yaw_rate_ratio(run: Recording, delay: float) -> float:
     return 100 * now / _peak_yaw_rate(run)
 
 
-def _displacement(run: Recording) -> float:
-    """Way of the centre of mass across its initial straight path [m], in the direction of the first steering."""
+def _zero(run: Recording) -> float:
+    """The last instant at zero angle before the sine [s]."""
+    return float(run.time[_steering(run)[0]])
+
+
+def _beginning(run: Recording) -> float:
+    """When the steering wheel has turned by 5 deg [s]."""
+    angle = np.abs(channel(run, motion.STEERING_WHEEL_ANGLE))
+    return motion.crossing_time(run.time, angle, BEGINNING, "5 deg of the steering wheel")
+
+
+def _displacement(run: Recording, beginning: float) -> float:
+    """Way of the centre of mass across its straight path before [m], in the direction of the first steering."""
     begin, _ = _steering(run)
     side = np.sign(channel(run, motion.STEERING_WHEEL_ANGLE)[begin + 1])
-    x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)[begin]
-    across = (y - y[begin]) * np.cos(heading) - (x - x[begin]) * np.sin(heading)
-    return side * motion.value_at(run, across, float(run.time[begin]) + DISPLACEMENT_TIME)
+    return side * motion.value_at(run, motion.way_aside(run, begin), beginning + DISPLACEMENT_TIME)
 
 
-def _passes(run: Recording, runs: Runs) -> float:
-    """1 if the yaw rate falls fast enough and, from 5 A on, the car answers far enough; else 0."""
+def _passes(name: str, runs: Runs) -> float:
+    """1 if the yaw rate falls fast enough and, from 5 A on, the car answers far enough; else 0.
+
+    NotJudged if the run is not the one that its name says: a car that has passed with less has not passed.
+    """
+    run = run_named(runs, name)
+    multiple, named = _multiple(run, runs), _named_multiple(name)
+    if named and abs(multiple / named - 1.0) > ROUNDING:
+        raise NotJudged(f"{multiple:.2f} A was driven, the run is about {named:g} A")
     stable = all(_yaw_rate_ratio(run, delay) <= limit for delay, limit in YAW_LIMITS)
-    responsive = _multiple(run, runs) < 5.0 or _displacement(run) >= DISPLACEMENT
+    responsive = multiple < FULL * (1.0 - ROUNDING) or _displacement(run, _beginning(run)) >= DISPLACEMENT
     return float(stable and responsive)
+
+
+def _named_multiple(name: str) -> float:
+    """The multiple of A that the name of a run says, 1.5 of times_1_5; zero if it says none."""
+    found = re.search(r"times_(\d+)_(\d+)", name)
+    return float(f"{found[1]}.{found[2]}") if found else 0.0

@@ -3,7 +3,8 @@
 Runs: `linear`, tyres with constant cornering stiffness, judged by the closed form, and `friction`, real tyres up to
 their limit, both with a fixed steering wheel, and the same as `constant_radius_linear` and `constant_radius_friction`,
 with a driver who stays on a circle. Curvature is the acceleration across the path over the squared speed, the reference
-for the angle is that of rolling at this curvature; so both methods give one understeer gradient.
+for the angle is that of rolling at this curvature; so both methods give one understeer gradient. All angles,
+accelerations and radii count inwards: the circle may lead to either side.
 """
 
 from __future__ import annotations
@@ -19,39 +20,34 @@ from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.figures.plan_view import plan_view
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.report.quantities import derived, motion
+from ev_sim.report.quantities.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
 
 CONSTANT_RADIUS = "constant_radius_"  # how the names of the runs on a circle begin
 LINEAR = ("linear", "constant_radius_linear")
 RANGE = (0.5, 4.0)  # [m/s^2], lateral accelerations from which gradients are taken
-SETTLING = 100  # samples after which the car follows a steering wheel that is held
+SETTLING = 1.0  # [s], after which the car follows a steering wheel that is held
 BAND = 0.05  # the closed form has neither drive forces across the car nor a car that accelerates
 STANDARD = "ISO 4138"
 
 
-def understeer_gradient(vehicle: Vehicle) -> float:
-    """Closed form K = m (b/C_f - a/C_r)/L with the cornering stiffnesses of the axles [rad s^2/m].
-
-    For example Gillespie, Fundamentals of Vehicle Dynamics, 1992, chapter 6.
-    """
-    rear_arm, length = vehicle.centre_of_mass_to_rear_axle, vehicle.wheelbase
-    front, rear = 2 * vehicle.tyre.front_cornering_stiffness, 2 * vehicle.tyre.rear_cornering_stiffness
-    return vehicle.mass * (rear_arm / front - (length - rear_arm) / rear) / length
-
-
 def sideslip_gradient(vehicle: Vehicle) -> float:
     """Closed form -m a/(C_r L) [rad s^2/m]: sideslip of the centre of mass beyond that of rolling on the circle."""
-    length = vehicle.wheelbase
-    front_arm = length - vehicle.centre_of_mass_to_rear_axle
-    return -vehicle.mass * front_arm / (2 * vehicle.tyre.rear_cornering_stiffness * length)
+    return -axle_masses(vehicle)[1] / axle_cornering_stiffnesses(vehicle)[1]
+
+
+def is_linear(vehicle: Vehicle) -> bool:
+    """Whether the closed forms are about this car: cornering stiffnesses of its own, and loads that stay."""
+    return vehicle.tyre.lateral_curve == "linear" and vehicle.load_transfer == "none"
 
 
 def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     """Gradients of each run, those of the linear ones beside the closed form, and the largest lateral acceleration."""
     result = {}
     for name, run in runs.items():
-        closed = (understeer_gradient(vehicle), sideslip_gradient(vehicle)) if name in LINEAR else None
+        closed = (understeer_gradient(vehicle), sideslip_gradient(vehicle))
+        closed = closed if name in LINEAR and is_linear(vehicle) else None
         result |= {
             f"{name}_understeer_gradient": metric(
                 lambda run=run: _gradient(run, _excess_angle(run, vehicle)),
@@ -63,9 +59,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
                 "rad s^2/m",
                 _reference(closed[1], "-m a/(C_r L)") if closed else None,
             ),
-            f"{name}_maximum_lateral_acceleration": metric(
-                lambda run=run: motion.lateral_acceleration_on_path(run).max(), "m/s^2"
-            ),
+            f"{name}_maximum_lateral_acceleration": metric(lambda run=run: _inward_acceleration(run).max(), "m/s^2"),
             f"{name}_lowest_speed_radius": metric(lambda run=run: _radius(run), "m"),
         }
     return result
@@ -93,14 +87,17 @@ def _panels(runs: Runs, vehicle: Vehicle) -> list[Panel]:
     def over_acceleration(quantity: Callable[[Recording], np.ndarray]) -> Callable[[], list[Curve]]:
         return lambda: [_curve(name, run, quantity(run)) for name, run in runs.items()]
 
+    def inward(quantity: Callable[[Recording], np.ndarray]) -> Callable[[Recording], np.ndarray]:
+        return lambda run: _side(run) * np.degrees(quantity(run))
+
     return [
         panel(
             "Road-wheel angle beyond that of rolling, δ - L/R",
             "angle [deg]",
             over_acceleration(lambda run: np.degrees(_excess_angle(run, vehicle))),
         ),
-        panel("Sideslip angle", "angle [deg]", over_acceleration(lambda run: np.degrees(motion.sideslip_angle(run)))),
-        panel("Yaw rate", "yaw rate [deg/s]", over_acceleration(lambda run: np.degrees(channel(run, motion.YAW_RATE)))),
+        panel("Sideslip angle", "angle [deg]", over_acceleration(inward(motion.sideslip_angle))),
+        panel("Yaw rate", "yaw rate [deg/s]", over_acceleration(inward(lambda run: channel(run, motion.YAW_RATE)))),
         panel("Speed", "speed [m/s]", over_acceleration(derived.speed)),
     ]
 
@@ -111,11 +108,11 @@ def steady(run: Recording) -> slice:
     A driver who stays on a circle never ends steering; with him the car is on it, at this slowly rising speed, long
     before the lowest acceleration that gradients are taken from.
     """
-    angle, acceleration = channel(run, motion.STEERING_WHEEL_ANGLE), motion.lateral_acceleration_on_path(run)
-    if not angle[-1]:
-        raise NotMeasured("the steering wheel is not turned")
-    if (angle[-SETTLING:] == angle[-1]).all():
-        start = motion.first(angle == angle[-1], "the fixed steering-wheel angle") + SETTLING
+    angle, acceleration = channel(run, motion.STEERING_WHEEL_ANGLE), _inward_acceleration(run)
+    settled = run.time >= run.time[-1] - SETTLING
+    if (angle[settled] == angle[-1]).all():
+        held = run.time[motion.first(angle == angle[-1], "the fixed steering-wheel angle")]
+        start = motion.first(run.time >= held + SETTLING - 1e-9, f"{SETTLING:g} s with a fixed steering wheel")
     else:
         start = motion.first(acceleration >= RANGE[0], f"{RANGE[0]:g} m/s^2")
     part = slice(start, int(acceleration.argmax()) + 1)
@@ -124,29 +121,41 @@ def steady(run: Recording) -> slice:
     return part
 
 
+def _side(run: Recording) -> float:
+    """1 on a circle to the left, -1 to the right."""
+    angle = channel(run, motion.STEERING_WHEEL_ANGLE)[-1]
+    if not angle:
+        raise NotMeasured("the steering wheel is not turned")
+    return float(np.sign(angle))
+
+
+def _inward_acceleration(run: Recording) -> np.ndarray:
+    return _side(run) * motion.lateral_acceleration_on_path(run)
+
+
 def _curve(name: str, run: Recording, values: np.ndarray) -> Curve:
     part = steady(run)
-    return Curve(motion.lateral_acceleration_on_path(run)[part], values[part], name)
+    return Curve(_inward_acceleration(run)[part], values[part], name)
 
 
 def _curvature(run: Recording) -> np.ndarray:
-    return motion.lateral_acceleration_on_path(run) / np.maximum(derived.speed(run), 0.1) ** 2
+    return _inward_acceleration(run) / np.maximum(motion.speed(run), 0.1) ** 2
 
 
 def _excess_angle(run: Recording, vehicle: Vehicle) -> np.ndarray:
     """Road-wheel angle beyond that of rolling on the circle, (n,) [rad]."""
-    return channel(run, derived.ROAD_WHEEL_ANGLE) - vehicle.wheelbase * _curvature(run)
+    return _side(run) * channel(run, derived.ROAD_WHEEL_ANGLE) - vehicle.wheelbase * _curvature(run)
 
 
 def _excess_sideslip(run: Recording, vehicle: Vehicle) -> np.ndarray:
     """Sideslip angle beyond that of rolling on the circle, (n,) [rad]."""
-    return motion.sideslip_angle(run) - vehicle.centre_of_mass_to_rear_axle * _curvature(run)
+    return _side(run) * motion.sideslip_angle(run) - vehicle.centre_of_mass_to_rear_axle * _curvature(run)
 
 
 def _gradient(run: Recording, values: np.ndarray) -> float:
     """Slope over the lateral acceleration within RANGE, by least squares."""
     part = steady(run)
-    acceleration, values = motion.lateral_acceleration_on_path(run)[part], values[part]
+    acceleration, values = _inward_acceleration(run)[part], values[part]
     inside = (acceleration >= RANGE[0]) & (acceleration <= RANGE[1])
     if acceleration.max() < RANGE[1]:
         raise NotMeasured(f"the lateral acceleration stays below {RANGE[1]:g} m/s^2")

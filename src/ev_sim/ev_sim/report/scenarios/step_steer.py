@@ -49,6 +49,8 @@ def response(run: Recording, values: np.ndarray) -> Response:
     start = motion.crossing_time(run.time, angle / final, 0.5, "half of the step")
     end = float(run.time[-1])
     steady = mean_between(run, values, end - WINDOW, end)
+    if not steady:
+        raise NotMeasured("the car does not respond")
     if abs(mean_between(run, values, end - 2 * WINDOW, end - WINDOW) / steady - 1) > STEADY:
         raise NotMeasured("the response is not steady in the end")
     relative = values / steady

@@ -31,7 +31,7 @@ def metrics(runs: Runs) -> dict[str, Metric]:
             "peak_yaw_rate": metric(lambda: np.abs(channel(run, motion.YAW_RATE)[_braking(run)]).max(), "rad/s"),
             "yaw_deviation_after_1_s": metric(lambda: _after_a_second(run, motion.heading(run)), "rad"),
             "peak_yaw_deviation": metric(lambda: _largest_deviation(run, motion.heading(run)), "rad"),
-            "peak_lateral_deviation": metric(lambda: _largest_deviation(run, channel(run, "pose.y")), "m"),
+            "peak_lateral_deviation": metric(lambda: _largest_deviation(run, motion.way_aside(run, _onset(run))), "m"),
             "peak_steering_wheel_angle": metric(
                 lambda: np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)[_braking(run)]).max(), "rad"
             ),
@@ -76,5 +76,6 @@ def _locked(run: Recording, wheel: str) -> float:
     """Share of the braking time above LOCKED_SPEED during which a wheel is locked [%]."""
     part = _braking(run)
     fast = np.abs(derived.speed(run)[part]) > LOCKED_SPEED
-    locked = channel(run, f"tire_forces.slip_ratio.{wheel}")[part] < LOCKED_SLIP
+    towards = np.copysign(1.0, derived.speed(run)[part])  # in reverse a braked wheel slips forwards
+    locked = towards * channel(run, f"tire_forces.slip_ratio.{wheel}")[part] < LOCKED_SLIP
     return 100 * np.count_nonzero(locked & fast) / max(np.count_nonzero(fast), 1)

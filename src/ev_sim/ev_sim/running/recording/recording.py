@@ -26,10 +26,14 @@ class Recording:
 
     `time`: (n,) float64 [s]. `channels`: TOPIC.FIELD.NAME -> (n,) float64 in the unit of the field, where the
     slashes of a topic are dots (`steering_column.state.angle`).
+
+    Of a true motion (`truth.true_motion`) `shown` is what was sent; of the `unknown` channels no truth is known.
     """
 
     time: np.ndarray
     channels: Mapping[str, np.ndarray]
+    shown: Recording | None = None
+    unknown: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         if TIME in self.channels:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_msgs_py.nodes.master_parameters import LONGEST
-from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
 from ev_msgs_py.parameters.values import build
 from ev_sim.report.reports import refuse_unknown_report
 from ev_sim.running.scenarios.configured_file import configured_file
 from ev_sim.running.scenarios.parameter_file import ParameterFile
+from ev_sim.running.scenarios.slow_ramp import SlowRampParameters
 
 NAMESPACE = "/ev"  # of all nodes; of one run among several /ev/RUN
 SCENARIO_NODE = "scenario"
@@ -27,6 +28,7 @@ class ScenarioParameters:
     vehicle: str = parameter("audi_a2", about="name of a file in config/vehicles, or path of your own")
     duration: float = parameter(10.0, unit="s", low=0.01, high=LONGEST, about="simulated time of every run")
     runs: tuple[str, ...] = parameter((), about="names of the runs, if there are several")
+    slow_ramp: SlowRampParameters = group(SlowRampParameters)
     report: str = parameter("", about="scenario whose metrics and figures it gets; empty for that of its own name")
     metrics: tuple[str, ...] = parameter(
         (), about="metrics of its own, each as NAME = REDUCTION(CHANNEL), such as peak = maximum(imu.yaw_rate)"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from copy import copy
 from pathlib import Path
 from typing import Any
@@ -51,11 +51,11 @@ class ParameterFile:
         """The dotted names in all sections."""
         return {name for section in self.sections.values() for name in section}
 
-    def without(self, prefix: str) -> ParameterFile:
-        """The same file without the parameters whose names begin so."""
+    def without(self, prefix: str, patterns: Collection[str]) -> ParameterFile:
+        """The same file without the parameters whose names begin so in the sections of these names."""
         made = copy(self)
         made.sections = {
-            pattern: {name: value for name, value in section.items() if not name.startswith(prefix)}
+            pattern: {n: value for n, value in section.items() if pattern not in patterns or not n.startswith(prefix)}
             for pattern, section in self.sections.items()
         }
         return made

@@ -20,6 +20,7 @@ from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.running.scenarios.about import NAMESPACE, SCENARIO_NODE, ScenarioParameters, said_by
 from ev_sim.running.scenarios.configured_file import VEHICLE, configured_file, vehicle_file
 from ev_sim.running.scenarios.parameter_file import ParameterFile, matches
+from ev_sim.running.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
 
 
 @dataclass(frozen=True)
@@ -50,8 +51,8 @@ class Overrides:
 
     `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is driven must have each of
     them; those that are `prepared`, which come before, may be for other methods, like what files say. `vehicle` is
-    another car than that of the scenario, as a name or a path; what the scenario itself changes about its car is left
-    out then.
+    another car than that of the scenario, as a name or a path; what the scenario itself changes about the car of all
+    runs is left out then. What it changes about that of some runs stays: it is what these runs are about.
     """
 
     files: Sequence[Path] = ()
@@ -87,9 +88,10 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     own = ParameterFile(configured_file("scenario", name))
     name = own.path.stem
     about = said_by(own)
-    car = own.without(f"{VEHICLE}.") if overrides.vehicle else own
-    files = [vehicle_file(overrides.vehicle or about.vehicle), car, *map(ParameterFile, overrides.files)]
     namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
+    of_all = [pattern for pattern in own.sections if _means_all(pattern, namespaces.values())]
+    car = own.without(f"{VEHICLE}.", of_all) if overrides.vehicle else own
+    files = [vehicle_file(overrides.vehicle or about.vehicle), car, *map(ParameterFile, overrides.files)]
     for file in files:
         _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, SCENARIO_NODE) if file is car else tuple(ROLES))
     _refuse_unknown_overrides(overrides)
@@ -99,17 +101,36 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     for run in only:
         if run not in namespaces:
             raise unknown_name(f"run of {name}", run, namespaces)
-    runs = tuple(
-        replace(_run(run, namespace, files, overrides, duration), report=about.report or name, metrics=about.metrics)
-        for run, namespace in namespaces.items()
-        if not only or run in only
-    )
+    runs, notes, angles = [], [], dict[str, float]()
+    left_out = sorted({key for pattern in of_all for key in own.sections[pattern] if key.startswith(f"{VEHICLE}.")})
+    if left_out and overrides.vehicle:
+        notes.append(f"left out for another vehicle: {', '.join(left_out)} of {own.path}")
+    for run_name, namespace in namespaces.items():
+        if only and run_name not in only:
+            continue
+        run = _run(run_name, namespace, files, overrides, duration)
+        if about.slow_ramp.lateral_acceleration and not _is_told(f"{COLUMN}.{SCALE}", namespace, overrides):
+            as_it_is = _run(run_name, namespace, [vehicle_file(about.vehicle), own], Overrides(), about.duration)
+            run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
+            notes += [note] if note else []
+        runs.append(replace(run, report=about.report or name, metrics=about.metrics))
     refuse_unused_values(overrides.values, runs)
-    left_out = sorted({key for key in own.names() if key.startswith(f"{VEHICLE}.")}) if overrides.vehicle else ()
-    notes = [f"left out for another vehicle: {', '.join(left_out)} of {own.path}"] if left_out else []
     notes += [] if only else _unused_in(files, runs, overrides)
     notes += [note for run in runs for note in _late_faults(run)]
-    return Scenario(name, about, runs, own.path, tuple(notes))
+    return Scenario(name, about, tuple(runs), own.path, tuple(notes))
+
+
+def _is_told(name: str, namespace: str, overrides: Overrides) -> bool:
+    """Whether the command line or its files give a value to a parameter, NODE.PARAMETER."""
+    role, _, parameter = name.partition(".")
+    files = (ParameterFile(path).values_for(f"{namespace}/{role}") for path in overrides.files)
+    told = (key for node, key, _ in overrides.values if node in ("*", role))
+    return parameter in told or any(parameter in values for values in files)
+
+
+def _means_all(pattern: str, namespaces: Iterable[str]) -> bool:
+    """Whether a section means some node of every run."""
+    return all(any(matches(pattern, f"{space}/{role}") for role in ROLES) for space in namespaces)
 
 
 def _late_faults(run: Run) -> Iterator[str]:

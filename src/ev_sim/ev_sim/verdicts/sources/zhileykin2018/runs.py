@@ -16,7 +16,8 @@ from ev_sim.report.papers.zhileykin2018 import CALM, LIMIT, STEERING, SWING
 from ev_sim.report.quantities import motion
 from ev_sim.report.quantities.circle import deviation_from_circle
 from ev_sim.report.quantities.derived import ROAD_WHEEL_ANGLE
-from ev_sim.report.quantities.handling import moving, peak_sideslip
+from ev_sim.report.quantities.handling import peak_sideslip
+from ev_sim.report.quantities.motion import moving
 from ev_sim.report.quantities.torque_shares import SHARES, turn_arounds
 from ev_sim.report.samples import channel, run_named
 from ev_sim.study import zhileykin2018_grid as grid
