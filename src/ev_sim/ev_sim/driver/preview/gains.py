@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ V, R, HEADING, LATERAL, ARMS, INTENDED = range(len(STATES))
 # The speeds [m/s] between which gains are interpolated. Below the first the driver looks as far as at it, for at rest
 # there would be nothing ahead.
 SPEEDS = (4.0, 5.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 36.0, 43.0, 51.0, 60.0)
-_HORIZON = 300  # steps of the sum that is least: 15 s, after which the gains no longer change
+_HORIZON = 200  # steps of the sum that is least: 10 s, after which the gains no longer change
 _HALVINGS = 6  # of STEP before the exponential series of _SERIES terms, which then is exact to rounding
 _SERIES = 12
 
@@ -68,7 +68,7 @@ class Gains(NamedTuple):
     points: float
 
 
-@cache
+@lru_cache(64)
 def preview_gains(p: PreviewParameters, vehicle: Vehicle) -> Gains:
     """The gains that make the sum over time of (y/lateral_error)^2 + (rate/steering_rate)^2 least on any path.
 

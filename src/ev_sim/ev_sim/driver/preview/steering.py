@@ -66,7 +66,7 @@ def look_ahead(
     along_x, along_y = s.direction * (next_x - here_x), s.direction * (next_y - here_y)
     z, w = pose.orientation_z, pose.orientation_w
     cosine, sine = w * w - z * z, 2.0 * z * w  # of the heading, from its quaternion
-    heading = atan2(along_x * sine - along_y * cosine, along_x * cosine + along_y * sine)
+    heading = _turn(along_x, along_y, cosine, sine)
     lateral = (along_x * (pose.y - here_y) - along_y * (pose.x - here_x)) / (taken * STEP)
     state = (body.lateral, body.yaw_rate, heading, lateral, s.arms, s.intended)
     rate = 0.0
@@ -75,9 +75,16 @@ def look_ahead(
     for n in range(points):
         ahead_x, ahead_y = point_at(path, distance + (n + 2) * reach, leg)
         then_x, then_y = s.direction * (ahead_x - next_x), s.direction * (ahead_y - next_y)
-        turn = atan2(along_x * then_y - along_y * then_x, along_x * then_x + along_y * then_y)
-        rate += (lower * preview[(row - 1) * points + n] + upper * preview[row * points + n]) * turn
+        gain = lower * preview[(row - 1) * points + n] + upper * preview[row * points + n]
+        rate += gain * _turn(along_x, along_y, then_x, then_y)
         along_x, along_y, next_x, next_y = then_x, then_y, ahead_x, ahead_y
     s.intended = min(max(s.intended + period * rate, -p.max_angle), p.max_angle)
     s.arms += c.share * (s.intended - s.arms)
     return s.arms
+
+
+@compilable
+def _turn(from_x: float, from_y: float, to_x: float, to_y: float) -> float:
+    """Angle from one direction to another, left positive [rad]; 0 if there is none, or if it is neither left nor right."""
+    across = from_x * to_y - from_y * to_x
+    return atan2(across, from_x * to_x + from_y * to_y) if across != 0.0 else 0.0
