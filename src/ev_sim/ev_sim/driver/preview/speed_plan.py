@@ -14,6 +14,7 @@ from ev_sim.driver.path import Path, passed_on
 from ev_sim.driver.pedal_profile import UNBOUNDED
 
 _UNBOUNDED_SQUARE = UNBOUNDED * UNBOUNDED  # [m^2/s^2]
+_BENT = 0.99  # share of a leg within the circles at its ends from which on the leg is a chord of a bend
 _MISSED = 1.0  # [m/s] by which a driver who follows his plan is too fast: more than his speed control lags behind
 
 
@@ -50,10 +51,15 @@ class SpeedPlanState:
 
 
 class SpeedPlan(NamedTuple):
-    """By the points of the path: largest square of the speed [m^2/s^2], and how far around each of them it holds [m]."""
+    """Squares of largest speeds [m^2/s^2]: at the points of the path, and in between them for each of its legs.
 
-    square: tuple[float, ...]
-    around: tuple[float, ...]
+    On a leg the speed changes from `begin` on, for `run` [m]; a leg within a bend is taken no faster than its faster end.
+    """
+
+    point: tuple[float, ...]
+    leg: tuple[float, ...]
+    begin: tuple[float, ...]
+    run: tuple[float, ...]
 
 
 def speed_plan(p: SpeedPlanParameters, path: Path) -> SpeedPlan:
@@ -62,22 +68,29 @@ def speed_plan(p: SpeedPlanParameters, path: Path) -> SpeedPlan:
     A corner of the angle phi is rounded off by the largest circle that touches both legs, not beyond their middles, and
     passes the corner no farther than `cut`: chords of an arc get the arc.
     """
-    square, around = [_UNBOUNDED_SQUARE], [0.0]
+    grip = p.share * p.friction * GRAVITY
+    point, around = [_UNBOUNDED_SQUARE], [0.0]
     for n in range(1, len(path.x)):
         across = path.along_x[n - 1] * path.along_y[n] - path.along_y[n - 1] * path.along_x[n]
         along = path.along_x[n - 1] * path.along_x[n] + path.along_y[n - 1] * path.along_y[n]
         half = 0.5 * atan2(abs(across), along)
         touch, cosine = 0.5 * min(path.length[n - 1], path.length[n]), cos(half)
-        rounded = p.cut * cosine / (1.0 - cosine) * tan(half) if cosine < 1.0 else touch
-        around.append(min(touch, rounded))
-        square.append(min(p.share * p.friction * GRAVITY * around[n] / tan(half), _UNBOUNDED_SQUARE) if half else _UNBOUNDED_SQUARE)
-    square.append(_UNBOUNDED_SQUARE)
+        around.append(min(touch, p.cut * cosine / (1.0 - cosine) * tan(half)) if cosine < 1.0 else touch)
+        point.append(min(grip * around[n] / tan(half), _UNBOUNDED_SQUARE) if half else _UNBOUNDED_SQUARE)
+    point.append(_UNBOUNDED_SQUARE)
     around.append(0.0)
-    for n, length in enumerate(path.length):
-        square[n + 1] = min(square[n + 1], square[n] + 2.0 * p.acceleration * length)
-    for n, length in reversed([*enumerate(path.length)]):
-        square[n] = min(square[n], square[n + 1] + 2.0 * p.acceleration * length)
-    return SpeedPlan(tuple(square), tuple(around))
+    bent = [before + behind > _BENT * length for before, behind, length in zip(around, around[1:], path.length, strict=False)]
+    begin = [0.0 if bends else place for bends, place in zip(bent, around, strict=False)]
+    run = [
+        length if bends else length - before - behind
+        for bends, length, before, behind in zip(bent, path.length, around, around[1:], strict=False)
+    ]
+    for n, length in enumerate(run):
+        point[n + 1] = min(point[n + 1], point[n] + 2.0 * p.acceleration * length)
+    for n, length in reversed([*enumerate(run)]):
+        point[n] = min(point[n], point[n + 1] + 2.0 * p.acceleration * length)
+    leg = [max(point[n], point[n + 1]) if bends else _UNBOUNDED_SQUARE for n, bends in enumerate(bent)]
+    return SpeedPlan(tuple(point), tuple(leg), tuple(begin), tuple(run))
 
 
 @compilable
@@ -88,11 +101,11 @@ def planned_speed(
     """Largest speed [m/s], either way, at a place (x, y) [m] beside a leg; keeps when a speed [m/s] was too high."""
     if p.follow == 0.0:
         return UNBOUNDED
-    passed = passed_on(path, leg, x, y)
-    behind = max(passed - plan.around[leg], 0.0)
-    ahead = max(path.length[leg] - plan.around[leg + 1] - passed, 0.0)
+    since = passed_on(path, leg, x, y) - plan.begin[leg]
     twice = 2.0 * p.acceleration
-    planned = sqrt(min(plan.square[leg] + twice * behind, plan.square[leg + 1] + twice * ahead))
+    from_behind = plan.point[leg] + twice * max(since, 0.0)
+    for_ahead = plan.point[leg + 1] + twice * max(plan.run[leg] - since, 0.0)
+    planned = sqrt(min(plan.leg[leg], from_behind, for_ahead))
     excess = abs(speed) - planned
     if excess > _MISSED:
         if s.excess == 0.0:
