@@ -45,7 +45,7 @@ class PreviewParameters:
         source="assumption",
     )  # fmt: skip
     lateral_rate: float = parameter(
-        0.2, unit="m/s", low=0.001, high=100.0, about="speed away from the path that he minds as much",
+        0.1, unit="m/s", low=0.001, high=100.0, about="speed away from the path that he minds as much",
         source="assumption",
     )  # fmt: skip
     steering_rate: float = parameter(
