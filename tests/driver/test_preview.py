@@ -30,14 +30,14 @@ def test_every_car_settles_on_a_straight_road_at_every_speed(car):
 
 @pytest.mark.parametrize("car", CARS)
 def test_every_car_settles_in_reverse(car):
-    """Backwards a car is steered by the axle behind: 1 m beside, at 2 to 8 m/s, within 1 cm after 10 s."""
-    found = drives(car, [-2.0, -3.0, -5.0, -8.0], STRAIGHT, 12.0, plant__initial_y=1.0)
-    assert np.abs(found.signals["pose.y"][:, found.time > 10.0]).max() < 0.01
+    """Backwards a car is steered by the axle behind: 1 m beside, at 3 to 8 m/s, within 2 cm after 12 s."""
+    found = drives(car, [-3.0, -5.0, -8.0], STRAIGHT, 14.0, plant__initial_y=1.0)
+    assert np.abs(found.signals["pose.y"][:, found.time > 12.0]).max() < 0.02
 
 
 @pytest.mark.parametrize("car", CARS)
 def test_bends_of_3_m_per_s2_are_followed(car):
-    """At 30 to 140 km/h within 0.3 m: what tyres lose against their slope at rest; pure pursuit runs 0.65 to 1.7 m wide.
+    """At 30 to 140 km/h within 0.4 m: what tyres lose against their slope at rest; pure pursuit runs 0.65 to 1.7 m wide.
 
     The kei car of Ge & Ni has 40 % more of that, so 2 m/s^2.
     """
@@ -46,7 +46,7 @@ def test_bends_of_3_m_per_s2_are_followed(car):
     bends = {"driver.path.curvature": [[0.0, 1.0 / radius] for radius in radii]}
     found = drives(car, SPEEDS_DRIVEN, {"shape": "arcs", "length": [80.0, 5000.0], "curvature": [0.0, 0.0]}, 12.0, bends)
     for run, radius in enumerate(radii):
-        assert np.abs(from_circle(found, run, 80.0, radius)).max() < 0.3, SPEEDS_DRIVEN[run]
+        assert np.abs(from_circle(found, run, 80.0, radius)).max() < 0.4, SPEEDS_DRIVEN[run]
 
 
 @pytest.mark.parametrize("preview_time", [0.5, 1.0, 3.0])
