@@ -1,4 +1,4 @@
-"""The double lane change of ISO 3888-1 over drivers, previews, speeds and cars: who touches a cone, and how far off he is.
+"""The double lane change of ISO 3888-1 over drivers, previews, speeds and cars: who touches a cone, and the path error.
 
     python benchmarks/lane_change.py [--cars CAR ...] [--speeds KMH ...] [--previews S ...]
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from ev_sim.batches.batch import batch
 from ev_sim.driver.path import Path as Line
-from ev_sim.driver.path import nearest, path_of, point_at
+from ev_sim.driver.path import path_of
 from ev_sim.report.quantities.lane_change_course import hit_cones
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
@@ -51,18 +51,19 @@ def passages(car: str, speeds: list[float], method: str, preview: str, time: flo
 
 def error(recording: Recording, line: Line) -> float:
     """Largest distance from the line [m]."""
-    largest, leg = 0.0, 0
-    for x, y in zip(recording.channels["pose.x"], recording.channels["pose.y"], strict=True):
-        distance, leg = nearest(line, x, y, leg)
-        largest = max(largest, float(np.hypot(*np.subtract((x, y), point_at(line, distance, leg)))))
-    return largest
+    x, y = (recording.channels[name][:, None] for name in SIGNALS[:2])
+    from_x, from_y, along_x, along_y, length = map(np.array, (line.x, line.y, line.along_x, line.along_y, line.length))
+    passed = np.clip((x - from_x) * along_x + (y - from_y) * along_y, 0.0, length)
+    return float(np.hypot(x - from_x - passed * along_x, y - from_y - passed * along_y).min(axis=1).max())
 
 
 def row(*cells: object) -> str:
+    """A row of a table in Markdown."""
     return f"| {' | '.join(map(str, cells))} |"
 
 
 def main() -> None:
+    """Drive and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cars", nargs="+", default=CARS, choices=CARS, metavar="CAR")
     parser.add_argument("--speeds", nargs="+", type=float, default=[20, 40, 60, 70, 80, 90], metavar="KMH")

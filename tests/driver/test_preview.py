@@ -12,9 +12,9 @@ from scipy.linalg import expm, solve_discrete_are
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.preview.gains import HEADING, LATERAL, SPEEDS, STATES, STEP, PreviewParameters, _model, preview_gains
 
-
 CONFIG = Path(__file__).parents[2] / "config"
 CARS = sorted(path.stem for path in (CONFIG / "vehicles").glob("*.yaml"))
+BEND = {"shape": "arcs", "length": [20.0, 500.0], "curvature": [0.0, 0.0]}
 STRAIGHT = {"shape": "waypoints", "x": [-1000.0, 2000.0], "y": [0.0, 0.0]}
 SPEEDS_DRIVEN = [kmh / 3.6 for kmh in (30, 40, 50, 60, 80, 100, 120, 140)]
 
@@ -37,14 +37,14 @@ def test_every_car_settles_in_reverse(car):
 
 @pytest.mark.parametrize("car", CARS)
 def test_bends_of_3_m_per_s2_are_followed(car):
-    """At 30 to 140 km/h within 0.4 m: what tyres lose against their slope at rest; pure pursuit runs 0.65 to 1.7 m wide.
+    """At 30 to 140 km/h within 0.4 m: what tyres lose against their slope at rest.
 
     The kei car of Ge & Ni has 40 % more of that, so 2 m/s^2.
     """
     acceleration = 2.0 if car == "ge_ni2005" else 3.0
     radii = [speed * speed / acceleration for speed in SPEEDS_DRIVEN]
     bends = {"driver.path.curvature": [[0.0, 1.0 / radius] for radius in radii]}
-    found = drives(car, SPEEDS_DRIVEN, {"shape": "arcs", "length": [80.0, 5000.0], "curvature": [0.0, 0.0]}, 12.0, bends)
+    found = drives(car, SPEEDS_DRIVEN, {**BEND, "length": [80.0, 5000.0]}, 12.0, bends)
     for run, radius in enumerate(radii):
         assert np.abs(from_circle(found, run, 80.0, radius)).max() < 0.4, SPEEDS_DRIVEN[run]
 
@@ -71,9 +71,7 @@ def test_a_circle_is_followed_without_error_on_linear_tyres(preview_time):
 
 @pytest.mark.parametrize("speed", [22.0, -8.0])
 def test_left_and_right_are_alike_to_the_bit(speed):
-    bend = {"shape": "arcs", "length": [20.0, 500.0], "curvature": [0.0, 0.0]}
-    if speed < 0.0:
-        bend["start_x"] = -60.0  # within the bend; the car backs out of it
+    bend = {**BEND, "start_x": -60.0 if speed < 0.0 else 0.0}  # backwards it comes out of the bend
     both = {"driver.path.curvature": [[0.0, 0.008], [0.0, -0.008]]}
     found = drives("compact_ev", [speed, speed], bend, 5.0, both)
     for name in ("pose.y", "steering_column.state.angle", "driver.command.hand_torque"):

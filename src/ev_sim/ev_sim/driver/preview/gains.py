@@ -1,7 +1,8 @@
 """How firmly a driver who knows his car steers: optimal preview control of the linear single-track model.
 
-Sharp and Valtetsiotis (2001), Optimal preview car steering control, Vehicle System Dynamics Supplement 35, 101-117; Peng
-and Tomizuka (1993), Preview control for vehicle lateral guidance in highway automation, J. Dyn. Syst. Meas. Control 115.
+Sharp and Valtetsiotis (2001), Optimal preview car steering control, Vehicle System Dynamics Supplement 35, 101-117;
+Peng and Tomizuka (1993), Preview control for vehicle lateral guidance in highway automation, J. Dyn. Syst. Meas.
+Control 115.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ class PreviewParameters:
         source="assumption; beyond 1 to 1.5 s it changes nothing (Sharp & Valtetsiotis 2001)",
     )  # fmt: skip
     lag: float = parameter(
-        0.1, unit="s", low=0.02, high=1.0, about="first-order lag of the arms behind the intended angle, which he allows for",
+        0.1, unit="s", low=0.02, high=1.0, about="first-order lag of the arms behind the intended angle; he allows for it",
         source="assumption; 0.1 to 0.2 s are usual for drivers",
     )  # fmt: skip
     lateral_error: float = parameter(
@@ -105,7 +106,7 @@ def preview_gains(p: PreviewParameters, vehicle: Vehicle) -> Gains:
 
 
 def _model(vehicle: Vehicle, lag: float, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """x' = A x + B u beside a straight path at speeds [m/s], negative in reverse: (n, 6, 6) and (n, 6, 1).
+    """X' = A x + B u beside a straight path at speeds [m/s], negative in reverse: (n, 6, 6) and (n, 6, 1).
 
     x is STATES, u the rate of the intended road-wheel angle [rad/s]; angles are small.
     """

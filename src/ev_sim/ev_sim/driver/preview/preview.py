@@ -14,7 +14,7 @@ from ev_msgs_py.parameters.declaration import group
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.lane_keeping import STANDING, HandParameters
-from ev_sim.driver.path import Path, PathParameters, nearest, path_of
+from ev_sim.driver.path import Path, PathParameters, path_of
 from ev_sim.driver.pedal_profile import FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
 from ev_sim.driver.preview.gains import PreviewParameters
 from ev_sim.driver.preview.speed_plan import (

@@ -53,7 +53,7 @@ class SpeedPlanState:
 class SpeedPlan(NamedTuple):
     """Squares of largest speeds [m^2/s^2]: at the points of the path, and in between them for each of its legs.
 
-    On a leg the speed changes from `begin` on, for `run` [m]; a leg within a bend is taken no faster than its faster end.
+    On a leg the speed changes from `begin` on, for `run` [m]; one within a bend is taken no faster than its faster end.
     """
 
     point: tuple[float, ...]
@@ -79,17 +79,15 @@ def speed_plan(p: SpeedPlanParameters, path: Path) -> SpeedPlan:
         point.append(min(grip * around[n] / tan(half), _UNBOUNDED_SQUARE) if half else _UNBOUNDED_SQUARE)
     point.append(_UNBOUNDED_SQUARE)
     around.append(0.0)
-    bent = [before + behind > _BENT * length for before, behind, length in zip(around, around[1:], path.length, strict=False)]
-    begin = [0.0 if bends else place for bends, place in zip(bent, around, strict=False)]
-    run = [
-        length if bends else length - before - behind
-        for bends, length, before, behind in zip(bent, path.length, around, around[1:], strict=False)
-    ]
-    for n, length in enumerate(run):
-        point[n + 1] = min(point[n + 1], point[n] + 2.0 * p.acceleration * length)
-    for n, length in reversed([*enumerate(run)]):
-        point[n] = min(point[n], point[n + 1] + 2.0 * p.acceleration * length)
-    leg = [max(point[n], point[n + 1]) if bends else _UNBOUNDED_SQUARE for n, bends in enumerate(bent)]
+    legs, begin, run = range(len(path.x)), [], []
+    bent = [around[n] + around[n + 1] > _BENT * path.length[n] for n in legs]
+    for n in legs:
+        begin.append(0.0 if bent[n] else around[n])
+        run.append(path.length[n] if bent[n] else path.length[n] - around[n] - around[n + 1])
+        point[n + 1] = min(point[n + 1], point[n] + 2.0 * p.acceleration * run[n])
+    for n in reversed(legs):
+        point[n] = min(point[n], point[n + 1] + 2.0 * p.acceleration * run[n])
+    leg = [max(point[n], point[n + 1]) if bent[n] else _UNBOUNDED_SQUARE for n in legs]
     return SpeedPlan(tuple(point), tuple(leg), tuple(begin), tuple(run))
 
 
@@ -120,6 +118,6 @@ def plan_notes(s: SpeedPlanState) -> tuple[str, ...]:
         return ()
     excess = next(limit for limit in (10.0, 5.0, 2.0, _MISSED) if s.excess > limit)
     return (
-        f"the car was too fast for its speed plan from {s.missed_at:.2f} s on, by more than {excess:g} m/s: bends ahead of it"
+        f"the car was too fast for its speed plan from {s.missed_at:.2f} s on, by more than {excess:g} m/s: bends ahead"
         " ask for a lower speed or a larger driver.plan.acceleration",
     )

@@ -85,6 +85,6 @@ def look_ahead(
 
 @compilable
 def _turn(from_x: float, from_y: float, to_x: float, to_y: float) -> float:
-    """Angle from one direction to another, left positive [rad]; 0 if there is none, or if it is neither left nor right."""
+    """Angle from one direction to another, left positive [rad]; 0 where it is neither left nor right."""
     across = from_x * to_y - from_y * to_x
     return atan2(across, from_x * to_x + from_y * to_y) if across != 0.0 else 0.0
