@@ -38,7 +38,7 @@ class PreviewParameters:
         source="assumption; beyond 1 to 1.5 s it changes nothing (Sharp & Valtetsiotis 2001)",
     )  # fmt: skip
     lag: float = parameter(
-        0.1, unit="s", low=0.02, high=1.0, about="first-order lag of the arms behind the intended angle; he allows for it",
+        0.1, unit="s", low=0.02, high=1.0, about="first-order lag of the arms behind the intended angle, known to him",
         source="assumption; 0.1 to 0.2 s are usual for drivers",
     )  # fmt: skip
     lateral_error: float = parameter(
