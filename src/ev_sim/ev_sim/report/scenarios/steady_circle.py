@@ -106,7 +106,7 @@ def _panels(runs: Runs, vehicle: Vehicle) -> list[Panel]:
 
 
 def steady(run: Recording) -> slice:
-    """The samples from the end of steering in to the largest lateral acceleration.
+    """The samples from the end of steering in to the largest lateral acceleration, before the car loses the circle.
 
     A driver who stays on a circle never ends steering; with him the car is on it, at this slowly rising speed, long
     before the lowest acceleration that gradients are taken from.
@@ -118,7 +118,9 @@ def steady(run: Recording) -> slice:
         start = motion.first(angle == angle[-1], "the fixed steering-wheel angle") + SETTLING
     else:
         start = motion.first(acceleration >= RANGE[0], f"{RANGE[0]:g} m/s^2")
-    part = slice(start, int(acceleration.argmax()) + 1)
+    rising = np.maximum.accumulate(acceleration > RANGE[1])
+    lost = np.flatnonzero(rising & (acceleration < RANGE[1]))  # beyond its limit it slides off, slows down and grips anew
+    part = slice(start, int(acceleration[: lost[0] if lost.size else None].argmax()) + 1)
     if not acceleration[part].size:
         raise NotMeasured("the lateral acceleration does not rise once the car follows the steering wheel")
     return part
