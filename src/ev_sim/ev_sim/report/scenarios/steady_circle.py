@@ -1,4 +1,4 @@
-"""Report on steady circular driving with slowly rising speed, in the terms of ISO 4138.
+"""Report on steady circular driving with slowly beyond speed, in the terms of ISO 4138.
 
 Runs: `linear`, tyres with constant cornering stiffness, judged by the closed form, and `friction`, real tyres up to
 their limit, both with a fixed steering wheel, and the same as `constant_radius_linear` and `constant_radius_friction`,
@@ -108,7 +108,7 @@ def _panels(runs: Runs, vehicle: Vehicle) -> list[Panel]:
 def steady(run: Recording) -> slice:
     """The samples from the end of steering in to the largest lateral acceleration, before the car loses the circle.
 
-    A driver who stays on a circle never ends steering; with him the car is on it, at this slowly rising speed, long
+    A driver who stays on a circle never ends steering; with him the car is on it, at this slowly beyond speed, long
     before the lowest acceleration that gradients are taken from.
     """
     angle, acceleration = channel(run, motion.STEERING_WHEEL_ANGLE), motion.lateral_acceleration_on_path(run)
@@ -118,8 +118,8 @@ def steady(run: Recording) -> slice:
         start = motion.first(angle == angle[-1], "the fixed steering-wheel angle") + SETTLING
     else:
         start = motion.first(acceleration >= RANGE[0], f"{RANGE[0]:g} m/s^2")
-    rising = np.maximum.accumulate(acceleration > RANGE[1])
-    lost = np.flatnonzero(rising & (acceleration < RANGE[1]))  # beyond its limit it slides off, slows down and grips anew
+    beyond = np.maximum.accumulate(acceleration > RANGE[1])
+    lost = np.flatnonzero(beyond & (acceleration < 0.9 * RANGE[1]))  # it slides off, slows down and grips anew
     part = slice(start, int(acceleration[: lost[0] if lost.size else None].argmax()) + 1)
     if not acceleration[part].size:
         raise NotMeasured("the lateral acceleration does not rise once the car follows the steering wheel")
