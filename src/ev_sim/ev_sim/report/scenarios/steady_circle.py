@@ -1,4 +1,4 @@
-"""Report on steady circular driving with slowly beyond speed, in the terms of ISO 4138.
+"""Report on steady circular driving with slowly rising speed, in the terms of ISO 4138.
 
 Runs: `linear`, tyres with constant cornering stiffness, judged by the closed form, and `friction`, real tyres up to
 their limit, both with a fixed steering wheel, and the same as `constant_radius_linear` and `constant_radius_friction`,
@@ -108,7 +108,7 @@ def _panels(runs: Runs, vehicle: Vehicle) -> list[Panel]:
 def steady(run: Recording) -> slice:
     """The samples from the end of steering in to the largest lateral acceleration, before the car loses the circle.
 
-    A driver who stays on a circle never ends steering; with him the car is on it, at this slowly beyond speed, long
+    A driver who stays on a circle never ends steering; with him the car is on it, at this slowly rising speed, long
     before the lowest acceleration that gradients are taken from.
     """
     angle, acceleration = channel(run, motion.STEERING_WHEEL_ANGLE), motion.lateral_acceleration_on_path(run)
