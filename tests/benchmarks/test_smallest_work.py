@@ -17,6 +17,7 @@ BENCHMARKS = {
     "command_timeout": ("--trials", "1"),
     "dashboard": ("--seconds", "0.1"),
     "elementary": ("--repeats", "1", "--only", "sin"),
+    "lane_change": ("--cars", "audi_a2", "--speeds", "80", "--previews", "2"),
     "lockstep": ("--steps", "20", "--repeats", "1"),
     "plant": ("--repeats", "1"),
     "relays": ("--help",),  # started by lockstep

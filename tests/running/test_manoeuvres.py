@@ -214,7 +214,7 @@ def test_lane_change_leaves_all_cones_standing():
 
 def test_a_car_beside_its_lane_hits_the_cones_of_one_row():
     """Straight on at y = 2 m its body covers 1.16 to 2.84 m: the right row of lane 2 (2.37 m), the left one of 3."""
-    values = [("plant", "initial_y", 2.0), ("driver", "path.y", [2.0] * 7)]
+    values = [("plant", "initial_y", 2.0), ("driver", "path.x", [-50.0, 200.0]), ("driver", "path.y", [2.0, 2.0])]
     recording, _ = drive(load_scenario("double_lane_change", Overrides((), values)).runs[0])
     assert report_for("double_lane_change").metrics({"run": recording}, Vehicle(), {})["cones_hit"].value == 8
 

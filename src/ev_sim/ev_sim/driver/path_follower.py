@@ -14,7 +14,7 @@ from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
 from ev_sim.driver.path import Path, path_of
-from ev_sim.driver.pedal_profile import FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
+from ev_sim.driver.pedal_profile import UNBOUNDED, FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
 from ev_sim.driver.road_edge import edge_notes
 from ev_sim.profiles.profile_file import with_speed_profile_from_file
 
@@ -73,5 +73,5 @@ def path_follower(
 ) -> DriverCommand:
     """Steer along a path by pure pursuit through the hand torque, forwards and in reverse."""
     speed = speed_along_path(body)
-    drive, brake = work_pedals(p, car, c.feet, s.feet, period, now.time, speed)
+    drive, brake = work_pedals(p, car, c.feet, s.feet, period, now.time, speed, UNBOUNDED)
     return DriverCommand(drive, brake, keep_lane(p, car, c.path, s.hands, period, now.time, pose, speed, column))

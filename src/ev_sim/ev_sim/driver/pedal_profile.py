@@ -14,6 +14,8 @@ from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlStat
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
 from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
 
+UNBOUNDED = 1e9  # [m/s], of a driver whom nothing but the profile bounds
+
 
 @dataclass(frozen=True, slots=True)
 class PedalProfileParameters:
@@ -76,11 +78,18 @@ def feet_profiles(parameters: FeetParameters, vehicle: Vehicle, period: float) -
 
 @compilable
 def work_pedals(
-    p: FeetParameters, car: Car, profiles: FeetProfiles, s: FeetState, period: float, t: float, speed: float
+    p: FeetParameters,
+    car: Car,
+    profiles: FeetProfiles,
+    s: FeetState,
+    period: float,
+    t: float,
+    speed: float,
+    fastest: float,
 ) -> tuple[float, float]:
     """Drive and brake torque [N m] at the time t [s] and the speed along the path [m/s].
 
-    The speed profile is followed until the pedal profile begins, then that is.
+    The speed profile is followed, but no faster than `fastest` [m/s], until the pedal profile begins, then that is.
     """
     pedals = p.pedals
     if s.has_begun == 0.0 and pedals.begin == 1.0 and t >= pedals.begin_time and abs(speed) >= pedals.begin_speed:
@@ -89,5 +98,5 @@ def work_pedals(
     if s.has_begun == 1.0:
         since = t - s.begin
         return value_at(profiles.drive_torque, since), value_at(profiles.brake_torque, since)
-    wanted = value_at(profiles.speed, t)
+    wanted = min(max(value_at(profiles.speed, t), -fastest), fastest)
     return follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)

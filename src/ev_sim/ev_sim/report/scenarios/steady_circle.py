@@ -103,7 +103,7 @@ def _panels(runs: Runs, vehicle: Vehicle) -> list[Panel]:
 
 
 def steady(run: Recording) -> slice:
-    """The samples from the end of steering in to the largest lateral acceleration.
+    """The samples from the end of steering in to the largest lateral acceleration, before the car loses the circle.
 
     A driver who stays on a circle never ends steering; with him the car is on it, at this slowly rising speed, long
     before the lowest acceleration that gradients are taken from.
@@ -115,7 +115,9 @@ def steady(run: Recording) -> slice:
         start = motion.first(run.time >= held + SETTLING - 1e-9, f"{SETTLING:g} s with a fixed steering wheel")
     else:
         start = motion.first(acceleration >= RANGE[0], f"{RANGE[0]:g} m/s^2")
-    part = slice(start, int(acceleration.argmax()) + 1)
+    beyond = np.maximum.accumulate(acceleration > RANGE[1])
+    lost = np.flatnonzero(beyond & (acceleration < 0.9 * RANGE[1]))  # it slides off, slows down and grips anew
+    part = slice(start, int(acceleration[: lost[0] if lost.size else None].argmax()) + 1)
     if not acceleration[part].size:
         raise NotMeasured("the lateral acceleration does not rise once the car follows the steering wheel")
     return part

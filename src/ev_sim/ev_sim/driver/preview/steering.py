@@ -1,0 +1,90 @@
+"""The hands of a driver who looks ahead: the rate of the angle he intends, by optimal preview."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.contract.record import entry
+from ev_msgs_py.contract.signals import BodyPose, BodyVelocity
+from ev_msgs_py.elementary import atan2, exp
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.driver.path import Path, nearest, point_at
+from ev_sim.driver.preview.gains import SPEEDS, STATES, STEP, Gains, PreviewParameters, preview_gains
+from ev_sim.profiles.profile import number_until
+
+_SIZE = len(STATES)
+
+
+@dataclass(slots=True)
+class PreviewState:
+    """What the driver intends, what his arms do, and where his eyes are."""
+
+    intended: float = entry(unit="rad", about="road-wheel angle that he intends")
+    arms: float = entry(unit="rad", about="road-wheel angle that his arms turn to")
+    leg: float = entry(unit="1", about="place of the leg of the path that is reached")
+    direction: float = entry(1.0, unit="1", about="to which the eyes look: 1 ahead, -1 back")
+
+
+class Preview(NamedTuple):
+    """Gains, and the share of a step that the arms make in a period."""
+
+    gains: Gains
+    share: float
+
+
+def preview_of(p: PreviewParameters, vehicle: Vehicle, period: float) -> Preview:
+    """What the driver knows of his car, for a period [s]."""
+    return Preview(preview_gains(p, vehicle), 1.0 - exp(-period / p.lag))
+
+
+@compilable
+def look_ahead(
+    p: PreviewParameters, c: Preview, path: Path, s: PreviewState, period: float, pose: BodyPose, body: BodyVelocity,
+    speed: float,
+) -> float:  # fmt: skip
+    """Road-wheel angle [rad] to which the arms turn, at a speed, negative in reverse [m/s].
+
+    rate = -K x + sum of g_i turn_i, x as in `gains.STATES` beside the chord from the nearest point of the path to the
+    first one ahead, turn_i by what the path turns at the i-th point.
+    """
+    fastest = SPEEDS[len(SPEEDS) - 1]
+    taken = min(max(abs(speed), SPEEDS[0]), fastest)
+    row = min(number_until(SPEEDS, taken), len(SPEEDS) - 1)
+    upper = (taken - SPEEDS[row - 1]) / (SPEEDS[row] - SPEEDS[row - 1])
+    lower = 1.0 - upper
+    if s.direction < 0.0:
+        row += len(SPEEDS)
+    feedback, preview, points = c.gains.feedback, c.gains.preview, int(c.gains.points)
+
+    distance, leg = nearest(path, pose.x, pose.y, int(s.leg))
+    s.leg = float(leg)
+    reach = s.direction * taken * STEP
+    here_x, here_y = point_at(path, distance, leg)
+    next_x, next_y = point_at(path, distance + reach, leg)
+    along_x, along_y = s.direction * (next_x - here_x), s.direction * (next_y - here_y)
+    z, w = pose.orientation_z, pose.orientation_w
+    cosine, sine = w * w - z * z, 2.0 * z * w  # of the heading, from its quaternion
+    heading = _turn(along_x, along_y, cosine, sine)
+    lateral = (along_x * (pose.y - here_y) - along_y * (pose.x - here_x)) / (taken * STEP)
+    state = (body.lateral, body.yaw_rate, heading, lateral, s.arms, s.intended)
+    rate = 0.0
+    for n in range(_SIZE):
+        rate -= (lower * feedback[(row - 1) * _SIZE + n] + upper * feedback[row * _SIZE + n]) * state[n]
+    for n in range(points):
+        ahead_x, ahead_y = point_at(path, distance + (n + 2) * reach, leg)
+        then_x, then_y = s.direction * (ahead_x - next_x), s.direction * (ahead_y - next_y)
+        gain = lower * preview[(row - 1) * points + n] + upper * preview[row * points + n]
+        rate += gain * _turn(along_x, along_y, then_x, then_y)
+        along_x, along_y, next_x, next_y = then_x, then_y, ahead_x, ahead_y
+    s.intended = min(max(s.intended + period * rate, -p.max_angle), p.max_angle)
+    s.arms += c.share * (s.intended - s.arms)
+    return s.arms
+
+
+@compilable
+def _turn(from_x: float, from_y: float, to_x: float, to_y: float) -> float:
+    """Angle from one direction to another, left positive [rad]; 0 where it is neither left nor right."""
+    across = from_x * to_y - from_y * to_x
+    return atan2(across, from_x * to_x + from_y * to_y) if across != 0.0 else 0.0

@@ -1,0 +1,46 @@
+"""The course of the double lane change: a line that fits every car, and a driver who keeps to it whatever he sees.
+
+The long form: `python benchmarks/lane_change.py`, whose tables stand in docs/scenarios.md.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+FILE = Path(__file__).parents[2] / "benchmarks" / "lane_change.py"
+
+
+def loaded():
+    spec = importlib.util.spec_from_file_location("lane_change", FILE)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+lane_change = loaded()
+# The line asks for 5.9 m/s^2 at 80 km/h: the tyres of one hold 4.4, the other slides by 10 degrees and swings its tail.
+WITHOUT_GRIP = ("ge_ni2005", "zhileykin_4x4")
+
+
+def through_lanes(car: str, speeds: list[float], seen: float):
+    return lane_change.passages(car, speeds, "preview", "preview.preview_time", seen)
+
+
+@pytest.mark.parametrize("car", lane_change.CARS)
+def test_no_car_touches_a_cone_at_walking_speed(car):
+    """10 and 30 km/h: what is left is the line, not the tyres."""
+    assert [each.cones for each in through_lanes(car, [10, 30], lane_change.AS_IT_COMES)] == [0] * 2
+
+
+@pytest.mark.parametrize("car", [car for car in lane_change.CARS if car not in WITHOUT_GRIP])
+def test_cones_do_not_hang_on_how_far_the_driver_sees(car):
+    """80 km/h, seen 0.4 to 3 s ahead: no cone, and from 1 s on as far from the line within 3 cm (measured: 2 cm)."""
+    found = [through_lanes(car, [80], seen)[0] for seen in (0.4, 1.0, 3.0)]
+    assert [each.cones for each in found] == [0] * 3
+    assert found[1].error == pytest.approx(found[2].error, abs=0.03)
+    assert max(each.error for each in found) < 0.25

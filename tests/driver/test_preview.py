@@ -1,0 +1,104 @@
+"""The driver who looks ahead: every car settles at every speed, follows bends, and does alike to the left and right."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from driver.preview_drives import drives, from_circle
+from scipy.linalg import expm, solve_discrete_are
+
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.driver.preview.gains import HEADING, LATERAL, SPEEDS, STATES, STEP, PreviewParameters, _model, preview_gains
+
+CONFIG = Path(__file__).parents[2] / "config"
+CARS = sorted(path.stem for path in (CONFIG / "vehicles").glob("*.yaml"))
+BEND = {"shape": "arcs", "length": [20.0, 500.0], "curvature": [0.0, 0.0]}
+STRAIGHT = {"shape": "waypoints", "x": [-1000.0, 2000.0], "y": [0.0, 0.0]}
+SPEEDS_DRIVEN = [kmh / 3.6 for kmh in (30, 40, 50, 60, 80, 100, 120, 140)]
+
+
+@pytest.mark.parametrize("car", CARS)
+def test_every_car_settles_on_a_straight_road_at_every_speed(car):
+    """1 m beside it: within 1 % after 6 s, and never beyond by more than 2 % (measured: 1 %, by the kei car)."""
+    found = drives(car, SPEEDS_DRIVEN, STRAIGHT, 8.0, plant__initial_y=1.0)
+    aside = found.signals["pose.y"]
+    assert np.abs(aside[:, found.time > 6.0]).max() < 0.01
+    assert aside.min() > -0.02
+
+
+@pytest.mark.parametrize("car", CARS)
+def test_every_car_settles_in_reverse(car):
+    """Backwards a car is steered by the axle behind: 1 m beside, at 3 to 8 m/s, within 2 cm after 12 s."""
+    found = drives(car, [-3.0, -5.0, -8.0], STRAIGHT, 14.0, plant__initial_y=1.0)
+    assert np.abs(found.signals["pose.y"][:, found.time > 12.0]).max() < 0.02
+
+
+@pytest.mark.parametrize("car", CARS)
+def test_bends_of_3_m_per_s2_are_followed(car):
+    """At 30 to 140 km/h within 0.4 m: what tyres lose against their slope at rest.
+
+    The kei car of Ge & Ni has 40 % more of that, so 2 m/s^2.
+    """
+    acceleration = 2.0 if car == "ge_ni2005" else 3.0
+    radii = [speed * speed / acceleration for speed in SPEEDS_DRIVEN]
+    bends = {"driver.path.curvature": [[0.0, 1.0 / radius] for radius in radii]}
+    found = drives(car, SPEEDS_DRIVEN, {**BEND, "length": [80.0, 5000.0]}, 12.0, bends)
+    for run, radius in enumerate(radii):
+        assert np.abs(from_circle(found, run, 80.0, radius)).max() < 0.4, SPEEDS_DRIVEN[run]
+
+
+@pytest.mark.parametrize("preview_time", [0.5, 1.0, 3.0])
+def test_a_circle_is_followed_without_error_on_linear_tyres(preview_time):
+    """Understeer is known and the bend goes on behind the horizon: 4 m/s^2 at 80 km/h after 8 s, whatever is seen.
+
+    3 cm are left by sines of slip angles and by drive forces that pull the front wheels inwards; 9 m would be left
+    by a driver who takes the car for neutral.
+    """
+    radius = (80 / 3.6) ** 2 / 4.0
+    linear = {
+        "*__vehicle__centre_of_mass_height": 0.0,
+        "*__vehicle__tyre__curve": "linear",
+        "*__vehicle__tyre__coefficients": [20.0, 0.0, 0.0, 0.0],
+        "*__vehicle__tyre__combined": "uncoupled",
+    }
+    bend = {"shape": "arcs", "length": [80.0, 500.0], "curvature": [0.0, 1.0 / radius]}
+    found = drives("audi_a2", [80 / 3.6], bend, 14.0, driver__preview__preview_time=preview_time, **linear)
+    aside = from_circle(found, 0, 80.0, radius)
+    assert np.abs(aside[found.time[: len(aside)] > 8.0]).max() < 0.03
+
+
+@pytest.mark.parametrize("speed", [22.0, -8.0])
+def test_left_and_right_are_alike_to_the_bit(speed):
+    bend = {**BEND, "start_x": -60.0 if speed < 0.0 else 0.0}  # backwards it comes out of the bend
+    both = {"driver.path.curvature": [[0.0, 0.008], [0.0, -0.008]]}
+    found = drives("compact_ev", [speed, speed], bend, 5.0, both)
+    for name in ("pose.y", "steering_column.state.angle", "driver.command.hand_torque"):
+        left, right = found.signals[name]
+        assert np.abs(left).max() > 0.0 and (left == -right).all(), name
+
+
+def test_gains_are_those_of_the_textbook():
+    """Against the algebraic Riccati equation and the matrix exponential of scipy, at all speeds both ways."""
+    p, car = PreviewParameters(), Vehicle()
+    speeds = np.array([*SPEEDS, *(-speed for speed in SPEEDS)])
+    gains, (a, b) = preview_gains(p, car), _model(car, p.lag, speeds)
+    points = int(gains.points)
+    assert points == 40
+    for n, speed in enumerate(speeds):
+        both = np.zeros((len(STATES) + 1, len(STATES) + 1))
+        both[:-1] = np.hstack([a[n], b[n]])
+        stepped = expm(both * STEP)
+        a_step, b_step = stepped[:-1, :-1], stepped[:-1, -1:]
+        away = np.array([[1.0, 0.0, speed, 0.0, 0.0, 0.0]])
+        weight = away.T @ away / p.lateral_rate**2
+        weight[LATERAL, LATERAL] += 1.0 / p.lateral_error**2
+        cost = solve_discrete_are(a_step, b_step, weight, np.array([[1.0 / p.steering_rate**2]]))
+        share = 1.0 / p.steering_rate**2 + b_step.T @ cost @ b_step
+        feedback = b_step.T @ cost @ a_step / share
+        assert gains.feedback[n * len(STATES) : (n + 1) * len(STATES)] == pytest.approx(feedback[0], rel=1e-6)
+        ahead, kept = cost[:, HEADING], (a_step - b_step @ feedback).T
+        for gain in gains.preview[n * points : (n + 1) * points - 1]:
+            assert gain == pytest.approx((b_step[:, 0] @ ahead / share).item(), rel=1e-6, abs=1e-6)
+            ahead = kept @ ahead
