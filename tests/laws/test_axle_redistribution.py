@@ -62,6 +62,19 @@ def test_front_share_ends_at_one_half():
     assert made().step(Motion(torque=1000.0, a_x=1.0)).drive == (250.0,) * 4
 
 
+@pytest.mark.parametrize("braking", ["deceleration", "command"])
+@pytest.mark.parametrize("factor", ["given", "equality"])
+def test_speeding_up_backwards_is_no_braking(braking, factor):
+    """In reverse torque, acceleration and speeds change their sign, and nothing else; slowing down is all rear."""
+    steered = Motion(torque=1000.0, a_x=0.6, a_y=0.8, speeds=RIGHT_IS_SLOWER).steered(0.1)
+    back = dataclasses.replace(steered, torque=-1000.0, a_x=-0.6, speeds=Wheels(*(-each for each in RIGHT_IS_SLOWER)))
+    forwards = made(braking=braking, factor=factor, k=0.5).step(steered).drive
+    assert front(forwards) > 0.0
+    assert made(braking=braking, factor=factor, k=0.5).step(back).drive == tuple(-each for each in forwards)
+    slows = dataclasses.replace(back, torque=1000.0, a_x=0.6)
+    assert front(made(braking=braking, factor=factor, k=0.5).step(slows).drive) == 0.0
+
+
 def test_factor_by_inertia_is_that_of_a_car_without_resistance():
     """K = 2 J_z/(m L^2) = 0.48; the equality gives the same where X = m j: 1000 N m at 0.35 m and 2400 kg."""
     motion = Motion(torque=1000.0, a_x=1000.0 / 0.35 / 2400.0)

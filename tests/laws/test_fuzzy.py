@@ -51,6 +51,14 @@ def test_first_step_by_hand():
     assert torque == pytest.approx(1500.0 * (1.0 - 0.4 * 10.0 * PERIOD), rel=1e-9)
 
 
+def test_an_unfiltered_rate_is_that_of_the_last_period():
+    """From 0.18 to 0.19 within 5 ms are 2 1/s, one width: the whole of 10 1/s for 5 ms off what the first step left."""
+    law = Control("fuzzy", filter_time=0.0)
+    for slip in (0.0, 0.18, 0.19):
+        torque = law.step(spinning_at(10.0 / (1.0 - slip), 10.0)).front_left
+    assert torque == pytest.approx(1500.0 * (1.0 - 0.4 * 10.0 * PERIOD) * (1.0 - 10.0 * PERIOD), rel=1e-9)
+
+
 @pytest.mark.parametrize("surface", HELD_SURFACES)
 def test_slip_is_held_at_its_target(surface):
     """0.1 within 0.015 on the mean of the last 3 s; its noise at 2 m/s is 0.005."""

@@ -89,7 +89,7 @@ def fuzzy(p: FuzzyParameters, car: Car, w: FuzzyWheel, period: float, motion: Wh
         forget_filtered(w.slip)
     else:
         last, torque = w.slip.value, min(w.limit, wanted)
-    rate = (slip - last) / (max(p.filter_time, period) + period)
+    rate = (slip - last) / (p.filter_time + period)
     follow(w.slip, slip, filter_share(period, p.filter_time))
     change = change_by_rules((slip - p.regulator.target) / p.error_width, rate / p.rate_width)
     torque += p.largest_rate * period * change * max(torque, p.least_torque)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.first_order_filter import filter_share
 from ev_control.shared.torque_split import BrakeSplitParameters, split
 from ev_msgs_py.compiling.compilable import compilable
@@ -34,6 +35,7 @@ class AdaptiveParameters:
         source="assumption",
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
 
 
 @dataclass(slots=True)
@@ -45,7 +47,12 @@ class AdaptiveState:
 
 
 @method(
-    "electronic_differential", "adaptive", AdaptiveParameters, state=AdaptiveState, needs=(each_driven,), mirrored=True
+    "electronic_differential",
+    "adaptive",
+    AdaptiveParameters,
+    state=AdaptiveState,
+    needs=(each_driven, own_motors_to_allocate),
+    mirrored=True,
 )
 @compilable
 def adaptive(
@@ -74,7 +81,8 @@ def adaptive(
     else:
         s.refused[:] = NO_WHEELS
     s.share[:] = equal.drive
-    return WheelTorqueRequest(Wheels(front_left, front_right, rear_left, rear_right), equal.brake)
+    drive = Wheels(front_left, front_right, rear_left, rear_right)
+    return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, equal.brake))
 
 
 @compilable

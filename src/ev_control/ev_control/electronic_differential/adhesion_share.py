@@ -12,6 +12,7 @@ from ev_control.estimation.friction_estimate import (
 )
 from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.estimation.wheel_loads import wheel_loads
+from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.sources import SOURCES, TRUTH
 from ev_control.shared.torque_split import BrakeSplitParameters, split_brake
 from ev_msgs_py.compiling.compilable import compilable
@@ -46,6 +47,7 @@ class AdhesionShareParameters:
     )
     estimate: FrictionEstimateParameters = group(FrictionEstimateParameters)
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
 
 
 @dataclass(slots=True)
@@ -66,7 +68,7 @@ def begin(p: AdhesionShareParameters) -> AdhesionShareState:
     AdhesionShareParameters,
     state=AdhesionShareState,
     start=begin,
-    needs=(each_driven, free_wheels_for("estimate.reference")),
+    needs=(each_driven, free_wheels_for("estimate.reference"), own_motors_to_allocate),
     mirrored=True,
 )
 @compilable
@@ -86,7 +88,8 @@ def adhesion_share(
     tau_i = phi_i F_i r [N m] (dissertation, eq 1.2, at the wheel), M_i = min(M tau_i/sum(tau), tau_i/eta): a command
     counts before the gear, whose efficiency eta takes its part of it on the way to the wheel. With `truth` friction and
     load are the plant's; else they come from `estimated_friction` and the accelerations. Braking by the drives is
-    shared in the same way, but there the gear helps, and tau_i eta is the bound.
+    shared in the same way, but there the gear helps, and tau_i eta is the bound. With `allocation.keep` sum a wheel may
+    get more than its grip, in place of one whose motor ends before.
     """
     total = driver.drive_torque
     if p.friction == TRUTH:
@@ -102,7 +105,7 @@ def adhesion_share(
     carried = (front_left + front_right) + (rear_left + rear_right)
     share = min(max(total / carried, -1.0), 1.0) if carried > 0.0 else 0.0
     drive = Wheels(share * front_left, share * front_right, share * rear_left, share * rear_right)
-    return WheelTorqueRequest(drive, split_brake(p.brake, driver))
+    return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, split_brake(p.brake, driver)))
 
 
 @compilable

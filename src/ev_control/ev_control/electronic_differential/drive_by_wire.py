@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.torque_split import BrakeSplitParameters, split
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
@@ -26,23 +27,24 @@ class DriveByWireParameters:
         source="assumption, from Shchur 2019, eq 3 at rest with M_b = 0",
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
 
 
 @method(
     "electronic_differential",
     "drive_by_wire",
     DriveByWireParameters,
-    needs=(FRONT_WHEELS_DRIVEN,),
+    needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate),
     requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well,
     mirrored=True,
 )
 @compilable
 def drive_by_wire(
-    p: DriveByWireParameters, car: Car, driver: DriverCommand, column: SteeringColumnState
+    p: DriveByWireParameters, car: Car, driver: DriverCommand, column: SteeringColumnState, wheels: WheelStates
 ) -> WheelTorqueRequest:
     """Set the torque difference of the front wheels in proportion to the steering-wheel angle, without feedback.
 
     Delta M = M_R - M_L = k alpha [N m], left positive: the drive-by-wire concept in the introduction of Shchur (2019),
     for a by_wire steering column.
     """
-    return split(p.brake, car, driver, p.gain * column.angle)
+    return allocated(p.allocation, car, wheels, split(p.brake, car, driver, p.gain * column.angle))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.locking import locked, locking_share
 from ev_control.shared.torque_split import BrakeSplitParameters, split
 from ev_msgs_py.compiling.compilable import compilable
@@ -36,9 +37,16 @@ class LimitedSlipParameters:
         source="assumption: friction has no sign at rest",
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
 
 
-@method("electronic_differential", "limited_slip", LimitedSlipParameters, needs=(each_driven,), mirrored=True)
+@method(
+    "electronic_differential",
+    "limited_slip",
+    LimitedSlipParameters,
+    needs=(each_driven, own_motors_to_allocate),
+    mirrored=True,
+)
 @compilable
 def limited_slip(p: LimitedSlipParameters, car: Car, driver: DriverCommand, wheels: WheelStates) -> WheelTorqueRequest:
     """Give the slower wheel of each driven axle K times the torque of the faster one.
@@ -49,4 +57,5 @@ def limited_slip(p: LimitedSlipParameters, car: Car, driver: DriverCommand, whee
     equal, most, speed = split(p.brake, car, driver, 0.0), locking_share(p.locking_ratio), wheels.velocity
     front = most * tanh((speed.front_left - speed.front_right) / p.locking_speed)
     rear = most * tanh((speed.rear_left - speed.rear_right) / p.locking_speed)
-    return WheelTorqueRequest(locked(car, equal.drive, front, rear), equal.brake)
+    drive = locked(car, equal.drive, front, rear)
+    return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, equal.brake))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.locking import locked, locking_share
 from ev_control.shared.torque_split import BrakeSplitParameters, split
 from ev_msgs_py.compiling.compilable import compilable
@@ -35,13 +36,14 @@ class LimitedSlipVariableParameters:
         source="assumption: the source has K from 1 to 1.5 with the speed difference, but not over which",
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
 
 
 @method(
     "electronic_differential",
     "limited_slip_variable",
     LimitedSlipVariableParameters,
-    needs=(each_driven,),
+    needs=(each_driven, own_motors_to_allocate),
     mirrored=True,
 )
 @compilable
@@ -56,7 +58,8 @@ def limited_slip_variable(
     equal, speed = split(p.brake, car, driver, 0.0), wheels.velocity
     front = signed_share(p, speed.front_left - speed.front_right)
     rear = signed_share(p, speed.rear_left - speed.rear_right)
-    return WheelTorqueRequest(locked(car, equal.drive, front, rear), equal.brake)
+    drive = locked(car, equal.drive, front, rear)
+    return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, equal.brake))
 
 
 @compilable

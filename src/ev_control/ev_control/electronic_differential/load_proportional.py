@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ev_control.estimation.wheel_loads import wheel_loads
+from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.torque_split import BrakeSplitParameters, split, split_brake
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.signals import DriverCommand, InertialMeasurement, WheelTorqueRequest
+from ev_msgs_py.contract.signals import DriverCommand, InertialMeasurement, WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
@@ -31,6 +32,7 @@ class LoadProportionalParameters:
         per_wheel=True,
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
 
     def __post_init__(self) -> None:
         if len(self.rolling_resistance) != len(WHEEL_NAMES):
@@ -56,12 +58,17 @@ def prepare(parameters: LoadProportionalParameters, vehicle: Vehicle, _period: f
     "load_proportional",
     LoadProportionalParameters,
     prepare=prepare,
-    needs=(each_driven,),
+    needs=(each_driven, own_motors_to_allocate),
     mirrored=True,
 )
 @compilable
 def load_proportional(
-    p: LoadProportionalParameters, car: Car, c: Prepared, driver: DriverCommand, imu: InertialMeasurement
+    p: LoadProportionalParameters,
+    car: Car,
+    c: Prepared,
+    driver: DriverCommand,
+    imu: InertialMeasurement,
+    wheels: WheelStates,
 ) -> WheelTorqueRequest:
     """Share the drive torque in proportion to load times rolling resistance of the driven wheels.
 
@@ -82,4 +89,4 @@ def load_proportional(
         total * rear_left / weight,
         total * rear_right / weight,
     )
-    return WheelTorqueRequest(drive, split_brake(p.brake, driver))
+    return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, split_brake(p.brake, driver)))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.torque_split import BrakeSplitParameters, split, torque_difference_per_steering_moment
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
@@ -27,14 +28,19 @@ class PowerSteeringParameters:
         0.062, unit="N m s/rad", low=0.0, high=10.0, about="virtual damping", source="Shchur 2019, eq 7"
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
 
 
 @method(
-    "electronic_differential", "power_steering", PowerSteeringParameters, needs=(FRONT_WHEELS_DRIVEN,), mirrored=True
+    "electronic_differential",
+    "power_steering",
+    PowerSteeringParameters,
+    needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate),
+    mirrored=True,
 )
 @compilable
 def power_steering(
-    p: PowerSteeringParameters, car: Car, driver: DriverCommand, column: SteeringColumnState
+    p: PowerSteeringParameters, car: Car, driver: DriverCommand, column: SteeringColumnState, wheels: WheelStates
 ) -> WheelTorqueRequest:
     """Split the drive torque so that the difference of the front wheels assists and damps the steering.
 
@@ -43,4 +49,4 @@ def power_steering(
     """
     lever = torque_difference_per_steering_moment(car) * car.steering_ratio
     difference = lever * (p.gamma * column.hand_torque - p.k_ck * column.angle - p.b_ck * column.rate)
-    return split(p.brake, car, driver, difference)
+    return allocated(p.allocation, car, wheels, split(p.brake, car, driver, difference))

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.torque_split import BrakeSplitParameters, split, torque_difference_per_steering_moment
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
-from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
@@ -45,6 +46,7 @@ class SteerByWireParameters:
         65.0, unit="N m/rad", low=0.0, high=100000.0, about="restoring stiffness, k_p", source="Shchur 2019"
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
 
 
 @dataclass(slots=True)
@@ -59,7 +61,7 @@ class SteerByWireState:
     "steer_by_wire",
     SteerByWireParameters,
     state=SteerByWireState,
-    needs=(FRONT_WHEELS_DRIVEN,),
+    needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate),
     requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well,
     mirrored=True,
 )
@@ -71,6 +73,7 @@ def steer_by_wire(
     period: float,
     driver: DriverCommand,
     column: SteeringColumnState,
+    wheels: WheelStates,
 ) -> WheelTorqueRequest:
     """Turn the road wheels to the steering-wheel angle over i by the torque difference of the front wheels alone.
 
@@ -97,4 +100,4 @@ def steer_by_wire(
     if abs(moment) <= limit or moment * change < 0.0:
         s.integral += change
     moment = min(max(moment, -limit), limit)
-    return split(p.brake, car, driver, difference_per_moment * moment)
+    return allocated(p.allocation, car, wheels, split(p.brake, car, driver, difference_per_moment * moment))

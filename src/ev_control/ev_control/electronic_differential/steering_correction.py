@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.torque_split import BrakeSplitParameters, split
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.parameters.declaration import group, parameter
@@ -45,6 +46,7 @@ class SteeringCorrectionParameters:
         source="assumption",
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
 
 
 def corrected_axle_driven(parameters: SteeringCorrectionParameters, vehicle: Vehicle) -> str:
@@ -58,12 +60,12 @@ def corrected_axle_driven(parameters: SteeringCorrectionParameters, vehicle: Veh
     "electronic_differential",
     "steering_correction",
     SteeringCorrectionParameters,
-    needs=(corrected_axle_driven,),
+    needs=(corrected_axle_driven, own_motors_to_allocate),
     mirrored=True,
 )
 @compilable
 def steering_correction(
-    p: SteeringCorrectionParameters, car: Car, driver: DriverCommand, column: SteeringColumnState
+    p: SteeringCorrectionParameters, car: Car, driver: DriverCommand, column: SteeringColumnState, wheels: WheelStates
 ) -> WheelTorqueRequest:
     """Move drive torque from the inner to the outer wheel of one axle in proportion to the road-wheel angle.
 
@@ -80,4 +82,5 @@ def steering_correction(
         front_left, front_right = front_left - front_left * correction, front_left + front_left * correction
     else:
         rear_left, rear_right = rear_left - rear_left * correction, rear_left + rear_left * correction
-    return WheelTorqueRequest(Wheels(front_left, front_right, rear_left, rear_right), equal.brake)
+    drive = Wheels(front_left, front_right, rear_left, rear_right)
+    return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, equal.brake))
