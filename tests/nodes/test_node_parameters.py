@@ -153,7 +153,7 @@ def test_a_limit_of_real_time_is_that_of_the_start(context):
     """A plant whose command is too old in every step has no torque."""
     plant = node_of(context, "plant", {"mode": "realtime", "method": "kinematic"})
     assert tried(plant, command_timeout=0.02) == (
-        "command_timeout: 0.02 s is refused, allowed is more than two control periods"
+        "parameter command_timeout: 0.02 is refused, allowed is more than two control periods, 0.02 s"
     )
     assert tried(plant, command_timeout=0.021) == ""
     plant.destroy_node()

@@ -20,15 +20,23 @@ def repetitions(seconds: float, now: int) -> int:
     node._go_on = lambda: None
     node._granted = SimpleNamespace(rests=lambda: False)
     node._silence = SimpleNamespace(name_after=lambda *_: None)
-    node.health, node.stepper = SimpleNamespace(late_answers=0), SimpleNamespace(answer=None)
+    node.health, node.stepper = (
+        SimpleNamespace(late_answers=0),
+        SimpleNamespace(answer=None, inbox=SimpleNamespace(last=now)),
+    )
 
     class State:
         silent_for = property(lambda _: wall.now - said[-1])
         repeat = staticmethod(lambda _: said.append(wall.now))
 
     node._state = State()
+    node._waiting, node.wanted = SimpleNamespace(look=lambda *_: None), lambda: ()
     node.__dict__["schedule"] = SimpleNamespace(all_are_here=False, missing=(), now=now)
-    node.live = SimpleNamespace(configuration=SimpleNamespace(extra=SimpleNamespace(answer_timeout=5.0)))
+    node.live = SimpleNamespace(
+        configuration=SimpleNamespace(
+            extra=SimpleNamespace(answer_timeout=5.0), common=SimpleNamespace(mode="lockstep")
+        )
+    )
     for _ in range(int(seconds / 0.001)):
         wall.now += 0.001
         node.idle()
