@@ -16,6 +16,7 @@ PERIOD = 0.001
 LEVER = 1.462 / (2 * 0.294)  # d/(2 r_k)
 J, B, K = 2.8, 7.5, 65.0  # inertia, damping and stiffness of the steering system (Shchur 2019)
 RATIO = 16.0
+AT_REST = WheelStates(NO_WHEELS, NO_WHEELS, NO_WHEELS)
 
 
 def law(name: str, **changed) -> Differential:
@@ -67,7 +68,7 @@ def drive(column: Column, differential: Differential, hand_torque: float, durati
     driver = DriverCommand(0.0, 0.0, hand_torque)
     for _ in range(round(duration / PERIOD) + 1):
         state = column.shown()
-        request = differential.object.step(driver, state)
+        request = differential.object.step(driver, state, AT_REST)
         angles.append(state.road_wheel_angle)
         differences.append(difference(request))
         left, right = request.drive.front_left, request.drive.front_right

@@ -14,6 +14,7 @@ from ev_control.shared.slip_regulator import (
     forget_regulation,
     stays_out,
     until_served,
+    weighed,
 )
 from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion, road_torque
@@ -84,6 +85,7 @@ def feedback_linearisation(
     acceleration = follow(w.body_acceleration, motion.body_acceleration, share)
     if stays_out(p.regulator, w, slip):
         return inf
+    slip = weighed(p.regulator, slip, motion)
     needed = acceleration_with_decay(p, car, slip, acceleration, motion)
     torque = road + car.driven_wheel_inertia[motion.place] / (1.0 - min(slip, 0.9)) * needed
     return until_served(p.regulator, w, period, torque / car.motor.gear_efficiency, wanted)

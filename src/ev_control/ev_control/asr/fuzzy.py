@@ -13,6 +13,7 @@ from ev_control.shared.slip_regulator import (
     forget_regulation,
     stays_out,
     until_served,
+    weighed,
 )
 from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion
@@ -91,7 +92,8 @@ def fuzzy(p: FuzzyParameters, car: Car, w: FuzzyWheel, period: float, motion: Wh
         last, torque = w.slip.value, min(w.limit, wanted)
     rate = (slip - last) / (p.filter_time + period)
     follow(w.slip, slip, filter_share(period, p.filter_time))
-    change = change_by_rules((slip - p.regulator.target) / p.error_width, rate / p.rate_width)
+    error = weighed(p.regulator, slip, motion) - p.regulator.target
+    change = change_by_rules(error / p.error_width, rate / p.rate_width)
     torque += p.largest_rate * period * change * max(torque, p.least_torque)
     return until_served(p.regulator, w, period, torque, wanted)
 

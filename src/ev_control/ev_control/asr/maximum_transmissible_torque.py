@@ -88,7 +88,8 @@ def maximum_transmissible_torque(
     fast as the car (dissertation, eq 1.7). The source prints r where r^2 belongs if the factor is the pure number
     alpha; with its own definition, a_x/w' [m] = alpha r, the printed r is right. M is what one wheel moves, not the
     whole car. No speed of the car is needed but for the direction, and like every law that only knows accelerations
-    this one keeps slip from growing but does not undo it.
+    this one keeps slip from growing but does not undo it. Here it acts only beyond `margin`, so that slip which grows
+    more slowly is not seen; Yin, Oh and Hori (2009), after whom the law is named, limit always.
     """
     share, radius = filter_share(period, p.filter_time), car.wheel_radius
     road = follow(w.road, road_torque(car, motion), share)

@@ -14,6 +14,7 @@ from ev_control.shared.slip_regulator import (
     forget_regulation,
     stays_out,
     until_served,
+    weighed,
 )
 from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion
@@ -80,6 +81,7 @@ def modified_lambda(
     moving = follow(w.body_acceleration, motion.body_acceleration, share)
     if stays_out(p.regulator, w, slip):
         return inf
+    slip = weighed(p.regulator, slip, motion)
     before = min(w.limit, wanted)
     if w.limit == inf:
         before = min(max(motion.torque, 0.0), wanted)

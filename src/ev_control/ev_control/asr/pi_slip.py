@@ -12,6 +12,7 @@ from ev_control.shared.slip_regulator import (
     forget_regulation,
     stays_out,
     until_served,
+    weighed,
 )
 from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion
@@ -63,6 +64,7 @@ def pi_slip(p: PiSlipParameters, car: Car, w: PiSlipWheel, period: float, motion
     slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
     if stays_out(p.regulator, w, slip):
         return inf
+    slip = weighed(p.regulator, slip, motion)
     if w.limit == inf:
         w.integral = min(max(motion.torque, 0.0), wanted)
     error = p.regulator.target - slip

@@ -12,7 +12,7 @@ from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.slip_thresholds import SlipThresholdParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
-from ev_control.shared.wheel_dynamics import WheelMotion, slip_of, slowest_wheel
+from ev_control.shared.wheel_dynamics import WheelMotion, share_at, share_at_rest, slip_of, slowest_wheel
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import part
 from ev_msgs_py.parameters.declaration import group, parameter
@@ -38,6 +38,7 @@ class SlipWindowParameters(SlipThresholdParameters):
         source="assumption",
     )
     slowest: float = slowest_wheel()
+    at_rest: float = share_at_rest()
     side_force: SideForceParameters = group(SideForceParameters)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)
@@ -74,6 +75,7 @@ def slip_window(
     With `side_force.correction` both ends shrink with the slip angle (section 1.4).
     """
     slip, left = slip_of(motion, p.slowest), share_left(p.side_force, car, w.side_force, period, motion)
+    left *= share_at(motion, p.slowest, p.at_rest)
     low, high = left * p.low, left * p.high
     rises = slip > follow(w.slip, slip, filter_share(period, p.trend))
     if slip > high and w.limit == inf:

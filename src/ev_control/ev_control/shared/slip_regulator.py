@@ -10,7 +10,7 @@ from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState, forget_slip
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
-from ev_control.shared.wheel_dynamics import WheelMotion
+from ev_control.shared.wheel_dynamics import WheelMotion, share_at, share_at_rest
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.parameters.declaration import group, parameter
@@ -37,6 +37,7 @@ class SlipRegulatorParameters:
         about="time for which the limit has to be above the request before it ends",
         source="assumption",
     )
+    at_rest: float = share_at_rest()
     slip: SlipObserverParameters = group(SlipObserverParameters)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)
@@ -62,6 +63,12 @@ def forget_regulation(w: RegulatedWheel) -> None:
 def stays_out(p: SlipRegulatorParameters, w: RegulatedWheel, slip: float) -> bool:
     """Whether a wheel is not limited, and its slip [1] is no reason to begin."""
     return w.limit == inf and slip <= p.target
+
+
+@compilable
+def weighed(p: SlipRegulatorParameters, slip: float, motion: WheelMotion) -> float:
+    """The slip [1] as a limited wheel is regulated by it: about rest it weighs more, which is a smaller target."""
+    return slip / share_at(motion, p.slip.slowest, p.at_rest)
 
 
 @compilable

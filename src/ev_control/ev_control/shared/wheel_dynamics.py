@@ -38,6 +38,25 @@ def slowest_wheel() -> Any:
     )
 
 
+def share_at_rest() -> Any:
+    """The parameter `at_rest` of those that take a share of their slips by `share_at`."""
+    return parameter(
+        0.3,
+        unit="1",
+        low=0.01,
+        high=1.0,
+        about="share of the wanted slip that a limited wheel has at rest; from `slowest` on it is whole. With 1 a "
+        "tread that slides by slip times `slowest` passes as one that grips, and the car stands on a slippery hill",
+        source="assumption",
+    )
+
+
+@compilable
+def share_at(motion: WheelMotion, slowest: float, at_rest: float) -> float:
+    """The share [1] of a wanted slip at the speed of the car: `at_rest`, and all of it from `slowest` [rad/s] on."""
+    return at_rest + (1.0 - at_rest) * min(abs(motion.rolling) / slowest, 1.0)
+
+
 @compilable
 def slip_of(motion: WheelMotion, slowest: float) -> float:
     """Slip 1 - w_free/w (dissertation, eq 2.34) [1], against at least `slowest` [rad/s], so that rest is none."""
