@@ -38,7 +38,7 @@ class SlipWindowParameters(SlipThresholdParameters):
         source="assumption",
     )
     slowest: float = slowest_wheel()
-    at_rest: float = share_at_rest()
+    at_rest: float = share_at_rest(0.5)  # with less its limit swings more on ice, which costs speed
     side_force: SideForceParameters = group(SideForceParameters)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)

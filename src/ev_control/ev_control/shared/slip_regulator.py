@@ -37,7 +37,7 @@ class SlipRegulatorParameters:
         about="time for which the limit has to be above the request before it ends",
         source="assumption",
     )
-    at_rest: float = share_at_rest()
+    at_rest: float = share_at_rest(0.3)
     slip: SlipObserverParameters = group(SlipObserverParameters)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)

@@ -38,10 +38,10 @@ def slowest_wheel() -> Any:
     )
 
 
-def share_at_rest() -> Any:
+def share_at_rest(share: float) -> Any:
     """The parameter `at_rest` of those that take a share of their slips by `share_at`."""
     return parameter(
-        0.3,
+        share,
         unit="1",
         low=0.01,
         high=1.0,
