@@ -145,9 +145,9 @@ def test_without_the_operators_enabling_nothing_is_switched_on():
 
 
 def test_a_wheel_that_grips_again_is_no_fault():
-    """The urban cycle up to where rotors that slow down by 2000 rad/s^2 once were taken for a wrong transducer."""
+    """The urban cycle up to where a rotor slows down by 2000 rad/s^2, which once was taken for a wrong transducer."""
     values = [("test_bench", "method", "circuits_on_can")]
-    (run,) = load_scenario("urban_mixed_bench", Overrides(values=values, duration=28.0)).runs
+    (run,) = load_scenario("urban_mixed_bench", Overrides(values=values, duration=33.0)).runs
     noted: list[str] = []
     channels = run_offline(run.configurations, run.duration, note=lambda _, text: noted.append(text)).channels
     speed = channels["bench.shafts.speed.front_right"]

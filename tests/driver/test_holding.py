@@ -83,6 +83,14 @@ def test_a_driver_who_wants_to_stand_stands_up_to_the_steepest_slope_that_fricti
         assert stands(vehicle, road, share * limit * direction)
 
 
+@pytest.mark.parametrize("name", CARS)
+def test_the_brakes_of_a_car_take_what_holds_it(name):
+    """Else every run in which it stands would note commands that are out of range."""
+    vehicle = car_named(name)
+    _, brake = follow_speed(FEET, namespace(car_numbers(vehicle)), SpeedControlState(), 0.01, 0.0, 0.0)
+    assert 0.5 * brake * max(FRONT_SHARE, 1.0 - FRONT_SHARE) <= vehicle.maximum_brake_torque
+
+
 @pytest.mark.parametrize("speed", [0.5, -0.5])
 @pytest.mark.parametrize("grade", [0.12, -0.12, 0.0])
 @pytest.mark.parametrize("name", CARS)

@@ -19,7 +19,7 @@ MODEL = [
     ("diss.nominal_conflict", ("*", "vehicle.motor.nominal_torque", 220.0)),
     ("diss.sizing.speed", ("*", "vehicle.motor.maximum_speed", 800.0)),
     ("diss.sizing.mass", ("*", "vehicle.motor.peak_torque", 370.0)),
-    ("diss.K", ("electronic_differential", "locking_speed", 10.0)),
+    ("diss.K", ("plant", "road.random_probability", (1.0, 0.0))),  # one friction: no difference of speeds to lock
     ("diss.eq1.5", ("asr", "high", 0.2)),
     ("diss.eq1.4.literal", ("*", "vehicle.wheel_radius", 0.42)),
     ("diss.t2.1", ("*", "vehicle.mass", 2171.0)),

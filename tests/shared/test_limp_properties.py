@@ -1,6 +1,6 @@
 """What holds for limp modes whatever happens: never more than asked, nothing from a sound car, back after a fault.
 
-`EV_CASES=100000 python -m pytest tests/laws/test_limp_properties.py` is the long form.
+`EV_CASES=100000 python -m pytest tests/shared/test_limp_properties.py` is the long form.
 """
 
 from __future__ import annotations
