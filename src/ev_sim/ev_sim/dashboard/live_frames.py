@@ -46,12 +46,14 @@ class LiveFrames:
             for signal in PLACES
         }
         self._numbers = np.zeros((1, SIZE))
+        self._stamp: int | None = None
+        self._period = 0  # ns; 0 until the parameters of the plant are known
         self._heard: list[type] = []
         self._shown: dict[str, np.ndarray] = {}
 
     @property
     def time(self) -> float:
-        """The newest instant [s]."""
+        """The newest instant [s]; stamps of a run behind a reset are above theirs."""
         return float(self._numbers[0, TIME])
 
     def look(self) -> bool:
@@ -73,17 +75,19 @@ class LiveFrames:
                 newest = stamp
             if signal not in self._heard:
                 self._heard = [each for each in PLACES if each in self._heard or each is signal]
-        if newest is None or stamps.to_seconds(newest) == self.time:
+        if newest is None or newest == self._stamp:
             return False
-        self._numbers[0, TIME] = stamps.to_seconds(newest)
+        self._stamp = newest
+        self._numbers[0, TIME] = stamps.to_seconds(newest - newest % self._period if self._period else newest)
         self._shown = self._channels()
         return True
 
     def take_car(self, message: Mapping[str, Any]) -> None:
-        """Take the car over where `Controls` tells the parameters of the plant."""
+        """Take car and control period over where `Controls` tells the parameters of the plant."""
         if (message["kind"], message.get("node")) != ("node", MASTER):
             return
         values = {each["name"]: each["value"] for each in message["parameters"]}
+        self._period = stamps.from_seconds(values["control_period"])
         try:
             self.vehicle = build(
                 Vehicle, {name: value for name, value in values.items() if name.startswith(_VEHICLE)}, _VEHICLE

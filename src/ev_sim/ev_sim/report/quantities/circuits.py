@@ -28,14 +28,13 @@ def circuit_shares(run: Recording, vehicle: Vehicle) -> dict[str, CircuitShares]
     if not (has_own_motors(vehicle) and has_equal_motors(vehicle)):
         raise NotMeasured("a circuit is one of equal motors, each of one wheel")
     period = np.diff(run.time, prepend=run.time[0])
-    inertia = wheel_inertia(vehicle, vehicle.driven_wheels[0])
     shares = {}
     for wheel in vehicle.driven_wheels:
         speed = channel(run, f"wheel_states.velocity.{wheel}")
         free = channel(run, f"wheel_states.velocity.{free_wheel_beside(wheel, vehicle)}")
         torque = channel(run, f"wheel_states.effort.{wheel}")
         force = channel(run, f"tire_forces.longitudinal_force.{wheel}")
-        gained = inertia * np.diff(speed, prepend=speed[0])
+        gained = wheel_inertia(vehicle, wheel) * np.diff(speed, prepend=speed[0])
         resistance = (torque - _radius(vehicle, wheel) * force) * period - gained
         motor, shaft_speed, electrical = _drive(run, vehicle, wheel)
         shares[wheel] = CircuitShares(

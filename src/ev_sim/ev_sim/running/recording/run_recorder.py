@@ -56,7 +56,7 @@ class RunRecorder:
         self._pacing = [self._messages[i] for i in self._masters] if may_skip else self._messages
         self._directory = folder / BAG if bag else None
         self._run = 0  # what stamps are above the instants that they mean [ns]
-        self._stale = False  # whether messages of the run before a reset may still come
+        self._before: int | None = None  # the same of the run before a reset, while messages of it may still come
         self._begin_bag()
         self.loss = ""
         self.asked = False  # whether the master has repeated itself: it may wait for the recorder
@@ -80,7 +80,7 @@ class RunRecorder:
             self._begin_anew(run)
         if run != self._run:
             return
-        if step >= self._steps or step < kept.count or (self._stale and index not in self._masters):
+        if step >= self._steps or step < kept.count or (run == self._before and index not in self._masters):
             self.asked = self.asked or index in self._masters
             return
         if self._may_skip and index not in self._masters and step > self._paced() + 1:
@@ -101,17 +101,17 @@ class RunRecorder:
         """Whether the first state is that of a later run, or of another master."""
         if run == self._run:
             return kept.count > 1 or (kept.count == 1 and message != kept.first)
-        return self._run < run < stamps.RUNS or (run == 0 and not self._stale)
+        return self._run < run < stamps.RUNS or (run == 0 and self._before is None)
 
     def _begin_anew(self, run: int) -> None:
-        self._run = run
+        before, self._run = self._run, run
         if not any(kept.count for kept in self._messages):  # it has joined behind resets
             return
         for kept in self._messages:
             kept.clear()
         self._spool.clear()
         self.loss = ""
-        self._stale = True
+        self._before = before
         if self._bag is not None:
             self._bag.close()
             self._directory.rename(_free(f"{self._directory}_before_reset_"))
@@ -119,7 +119,7 @@ class RunRecorder:
 
     def took_all(self) -> None:
         """To be called when every message that had arrived was added: those of the run before a reset are gone."""
-        self._stale = False
+        self._before = None
 
     def _note_loss(self, index: int, due: int, came: int) -> None:
         first, last = (stamps.to_seconds(step * self._period) for step in (due, came))
