@@ -35,19 +35,20 @@ class KeepsAll:
     """What a recorder is held against: a list of messages for each topic."""
 
     def __init__(self, may_skip: bool, last: int) -> None:
-        self.may_skip, self.last, self.kept, self.stale, self.loss = may_skip, last, [[] for _ in USED], False, False
-        self.run = 0
+        self.may_skip, self.last, self.kept, self.loss = may_skip, last, [[] for _ in USED], False
+        self.run, self.before = 0, None
 
     def add(self, index: int, new: bytes) -> None:
         kept, (step, run) = self.kept[index], divmod(stamp_of(new), PERIOD)
-        later = run > self.run or (run < self.run and run == 0 and not self.stale)
+        later = run > self.run or (run < self.run and run == 0 and self.before is None)
         if index == 0 and step == 0 and (later or (run == self.run and kept and kept != [new])):
-            self.stale, self.loss = self.stale or any(self.kept), self.loss and not any(self.kept)
+            if any(self.kept):
+                self.before, self.loss = self.run, False
             self.kept, self.run = [[] for _ in USED], run
             kept = self.kept[0]
         if run != self.run:
             return
-        if step > self.last or step < len(kept) or (self.stale and index):
+        if step > self.last or step < len(kept) or (run == self.before and index):
             return
         if self.may_skip and index and step > len(self.kept[0]) + 1:
             return
@@ -92,7 +93,7 @@ def test_what_is_held_is_what_has_come(
         for word in words:
             if word is None:
                 recorder.took_all()
-                expected.stale = False
+                expected.before = None
                 continue
             index, ahead, value, other = word
             step = 0 if ahead is None else max(0, len(expected.kept[index]) + ahead)
@@ -107,6 +108,18 @@ def test_what_is_held_is_what_has_come(
     assert [path.name for path in folder.iterdir()] == ["signals.npz"]
     save(expected.recording(), folder / "expected.npz")
     assert (folder / "signals.npz").read_bytes() == (folder / "expected.npz").read_bytes()
+
+
+@pytest.mark.parametrize(("run", "held"), [(RUN, 0), (0, -PERIOD)])
+def test_answers_that_come_with_a_reset_are_kept_where_their_stamps_tell_them_from_older_ones(tmp_path, run, held):
+    """After a reset they do; another master counts from zero again, and repeats itself until the answers come."""
+    recorder = RunRecorder(USED, NAMES, PERIOD, tmp_path, bag=False)
+    recorder.add(0, message(USED[0], 0, 1.0), 0)
+    recorder.took_all()
+    for index, topic in enumerate(USED):
+        recorder.add(index, message(topic, 0, 2.0, run), 0)
+    assert recorder.held == held
+    recorder.close(tmp_path / "signals.npz")
 
 
 def test_memory_does_not_grow_with_the_steps(tmp_path: Path):

@@ -164,7 +164,7 @@ def test_the_circle_to_the_right_is_measured():
 
 
 def test_a_coast_down_from_below_100_km_h_has_no_time_from_there():
-    """9.49 s were "measured"; the road load holds, but is not judged: initial speed and duration are not the scenario's."""
+    """9.49 s were "measured"; the road load holds, but is not judged: speed and duration are not the scenario's."""
     slow = ev_sim.run("coast_down", set={"plant.initial_speed": 90 / 3.6}, duration=30.0)
     assert slow.metrics["time_from_100_to_80_km_h"].verdict == "not measured: 100 km/h was passed before 0 s"
     for name in ("drag_area", "rolling_resistance"):

@@ -78,10 +78,10 @@ def look_ahead(
         gain = lower * preview[(row - 1) * points + n] + upper * preview[row * points + n]
         rate += gain * _turn(along_x, along_y, then_x, then_y)
         along_x, along_y, next_x, next_y = then_x, then_y, ahead_x, ahead_y
-    now = s.arms  # an answer is of its instant: what the arms do a period later would be known a period too early
+    angle = s.arms  # of this instant: that of the next one would make him quicker by a control period
     s.intended = min(max(s.intended + period * rate, -p.max_angle), p.max_angle)
     s.arms += c.share * (s.intended - s.arms)
-    return now
+    return angle
 
 
 @compilable
