@@ -129,15 +129,19 @@ def test_sum_gives_no_wheel_the_other_sign_and_leaves_no_motor_idle(car, torque,
 @settings(max_examples=100, phases=(Phase.explicit, Phase.generate))
 @given(car=cars, torque=torques, speed=speeds)
 def test_difference_stays_wherever_some_sum_leaves_room(car, torque, speed):
-    """Of 101 means between none and the asked one; none may leave room for a difference that is not given."""
+    """Of 101 means between none and the asked one; none may leave room for a difference that is not given.
+
+    Of axles that work against each other one may have to yield with the other, for the sum of all.
+    """
     strong = dataclasses.replace(car, battery=Battery(discharge_power=1e7, charge_power=1e7))
     asked = of_motors(car, torque)
     drive = given_to(strong, "difference", asked, speed)
+    against = (asked[0] + asked[1]) * (asked[2] + asked[3]) < 0.0
     for left in (0, 2):
         wanted, had = asked[left + 1] - asked[left], drive[left + 1] - drive[left]
         assert had * wanted >= 0.0
         assert abs(had) <= abs(wanted) + TOLERANCE
-        if abs(had - wanted) > 1e-6:
+        if abs(had - wanted) > 1e-6 and not against:
             for share in range(101):
                 mean = share / 100.0 * (asked[left] + asked[left + 1]) / 2.0
                 tried = list(drive)
