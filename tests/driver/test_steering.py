@@ -50,7 +50,7 @@ def turn(driver: Any, column_name: str, law_name: str | None, duration: float, *
             column.advance(command)
         else:
             column.advance(command, wheels)
-            wheels = WheelStates(NO_WHEELS, NO_WHEELS, law.step(command, state).drive)
+            wheels = WheelStates(NO_WHEELS, NO_WHEELS, law.step(command, state, wheels).drive)
     return rows
 
 

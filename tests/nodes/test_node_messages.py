@@ -31,6 +31,7 @@ pytestmark = pytest.mark.slow
 PERIOD = 0.01
 DRIVER = DriverCommand(drive_torque=100.0, brake_torque=0.0, hand_torque=1.0)
 TURNED = SteeringColumnState(0.8, 0.1, 1.0, 0.02, 0.0)
+STANDING = WheelStates(NO_WHEELS, NO_WHEELS, NO_WHEELS)
 
 
 class Bench:
@@ -72,11 +73,12 @@ def law() -> Iterator[Bench]:
         bench = Bench(
             context,
             "electronic_differential",
-            (DriverCommand, SteeringColumnState),
+            (DriverCommand, WheelStates, SteeringColumnState),
             WheelTorqueRequest,
             method="steer_by_wire",
         )
         bench.say(0.0, DRIVER)
+        bench.say(0.0, STANDING)
         bench.say(0.0, TURNED)
         bench.run(lambda: bench.heard)
         yield bench
@@ -86,7 +88,7 @@ def expected(steps: int) -> list[WheelTorqueRequest]:
     """What the law answers to equal inputs step by step; its integral makes each answer another one."""
     method = find_method("electronic_differential", "steer_by_wire")
     law = create(method, method.parameters(), Vehicle(), PERIOD)
-    return [law.step(DRIVER, TURNED) for _ in range(steps)]
+    return [law.step(DRIVER, TURNED, STANDING) for _ in range(steps)]
 
 
 def assert_goes_on_as_if_nothing_had_been(law: Bench) -> None:
@@ -136,6 +138,7 @@ SPOILT = {
 @pytest.mark.parametrize(("spoil", "named"), SPOILT.values(), ids=SPOILT)
 def test_a_spoilt_message_is_reported_and_changes_nothing(law, spoil, named):
     law.say(PERIOD, DRIVER)
+    law.say(PERIOD, STANDING)
     law.say(PERIOD, TURNED, spoil)
     law.run(lambda: law.probe.reports)
     (report,) = law.probe.reports
@@ -147,6 +150,7 @@ def test_a_spoilt_message_is_reported_and_changes_nothing(law, spoil, named):
 @pytest.mark.parametrize("seconds", [0.015, 0.03, 500.0])
 def test_a_stamp_of_no_step_that_can_come_is_reported_once_and_changes_nothing(law, seconds):
     law.say(PERIOD, DRIVER)
+    law.say(PERIOD, STANDING)
     law.say(seconds, TURNED)
     law.say(seconds, TURNED)
     law.run(lambda: law.probe.reports)
@@ -171,6 +175,7 @@ def test_joints_in_another_order_are_read_by_name(law):
             setattr(message, field, getattr(message, field)[::-1])
 
     law.say(PERIOD, DRIVER)
+    law.say(PERIOD, STANDING)
     law.say(PERIOD, TURNED, turn_round)
     law.run(lambda: len(law.heard) == 2)
     assert [signal for _, signal in law.heard] == expected(2)
@@ -198,17 +203,17 @@ def test_ordinary_steps_are_taken_in_compiled_code_and_others_in_python(law, mon
         judge = reader.judge
         monkeypatch.setattr(reader, "judge", lambda *told, judge=judge: judged.append(told) or judge(*told))
     for step in range(1, 4):
-        law.say_packed(step * PERIOD, DRIVER, TURNED)
+        law.say_packed(step * PERIOD, DRIVER, STANDING, TURNED)
         law.run(lambda step=step: len(law.heard) == step + 1)
     assert not judged
     law.say_packed(3 * PERIOD, DRIVER)  # once more: it asks for the answer
     law.run(lambda: len(law.heard) == 5)
     law.node.stepper.part = Stopping(law.node.stepper.part, 5 * PERIOD)
-    law.say_packed(4 * PERIOD, DRIVER, TURNED)
+    law.say_packed(4 * PERIOD, DRIVER, STANDING, TURNED)
     law.run(lambda: len(law.heard) == 6)
     answers = expected(5)
     assert [signal for _, signal in law.heard] == [*answers[:4], answers[3], answers[4]]
-    law.say_packed(5 * PERIOD, DRIVER, TURNED)
+    law.say_packed(5 * PERIOD, DRIVER, STANDING, TURNED)
     with pytest.raises(SignalError, match="no further"):
         law.run(lambda: False)
 
