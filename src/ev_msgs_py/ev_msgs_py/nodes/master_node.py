@@ -10,11 +10,8 @@ from typing import Any
 from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
 
-from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES
 from ev_msgs_py.contract.topics import Topic
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.part import Part
 from ev_msgs_py.lockstep.stepper import Answer
 from ev_msgs_py.nodes.advance import Advance
 from ev_msgs_py.nodes.master_inputs import MasterInputs
@@ -26,7 +23,6 @@ from ev_msgs_py.nodes.state_publisher import StatePublisher
 from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.time_services import TimeServices
-from ev_msgs_py.parameters.declaration import ParameterError
 
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 # It doubles up to this where that does not help: each repetition is answered by all, and publishers keep 256 messages,
@@ -53,13 +49,6 @@ class MasterNode(SteppedNode):
         # For rclpy's own executors; `spinning.spin` calls idle() by itself. The clock is the wall's, not /clock.
         self.create_timer(_RETRY_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
         self._begin()
-
-    def new_part(self, configuration: Configuration) -> Part:
-        """What plays the plant; ParameterError if in real time it would lose its command from step to step."""
-        timeout = configuration.extra.command_timeout
-        if configuration.common.mode == "realtime" and stamps.from_seconds(timeout) <= 2 * configuration.period:
-            raise ParameterError(f"command_timeout: {timeout:g} s is refused, allowed is more than two control periods")
-        return super().new_part(configuration)
 
     @cached_property
     def schedule(self) -> Schedule:
