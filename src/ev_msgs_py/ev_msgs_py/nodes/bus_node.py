@@ -20,7 +20,6 @@ from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.bus_cycles import BusCycles, WithBus
 from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.parameters.declaration import entries
-from ev_msgs_py.parameters.shown import LINE, shown
 from ev_msgs_py.parameters.values import build, replaced
 
 
@@ -97,5 +96,5 @@ class BusNode(WithBus, Node):
         except Exception as error:  # by what it raises nothing shall be half changed
             self.parameters = before
             self.changed()
-            return SetParametersResult(successful=False, reason=shown(str(error) or repr(error), LINE))
+            return ros_parameters.refusal(error)
         return SetParametersResult(successful=True)

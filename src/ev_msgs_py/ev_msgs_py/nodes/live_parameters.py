@@ -11,7 +11,6 @@ from rclpy.parameter import Parameter
 
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.nodes import ros_parameters
-from ev_msgs_py.parameters.shown import LINE, shown
 
 
 class LiveParameters:
@@ -40,7 +39,7 @@ class LiveParameters:
             configuration = self.configuration.changed(given)
             made = self._try_out(configuration)
         except Exception as error:  # also of a law that somebody has brought along
-            return SetParametersResult(successful=False, reason=shown(str(error) or repr(error), LINE))
+            return ros_parameters.refusal(error)
         before, self.configuration = self.configuration, configuration
         self._changed(before, given, made)
         return SetParametersResult(successful=True)

@@ -9,14 +9,14 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ev_msgs_py.lockstep.methods import LIBRARIES
 from ev_msgs_py.parameters.data_file import TextOfFile
 from ev_msgs_py.parameters.declaration import Entry, ParameterError
-from ev_msgs_py.parameters.shown import quoted
+from ev_msgs_py.parameters.shown import LINE, quoted, shown
 
 _TYPES = {
     (float, False): ParameterType.PARAMETER_DOUBLE,
@@ -68,6 +68,11 @@ def _is_said(name: str, value: str, node_arguments: Mapping[str, Any]) -> bool:
 def is_ros_own(name: str) -> bool:
     """Whether ROS itself declares a parameter of this name in every node."""
     return name in _ROS_OWN or name.startswith("qos_overrides.")
+
+
+def refusal(error: Exception) -> SetParametersResult:
+    """The answer to a change that has raised."""
+    return SetParametersResult(successful=False, reason=shown(str(error) or repr(error), LINE))
 
 
 def asked_for(changes: Sequence[Parameter]) -> dict[str, Any]:
