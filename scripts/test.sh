@@ -15,7 +15,8 @@ fi
 # shellcheck source=scripts/setup.sh
 source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
 cd "$EV_STACK_ROOT"
-on_all_cores=(--numprocesses auto --dist worksteal)
+# One process more than there are cores: many tests wait for other processes, or for time.
+on_all_cores=(--numprocesses "$(($(nproc) + 1))" --dist worksteal)
 for word in "$@"; do
     if [[ -e "${word%%::*}" ]]; then
         on_all_cores=() # a few tests have ended before more processes have started

@@ -187,13 +187,12 @@ def test_own_method_is_found_by_its_entry_point(built_in: Path, tmp_path: Path, 
     (tmp_path / f"{module}.py").write_text((EXAMPLES / f"{module}.py").read_text())
     environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
 
-    def run(*options: str) -> str:
-        command = [sys.executable, "-c", "from ev_sim.commands.run_scenario import main; main()", *options]
-        return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
-
-    assert "Limit the drive torque of every wheel" in run("--list")
-    short = ("shchur2019", "--offline", "--no-record", "--duration", str(DURATION), "--method", f"asr={method}")
-    run(*short, "--set", f"asr.limit={LIMIT}", "--out", str(tmp_path / "limited"))
+    short = ["shchur2019", "--offline", "--no-record", "--duration", str(DURATION), "--method", f"asr={method}"]
+    limited = [*short, "--set", f"asr.limit={LIMIT}", "--out", str(tmp_path / "limited")]
+    calls = (["--list"], limited, [*short, "--out", str(tmp_path / "equal")])
+    code = f"from ev_sim.commands.run_scenario import main\nfor words in {calls}: main(words)"
+    command = [sys.executable, "-c", code]
+    said = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
+    assert "Limit the drive torque of every wheel" in said
     assert np.max(load(tmp_path / "limited" / "signals.npz").channels["wheel_states.effort.front_left"]) == LIMIT
-    run(*short, "--out", str(tmp_path / "equal"))
     assert signal_hash(load(tmp_path / "equal" / "signals.npz")) == signal_hash(load(built_in / "signals.npz"))

@@ -269,7 +269,6 @@ def test_a_command_fades_until_it_is_as_old_as_may_be_and_drives_again_when_it_i
     efforts = {stamp - last: wheels.effort.front_left for stamp, wheels in plant.heard if stamp > last}
     assert all(torque == 0.0 for age, torque in efforts.items() if age >= from_seconds(0.1))
     assert efforts[from_seconds(0.09)] <= 25.0 + 1e-9  # less where the wall clock was ahead
-    assert efforts[from_seconds(0.01)] > 0.0
     before = len(driven(plant))
     command_while(plant, lambda: len(driven(plant)) > before)
 

@@ -28,6 +28,7 @@ CASES = [(scenario, run.name) for scenario in MANOEUVRES for run in load_scenari
 # and one of the circles goes beyond its limit.
 CUT = {
     ("steady_circle", "linear"): 15.0,
+    ("steady_circle", "friction"): 15.0,
     ("steady_circle", "constant_radius_linear"): 15.0,
     ("steady_circle", "constant_radius_friction"): 50.0,
     ("coast_down", "coast_down"): 20.0,

@@ -129,7 +129,7 @@ def _write(watched: Watched, seed: int) -> None:
         watched.kill(writer)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.lists(PUTS, max_size=3), st.lists(st.one_of(SEEDS, SEEDS, PUTS, EDITS), min_size=1, max_size=8))
 def test_a_folder_keeps_everything_that_no_command_has_written(had: list, acts: list):
     with TemporaryDirectory() as top:
@@ -168,7 +168,7 @@ def saved(driven, tmp_path_factory) -> Path:
     return folder
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.lists(PUTS, max_size=2),
     st.lists(st.one_of(st.sampled_from([*COMMANDS, "save", "kill"]), EDITS, PUTS), min_size=3, max_size=8),

@@ -75,7 +75,7 @@ def test_every_way_of_running_gives_the_same_signals(way: tuple[str, ...], offli
 
 def test_the_same_signals_while_both_cores_are_busy(offline: Path, tmp_path: Path):
     with both_cores_busy():
-        run("shchur2019", "--duration", 3, "--out", tmp_path)
+        run("shchur2019", "--duration", 3, "--no-record", "--out", tmp_path)
     assert summary(tmp_path)["signal_hash"] == summary(offline)["signal_hash"]
 
 
@@ -200,7 +200,7 @@ def test_broken_yaml_is_named_with_its_line(tmp_path: Path):
     assert re.search(r"broken\.yaml: not readable as YAML in line \d", result.stderr)
 
 
-@pytest.mark.parametrize("name", ["plant", "steering_column", "asr", "recorder"])
+@pytest.mark.parametrize("name", ["plant", "asr", "recorder"])
 def test_killing_a_node_ends_the_run_and_leaves_nothing(name: str, tmp_path: Path):
     """One of each kind; 5 s are the limit that the project has set itself for a run of which a node has died."""
     running = Running(tmp_path / "out")
@@ -255,12 +255,12 @@ def test_ctrl_c_stops_everything(tmp_path: Path):
 
 
 def test_realtime_takes_its_time_and_says_that_it_is_not_reproducible(tmp_path: Path):
-    run("shchur2019", "--realtime", "--duration", 2, "--out", tmp_path)
+    run("shchur2019", "--realtime", "--duration", 1, "--out", tmp_path)
     content = summary(tmp_path)
     assert content["reproducible"] is False
     # By the wall clock, and never faster; not counted is what goes by until the recorder knows the others by name.
-    assert content["wall_time"] > 1.4
-    assert content["timing"]["shchur2019"]["steps"] == 200
+    assert content["wall_time"] > 0.7
+    assert content["timing"]["shchur2019"]["steps"] == 100
 
 
 @pytest.mark.parametrize("way", [(), ("--in-process",)], ids=["dds", "one"])
@@ -297,7 +297,7 @@ def test_a_folder_that_holds_something_else_is_not_touched(tmp_path: Path):
 
 
 def test_a_second_run_replaces_the_first(tmp_path: Path):
-    run("shchur2019", "--offline", "--duration", 1, "--out", tmp_path)
-    run("shchur2019", "--offline", "--duration", 1, "--no-record", "--out", tmp_path)
+    run("shchur2019", "--offline", "--duration", 0.1, "--out", tmp_path)
+    run("shchur2019", "--offline", "--duration", 0.2, "--no-record", "--out", tmp_path)
     assert not (tmp_path / "bag").exists()
-    assert summary(tmp_path)["simulated_time"] == 1.0
+    assert summary(tmp_path)["simulated_time"] == 0.2

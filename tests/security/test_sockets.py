@@ -23,7 +23,7 @@ from sockets_of_process import Socket, sockets_of
 pytestmark = pytest.mark.slow
 
 MARK = "EV_STACK_TEST_SOCKETS"  # in the environment of all processes that belong to one try
-SHORT = f"{RUN} shchur2019 --duration 2 --no-report --out OUT"
+SHORT = f"{RUN} shchur2019 --duration 0.5 --no-report --out OUT"
 HUB = f"{sys.executable} -m ev_sim.commands.can_hub --port 0"
 BENCH = (
     f"{RUN} bench_fault --realtime --duration 2 --no-report --no-record --out OUT --set *.control_period=0.005"
@@ -59,7 +59,7 @@ WAYS = {
     "bus in real time": (BENCH, 12),
     "hub": (HUB, 1),
     "live page": (
-        f"{ROOT}/scripts/dashboard.sh --port 0 shchur2019 --duration 2 --no-report --no-record --out OUT",
+        f"{ROOT}/scripts/dashboard.sh --port 0 shchur2019 --duration 0.5 --no-report --no-record --out OUT",
         11,
     ),
     "workers": (f"{STUDY} --workers 2", 0),
@@ -144,7 +144,7 @@ def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, networ
                         subprocess.run([*network.inside, sys.executable, "-c", INSIDER.format(each)], check=True)
             if words == HUB and new:  # once: it stops at the first signal
                 under_way.process.send_signal(signal.SIGINT)
-            time.sleep(0.02)
+            time.sleep(0.1)
         assert under_way.process.returncode == 0, under_way.text()
     finally:
         under_way.end()

@@ -46,13 +46,12 @@ def test_sweep_table_of_the_page_is_that_of_its_cases():
 @pytest.mark.slow
 def test_a_row_of_the_variants_is_that_of_its_cases():
     (variant,) = (each for each in variants.VARIANTS if each.name == "S0_high")
-    cases = grid.cases_of(variant.controls, variant.values, variant.name)
+    cases = grid.cases_of((grid.REAR_DRIVE, "k1"), variant.values, variant.name)
     results = {result.name: result for result in drive_cases(cases, variants.measure)}
-    row = [str(grid.spins(results, variant.name).sum())]
-    for control in grid.CONTROLS[1:]:
-        held = grid.holds(results, control, variant.name)
-        row.append(f"{(held & grid.spins(results, variant.name)).sum()} ({held.sum()})")
-    assert f"| {variant.title} | {' | '.join(row)} |" in block("zhileykin2018_variants")
+    spins, held = grid.spins(results, variant.name), grid.holds(results, "k1", variant.name)
+    (row,) = (line for line in block("zhileykin2018_variants").splitlines() if variant.title in line)
+    _, _, printed_spins, _, printed_k1, *_ = (cell.strip() for cell in row.split("|"))
+    assert (printed_spins, printed_k1) == (str(spins.sum()), f"{(spins & held).sum()} ({held.sum()})")
 
 
 def test_holds_are_counted_among_the_cases_in_which_rear_drive_spins():
