@@ -22,7 +22,7 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
-PAGES = sorted([ROOT / "README.md", ROOT / "CHANGELOG.md", *ROOT.glob("docs/*.md")])
+PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *ROOT.glob("docs/*.md")])
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
 DURATION = 1.0  # s of simulated time of the runs with the examples; the car is accelerating
 LIMIT = 50.0  # N m, far below the 250 N m for each wheel that the acceleration takes
@@ -100,16 +100,16 @@ def test_images_are_small():
     assert all(image.stat().st_size < 300_000 for image in images)
 
 
-def test_readme_shows_every_option_of_run_sh(capsys: pytest.CaptureFixture[str]):
+def test_the_page_of_running_shows_every_option_of_run_sh(capsys: pytest.CaptureFixture[str]):
     with pytest.raises(SystemExit):
         run_scenario(["--help"])
     options = set(re.findall(r"--[a-z][a-z-]+", capsys.readouterr().out))
-    described = (ROOT / "README.md").read_text().partition("## Ways to run")[2].partition("\n## ")[0]
+    described = (ROOT / "docs" / "running.md").read_text().partition("## Ways to run")[2].partition("\n## ")[0]
     assert set(re.findall(r"--[a-z][a-z-]+", described)) == options
 
 
-def test_readme_shows_the_own_node_as_it_is():
-    shown = (ROOT / "README.md").read_text().partition("```python\n")[2].partition("```")[0]
+def test_the_page_of_own_things_shows_the_own_node_as_it_is():
+    shown = (ROOT / "docs" / "own_things.md").read_text().partition("```python\n")[2].partition("```")[0]
     assert shown in (EXAMPLES / "own_node.py").read_text()
 
 

@@ -39,7 +39,8 @@ PARTS: dict[str, Callable[[], str]] = {
 }
 
 PAGES = {
-    "README.md": ("graph", "scenarios", "studies", "methods"),
+    "README.md": ("graph",),
+    "docs/methods.md": ("scenarios", "studies", "methods"),
     "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
     "docs/topics.md": ("topics", "wheel names", "fields"),
     "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),

@@ -1,4 +1,4 @@
-"""The pages as a site: README.md and CHANGELOG.md beside those of docs/, in the places where a site has them."""
+"""The pages as a site: README.md, CONTRIBUTING.md and CHANGELOG.md beside those of docs/, in the places where a site has them."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from pathlib import Path
 def gather(root: Path, to: Path) -> None:
     """Copy the pages into a new folder that a site generator reads; FileExistsError if there is something."""
     shutil.copytree(root / "docs", to, ignore=shutil.ignore_patterns("measured", "__pycache__"))
-    _copy(
-        root / "README.md",
-        to / "index.md",
-        {"](docs/": "](", "](CHANGELOG.md": "](changelog.md", "](LICENSE": "](LICENSE.txt"},
-    )
-    _copy(root / "CHANGELOG.md", to / "changelog.md", {"](docs/": "]("})
+    places = {
+        "](docs/": "](",
+        "](CHANGELOG.md": "](changelog.md",
+        "](CONTRIBUTING.md": "](contributing.md",
+        "](LICENSE": "](LICENSE.txt",
+    }
+    for name, there in (("README", "index"), ("CONTRIBUTING", "contributing"), ("CHANGELOG", "changelog")):
+        _copy(root / f"{name}.md", to / f"{there}.md", places)
     shutil.copy(root / "LICENSE", to / "LICENSE.txt")
     for page in to.glob("*.md"):
         _copy(page, page, {"](../CHANGELOG.md": "](changelog.md", "](../README.md": "](index.md"})
