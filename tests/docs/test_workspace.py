@@ -116,7 +116,11 @@ def test_help_needs_no_set_up(name: str):
 def test_every_page_is_in_the_site():
     """scripts/site.sh builds it from mkdocs.yml; README, CONTRIBUTING and CHANGELOG stand outside docs/."""
     listed = set(re.findall(r": (\w+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE))
-    assert listed == {page.name for page in (ROOT / "docs").glob("*.md")} | {"index.md", "contributing.md", "changelog.md"}
+    assert listed == {page.name for page in (ROOT / "docs").glob("*.md")} | {
+        "index.md",
+        "contributing.md",
+        "changelog.md",
+    }
 
 
 @pytest.mark.slow

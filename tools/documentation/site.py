@@ -1,4 +1,4 @@
-"""The pages as a site: README.md, CONTRIBUTING.md and CHANGELOG.md beside those of docs/, in the places where a site has them."""
+"""The pages as a site: those of docs/ and of the top folder, in the places where a site has them."""
 
 from __future__ import annotations
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,7 @@ def _law(method: Method) -> Law:
 
 
 def _name(method: Method) -> str:
-    return f"{method.name}_{method.role}"
+    return f"{Path(method.name).stem}_{method.role}"  # of a law file, whose name is a path
 
 
 def _address(method: Method, given: Given) -> int:

@@ -30,6 +30,7 @@ NODES = "ev_stack.nodes"  # of entry points, named after their roles
 SENSORS = "sensors"  # the group of a node's sensors
 (FAULTS,) = entries(FaultParameters)
 LIBRARIES = (".so", ".dylib")  # what the path of a shared library ends with
+LAW_FILE = ".py"  # that of a file with laws, which may be followed by :NAME
 RECORDINGS = ".npz"  # and that of recorded signals
 _REGISTER: dict[str, dict[str, Method]] = {}
 
@@ -131,11 +132,15 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
             refuse_lacking(role, name, factory)
         function = _stepping(role, factory)
         hints = typing.get_type_hints(function)
-        given = given_names(function) if parameters is not None else ()
-        reads = tuple(kind for argument, kind in hints.items() if argument not in (*given, "return"))
+        given = given_names(function) if parameters is not None else ("self",)
+        arguments = [name for name in inspect.signature(function).parameters if name not in given]
+        if bare := [name for name in arguments if name not in hints]:
+            raise TypeError(f"{role} method {name}: argument {bare[0]} has no annotation that names its signal")
+        reads = tuple(hints[name] for name in arguments)
         for signal in reads:
             if not ROLES[role].may_read(signal):
-                raise TypeError(f"{role} method {name}: a {role} does not read {signal.__name__} (see roles.py)")
+                asked = getattr(signal, "__name__", signal)
+                raise TypeError(f"{role} method {name}: a {role} does not read {asked} (see roles.py)")
         try:
             refuse_taken(f"{role} method {name}", factory.parameters)
         except ParameterError as error:
@@ -167,6 +172,27 @@ def _stepping(role: str, factory: Any) -> Callable[..., Any]:
     return hook
 
 
+def registered_by(module: str, run: Callable[[], None]) -> dict[str, dict[str, Method]]:
+    """By role and name the methods of a module that something registers; only who has asked for them knows them."""
+    global _REGISTER
+    kept, _REGISTER = _REGISTER, {}
+    try:
+        run()
+    finally:
+        made, _REGISTER = _REGISTER, kept
+        for role, methods in made.items():  # what was imported on the way is there for all
+            others = {name: each for name, each in methods.items() if each.documented.__module__ != module}
+            _REGISTER.setdefault(role, {}).update(others)
+            for name in others:
+                del methods[name]
+    return made
+
+
+def is_code(name: str) -> bool:
+    """Whether the name of a method is the path of code: a shared library or a file with laws."""
+    return name.endswith((*LIBRARIES, LAW_FILE)) or f"{LAW_FILE}:" in name
+
+
 @cache
 def node_package(role: str) -> str:
     """The package with the node of a role; LookupError unless there is exactly one."""
@@ -183,18 +209,27 @@ def methods_of(role: str) -> dict[str, Method]:
 
 
 def find_method(role: str, name: str) -> Method:
-    """The method of a role with this name, or in the library or recording of this path; ParameterError if none."""
+    """The method of a role with this name, or in the library, law file or recording of this path.
+
+    ParameterError if there is none.
+    """
+    if isinstance(name, str) and is_code(name) and isinstance(name, TextOfFile):
+        raise ParameterError(
+            f"{name.file}: parameter method: {quoted(str(name))} is refused, allowed from a file is a name: "
+            f"{', '.join(methods_of(role))}; code is named on the command line: --method {role}=PATH, for a "
+            "node -p method:=PATH"
+        )
     if isinstance(name, str) and name.endswith(LIBRARIES):
-        if isinstance(name, TextOfFile):
-            raise ParameterError(
-                f"{name.file}: parameter method: {quoted(str(name))} is refused, allowed from a file is a name: "
-                f"{', '.join(methods_of(role))}; a library is named on the command line: --method {role}=PATH, for a "
-                "node -p method:=PATH"
-            )
         from ev_msgs_py.native.method import library_method
 
         found = library_method(role, name)
         tell(find_file(name))
+        return found
+    if isinstance(name, str) and is_code(name):
+        from ev_msgs_py.lockstep.law_file import file_of, method_of_file
+
+        found = method_of_file(role, name)
+        tell(file_of(name))
         return found
     if isinstance(name, str) and name.endswith(RECORDINGS):
         from ev_msgs_py.playback.method import playback_method

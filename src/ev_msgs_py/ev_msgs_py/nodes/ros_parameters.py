@@ -13,7 +13,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from ev_msgs_py.lockstep.methods import LIBRARIES
+from ev_msgs_py.lockstep.methods import is_code
 from ev_msgs_py.parameters.data_file import TextOfFile
 from ev_msgs_py.parameters.declaration import Entry, ParameterError
 from ev_msgs_py.parameters.shown import LINE, quoted, shown
@@ -42,7 +42,7 @@ def overrides(node: Node) -> dict[str, Any]:
 def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
     """The same; ParameterError if a file chooses what only the command line or Python may.
 
-    That is a library, which is code, and a log of the bus in a folder that is not below the working directory.
+    That is code (a library, a law file), and a log of the bus in a folder that is not below the working directory.
     """
     values = overrides(node)
     path: Any = values.get(_LOG)
@@ -51,7 +51,7 @@ def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
         where = "a name below the working directory, on the command line any path"
         raise ParameterError(f"parameter {_LOG}: {quoted(path)} is refused, allowed from a file is {where}", _LOG)
     path = values.get(_METHOD)
-    if isinstance(path, str) and path.endswith(LIBRARIES) and not _is_said(_METHOD, path, node_arguments):
+    if isinstance(path, str) and is_code(path) and not _is_said(_METHOD, path, node_arguments):
         values[_METHOD] = TextOfFile.of(path, Path("its parameter file"))
     return values
 

@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-from ev_msgs_py.lockstep.methods import LIBRARIES, methods_of
+from ev_msgs_py.lockstep.methods import LIBRARIES, is_code, methods_of
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.shown import quoted
 from ev_sim.commands.command_line import add_changes, add_outputs, command_of, overrides
@@ -68,8 +68,10 @@ def _meant(role: str, text: str) -> tuple[str, list[str]]:
     except ValueError as error:
         raise ParameterError(f"--node {quoted(text)} is refused: {error}") from None
     if not words or shutil.which(words[0]) is None:
+        if is_code(text):
+            return text, []
         methods = f"a method ({', '.join(known)})" if known else "a method"
-        raise ParameterError(f"--node {role}={text} is refused, allowed is {methods}, a library or a program")
+        raise ParameterError(f"--node {role}={text} is refused, allowed is {methods}, a library, law file or program")
     return "", words
 
 

@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ev_msgs_py.lockstep.methods import LIBRARIES
+from ev_msgs_py.lockstep.methods import is_code
 from ev_msgs_py.nodes.leaving import SILENTLY
 from ev_msgs_py.nodes.runner_line import LINE
 from ev_msgs_py.nodes.stop_request import hold_back
@@ -99,12 +99,12 @@ def start_node(
 
 
 def _said_by_us(name: str, run: Run, folder: Path) -> list[str]:
-    """What a node takes from no file: the path of a library, and that of a log of the bus (`ros_parameters.given`)."""
+    """What a node takes from no file: the path of code, and that of a log of the bus (`ros_parameters.given`)."""
     configuration = run.configurations.get(name)
     if configuration is None:
         return []
     method, bus = configuration.method.name, getattr(configuration.parameters, "bus", None)
-    said = {"method": method} if method.endswith(LIBRARIES) else {}
+    said = {"method": method} if is_code(method) else {}
     if run.realtime and getattr(bus, "log", ""):
         said["bus.log"] = str(folder / bus.log)
     return [word for key, path in said.items() for word in ("-p", f'{key}:="{path}"')]

@@ -1,0 +1,66 @@
+"""Laws in a Python file, chosen by its path: `asr=my_law.py`, or `asr=my_law.py:NAME` if it has several."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import traceback
+from dataclasses import replace
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+from ev_msgs_py.lockstep.methods import LAW_FILE, Method, registered_by
+from ev_msgs_py.parameters.csv_file import find_file
+from ev_msgs_py.parameters.data_file import TEXT, read_data
+from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
+
+_registered: dict[tuple[Path, bytes], dict[str, dict[str, Method]]] = {}  # by file and its text
+
+
+def file_of(name: str) -> Path:
+    """The whole path of the file that a method's name means now."""
+    return find_file(name.partition(f"{LAW_FILE}:")[0].removesuffix(LAW_FILE) + LAW_FILE).absolute()
+
+
+def method_of_file(role: str, name: str) -> Method:
+    """The method of a role in a file; ParameterError, in one line, if there is none, or if the file cannot be run.
+
+    A file is run once for each text that it has.
+    """
+    who, path, chosen = f"{role} method {name}", file_of(name), name.partition(f"{LAW_FILE}:")[2]
+    try:
+        text = read_data(path, TEXT)
+    except OSError as error:
+        raise ParameterError(f"{who}: {error.strerror}", "method") from None
+    if (path, text) not in _registered:
+        _registered[path, text] = _run(who, path, text)
+    methods = _registered[path, text].get(role, {})
+    names = ", ".join(methods)
+    if not methods:
+        raise ParameterError(f'{who}: the file has no law of this node, marked @method("{role}", ...)', "method")
+    if not chosen and len(methods) > 1:
+        raise ParameterError(f"{who}: the file has several laws: {names}; choose one by {path.name}:NAME", "method")
+    if chosen and chosen not in methods:
+        raise ParameterError(f"{who}: the file has no law {quoted(chosen)}, allowed is one of {names}", "method")
+    return replace(methods[chosen or names], name=name)
+
+
+def _run(who: str, path: Path, text: bytes) -> dict[str, dict[str, Method]]:
+    """What a file registers, as a module of its own whose name goes with its path."""
+    name = f"{path.stem}_{hashlib.sha256(bytes(path)).hexdigest()[:8]}"
+    spec: Any = spec_from_file_location(name, path)
+    module = sys.modules[name] = module_from_spec(spec)
+    try:
+        return registered_by(name, lambda: exec(compile(text, path, "exec"), vars(module)))
+    except Exception as error:  # whatever somebody's file raises
+        raise ParameterError(f"{who}: {line_of(error, path)}{type(error).__name__}: {error}", "method") from error
+
+
+def line_of(error: BaseException, path: Path) -> str:
+    """The line of a file in which an error was raised, or whose text is no Python; empty if it is of no line of it."""
+    if isinstance(error, SyntaxError) and error.filename == str(path):
+        return f"line {error.lineno}: "
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    return f"line {lines[-1]}: " if lines else ""
