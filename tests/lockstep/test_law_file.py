@@ -10,7 +10,7 @@ import pytest
 from run_script import ENVIRONMENT, RUN
 
 import ev_sim
-from ev_msgs_py.check.method import check_method
+from ev_msgs_py.check.method import ContractError, check_method
 from ev_msgs_py.lockstep.configuration import configure
 from ev_msgs_py.lockstep.methods import find_method, methods_of
 from ev_msgs_py.parameters.declaration import ParameterError
@@ -137,3 +137,18 @@ def test_no_file_of_data_may_name_one(tmp_path):
 def test_what_is_not_there_is_refused(tmp_path):
     with pytest.raises(ParameterError, match=r"nowhere\.py: No such file"):
         find_method("asr", str(tmp_path / "nowhere.py"))
+
+
+def test_the_check_refuses_what_another_c_library_rounds_otherwise(tmp_path):
+    """By module, by name and of numpy; the exact ones of math are none."""
+    for take, used in (("import math", "math.tan"), ("from math import tan", "tan"), ("import numpy as np", "np.sin")):
+        file = law_file(tmp_path, share=f"{used}(p.share)")
+        file.write_text(f"{take}\n{file.read_text()}")
+        name = used.replace("np.", "numpy.")
+        with pytest.raises(
+            ContractError, match=rf"{file}, line 23: {name} is rounded otherwise elsewhere, take it from"
+        ):
+            check_method("asr", str(file))
+    file = law_file(tmp_path, share="math.sqrt(p.share)")
+    file.write_text(f"import math\n{file.read_text()}")
+    check_method("asr", str(file))

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ev_msgs_py.check.bits import differing_bits
+from ev_msgs_py.check.exact import inexact
 from ev_msgs_py.check.finite import not_finite, not_refused
 from ev_msgs_py.check.inputs import RandomInputs
 from ev_msgs_py.check.mirror import asymmetry
@@ -40,8 +41,8 @@ def check_method(
 ) -> Reached:
     """Hold a registered method, with these parameter values, against the contract; ContractError lists the findings.
 
-    It has to be pure and deterministic, finite or refused, and the same to the bit after it was saved and loaded, after
-    a parameter was set to its own value, and compiled if it is marked so. If it claims mirror symmetry it is held to
+    It has to be exact (`check.exact`), pure and deterministic, finite or refused, and the same to the bit after it was
+    saved and loaded, after a parameter was set to its own value, and compiled if it is marked so. If it claims mirror symmetry it is held to
     that, unless `mirrored` is false, for values that are an exception. For each seed it is stepped so many times with
     what `inputs` makes: random numbers and launches, by default. The answer says how often its lines were reached in
     plain Python; a function of its module that was never called is a finding, unless `whole` is false, for values that
@@ -80,6 +81,8 @@ def _is_heavy(configuration: Configuration) -> bool:
 def _findings(
     configuration: Configuration, seeds: Sequence[int], steps: int, inputs: MakesInputs, mirrored: bool
 ) -> Iterator[str]:
+    if found_inexact := inexact(configuration.method):
+        yield found_inexact
     law = configuration.method.law
     can_compile = law is not None and law.is_compilable
     forms = (False, True) if can_compile and not _is_heavy(configuration) else (can_compile,)

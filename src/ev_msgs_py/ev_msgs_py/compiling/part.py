@@ -18,6 +18,7 @@ from ev_msgs_py.contract.record import fill, numbers
 from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.lockstep.law import Given, Law
 from ev_msgs_py.lockstep.methods import Method
+from ev_msgs_py.parameters.declaration import ParameterError
 
 
 def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
@@ -48,7 +49,14 @@ class CompiledPart:
     def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
         law = _law(method)
         self.given = Given(law, parameters, vehicle, period)
-        self.function = _address(method, self.given)
+        try:
+            self.function = _address(method, self.given)
+        except (ParameterError, OSError, MemoryError):
+            raise
+        except Exception as error:  # of many kinds: whatever the compiler stumbles over
+            from ev_msgs_py.compiling.mistakes import mistake
+
+            raise ParameterError(mistake(method, parameters, vehicle, period, error)) from error
         self.constants = constants_row(self.given.trees, self.given.values["c"], period)
         self._state = np.array(numbers(self.given.values["s"]) or [0.0])
         self._notes = self.given.bound(law.notes) if law.notes else None

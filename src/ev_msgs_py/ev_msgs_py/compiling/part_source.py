@@ -3,11 +3,13 @@
     int step(double *now, double *next, double *state, double *constants)
 
 A role that answers reads and writes `now`. One that integrates advances its state by what it reads in `now` and writes
-`next`; with `now` a null pointer it only writes what its state shows. The result is 0.
+`next`; with `now` a null pointer it only writes what its state shows. The result is 0, also where the law has raised an
+exception, which nobody could catch: so what it writes begins as NaN, which no frame may hold, and stays so then.
 """
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Any
 
@@ -71,6 +73,8 @@ def part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
         body = [here, "if here.ctypes.data:", *_indented([*signals, call]), *_writing(method.writes, shown)]
     else:
         body = [*reading, *_writing(method.writes, call)]
+    names["NAN"] = math.nan
+    body = [f"there[{frame.PLACES[signal].start}] = NAN" for signal in method.writes] + body
     title = f"{method.role} {method.name}"
     text = _TEXT.format(
         title=title, given="\n".join(_indented(lines)), size=frame.SIZE, body="\n".join(_indented(body))

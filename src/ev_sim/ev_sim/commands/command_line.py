@@ -20,6 +20,7 @@ from ev_sim.running.scenarios.scenario import Overrides
 from ev_sim.running.scenarios.yaml_text import read_yaml
 
 _EVERY_NODE = "*"
+TRACEBACK = "--traceback"
 
 
 def arguments(argv: list[str] | None = None) -> argparse.Namespace:
@@ -39,6 +40,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/SCENARIO")
     parser.add_argument("--no-record", action="store_true", help="no bag; signals, metrics and figures all the same")
+    parser.add_argument(TRACEBACK, action="store_true", help="how Python came to an error, before its line")
     parser.add_argument("--list", action="store_true", help="show scenarios and methods, one line each")
     given = parser.parse_args(argv)
     given.command = command_of(sys.argv[1:] if argv is None else argv)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import io
 import os
 import sys
+import traceback
 from importlib import import_module
 
 from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.lockstep.installed_methods import not_loaded
 from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.commands.command_line import arguments
+from ev_sim.commands.command_line import TRACEBACK, arguments
 from ev_sim.commands.refusal import refuse
 from ev_sim.running.outcome import RunFailed
 from ev_sim.running.scenarios.about import describe_scenario
@@ -56,6 +57,8 @@ def main(argv: list[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(_NOT_READ)
     except (ParameterError, SignalError, RunFailed, OSError) as error:
+        if TRACEBACK in words:
+            traceback.print_exc()
         refuse(error)
     except (MemoryError, ImportError) as error:
         if (why := _out_of_memory(error)) is None:
