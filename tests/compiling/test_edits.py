@@ -64,7 +64,8 @@ EVERY = f"{NEW}for numbers in json.loads(sys.argv[1]):\n    print(*said(namespac
 def in_new_process(text: str, *arguments: str, folder: Path) -> list[str]:
     """What a new process prints, line by line."""
     path = os.pathsep.join((str(folder), os.environ.get("PYTHONPATH", "")))
-    command = [sys.executable, "-c", text, *arguments]
+    # Without files of bytecode: Python takes an old one where two texts of one length are of the same second.
+    command = [sys.executable, "-B", "-c", text, *arguments]
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": path})
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()

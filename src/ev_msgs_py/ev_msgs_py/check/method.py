@@ -42,11 +42,11 @@ def check_method(
     """Hold a registered method, with these parameter values, against the contract; ContractError lists the findings.
 
     It has to be exact (`check.exact`), pure and deterministic, finite or refused, and the same to the bit after it was
-    saved and loaded, after a parameter was set to its own value, and compiled if it is marked so. If it claims mirror symmetry it is held to
-    that, unless `mirrored` is false, for values that are an exception. For each seed it is stepped so many times with
-    what `inputs` makes: random numbers and launches, by default. The answer says how often its lines were reached in
-    plain Python; a function of its module that was never called is a finding, unless `whole` is false, for values that
-    leave some out.
+    saved and loaded, after a parameter was set to its own value, and compiled if it is marked so. If it claims mirror
+    symmetry it is held to that, unless `mirrored` is false, for values that are an exception. For each seed it is
+    stepped so many times with what `inputs` makes: random numbers and launches, by default. The answer says how often
+    its lines were reached in plain Python; a function of its module that was never called is a finding, unless `whole`
+    is false, for values that leave some out.
     """
     configuration = configure(role, {"method": name, **(values or {})})
     for said in values or {}:
