@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,9 @@ from ev_control.nodes.inverter_gateway import InverterGatewayNode
 from ev_msgs_py.can.channel import Channel
 from ev_msgs_py.can.drive_states import ENABLE_COMMAND, FAULT, FAULT_REACTION_ACTIVE, OPERATION_ENABLED
 from ev_msgs_py.nodes.spinning import spin
+from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.nodes.inverter import InverterNode
+from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 PATIENCE = 20.0  # s of wall time
 QUICK_CHARGE = {f"{machine}.dc_link.precharge_resistance": 10.0 for machine in ("drive", "load")}
@@ -314,6 +316,24 @@ def test_a_file_names_no_log_outside_the_working_directory(tmp_path: Path, monke
     gateway("own.log", "-p", f"bus.log:={tmp_path / 'elsewhere.log'}")
     assert (tmp_path / "here" / "own.log").exists()
     assert (tmp_path / "elsewhere.log").exists()
+
+
+def test_a_file_opens_no_socket_to_a_network(tmp_path: Path):
+    """Frames on one command the drives, and whoever is there can send some: only the command line names one."""
+    file = tmp_path / "own.yaml"
+    values = "{bus.interface: virtual, bus.address: 192.0.2.7}"
+    file.write_text(f"/**/inverter_gateway:\n  ros__parameters: {values}\n")
+    refused = r"bus\.address: '192.0.2.7' is refused, allowed from a file is 127.0.0.1; "
+    can = ("test_bench", "method", "circuits_on_can")
+    with pytest.raises(ParameterError, match=refused):
+        load_scenario("urban_mixed_bench", Overrides([file], [can]))
+    said = Overrides([file], [can, ("inverter_gateway", "bus.address", "192.0.2.8")])
+    (run,) = load_scenario("urban_mixed_bench", said).runs
+    assert run.configurations["inverter_gateway"].parameters.bus.address == "192.0.2.8"
+    for words in ((), ("-p", "bus.address:=192.0.2.7")):
+        told = ["--ros-args", "--params-file", str(file), *words]
+        with ros_domain() as context, nullcontext() if words else pytest.raises(ParameterError, match=refused):
+            InverterGatewayNode(context=context, namespace=NAMESPACE, cli_args=told).close()
 
 
 def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_in_time(monkeypatch):

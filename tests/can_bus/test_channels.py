@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
+from types import SimpleNamespace
 
 import can
 import pytest
@@ -20,7 +21,9 @@ from fuzz.fuzzing import fuzzed
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from ev_msgs_py.can import channel as channel_module
 from ev_msgs_py.can.bus_log import BusLog
+from ev_msgs_py.can.bus_meter import BusMeter
 from ev_msgs_py.can.bus_parameters import DEFAULT_CHANNELS, INTERFACES, BusParameters
 from ev_msgs_py.can.channel import Channel, Frame
 from ev_msgs_py.can.opening import BusError, open_channel
@@ -164,6 +167,26 @@ def test_the_hub_listens_on_this_machine_only():
 def test_an_address_of_another_machine_is_refused_in_one_line():
     with pytest.raises(BusError, match=r"channel 239.192.11.11:28111: \w[\w ]+$"):
         open_channel("udp_multicast", "239.192.11.11:28111", "192.0.2.77")
+
+
+@pytest.mark.parametrize("step", [-3600.0, 3600.0])
+def test_a_time_of_day_that_is_set_makes_no_frame_old(step: float, monkeypatch):
+    """A frame is stamped by it when it comes; no frame has waited for longer than since nothing was waiting."""
+    meter = BusMeter([FRAMES[0].identifier])
+    with (
+        channel_name("udp_multicast") as name,
+        closing(Channel("udp_multicast", name)) as one,
+        closing(Channel("udp_multicast", name, meter=meter)) as other,
+    ):
+        clock = SimpleNamespace(time=time.time, monotonic=lambda: 5.0)
+        monkeypatch.setattr(channel_module, "time", clock)
+        assert other.receive() is None
+        one.send(FRAMES[0])
+        assert select.select([other], [], [], PATIENCE)[0]
+        clock.time, clock.monotonic = lambda: time.time() + step, lambda: 5.001
+        assert other.receive() == FRAMES[0]
+        assert (other.late, other.trouble) == (0, "")
+        assert meter.latency <= 0.0011
 
 
 @contextmanager
@@ -320,6 +343,7 @@ def test_datagrams_that_are_no_frames_do_no_harm():
     [
         ("socketcan", "can77", "CAN interface socketcan, channel can77: "),  # no such device, or no CAN in this kernel
         ("socketcand", "can11@127.0.0.1:1", "channel can11@127.0.0.1:1: Connection refused"),
+        ("socketcand", "can11@192.0.2.7:1", "host '192.0.2.7' is refused, allowed is 127.0.0.1 unless bus.address is"),
         ("socketcand", "can11", "channel can11: is not of the form NAME@HOST:PORT"),
         ("udp_multicast", "10.0.0.1:28111", "channel 10.0.0.1:28111: 10.0.0.1 is no multicast address"),
         ("udp_multicast", "239.192.11.11", "is not of the form GROUP:PORT"),

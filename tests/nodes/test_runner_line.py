@@ -39,23 +39,40 @@ def test_what_a_node_tells_arrives_with_its_name_and_its_key(told):
     line.tell(Word(PROGRESS, values={"stamp": 1_500_000_000}))
     line.close()
     told.look()
-    assert told.warnings == ["/ev/asr: something is odd"]
+    assert told.warnings == ("/ev/asr: something is odd",)
     assert told.notes == ("/ev/asr: refused",)
     assert told.time == 1.5
     assert len(line.key) == 32
 
 
 def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_progress(told):
-    """It may be stopped for a while; thousands of words do not fit into a socket."""
+    """It may be stopped for a while; thousands of words do not fit into a socket, and one that never will is left out.
+
+    Of warnings the first ones are named, and all are counted.
+    """
     line = RunnerLine()
+    line.tell(Word(WARNING, "x" * 10_000_000))
     for n in range(5000):
         line.tell(Word(WARNING, f"{n}"))
+        line.tell(Word(WARNING, "0"))
         line.tell(Word(PROGRESS, values={"stamp": n}))
-    while len(told.warnings) < 5000:
+    while told.warnings[-1:] != ("4980 more warnings, which are in /diagnostics",):
         told.look()
         line.send_what_waits()
-    assert told.warnings == [f"/ev/asr: {n}" for n in range(5000)]
+    assert told.warnings[:-1] == tuple(f"/ev/asr: {n}" for n in range(20))
     line.close()
+
+
+def test_a_node_that_was_killed_before_it_told_its_sums_is_named():
+    told = Told("/ev")
+    for node, adds_up in (("asr", True), ("driver", True), ("plant", False), ("recorder", False)):
+        told.line(node, adds_up)
+    told.look()
+    assert [line.partition(":")[0] for line in told.others_heard(NOTHING)] == [
+        "node asr told no sums",
+        "node driver told no sums",
+    ]
+    told.close()
 
 
 def test_a_child_finds_its_end_and_no_other_process_does(told):

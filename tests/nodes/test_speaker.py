@@ -7,11 +7,15 @@ from types import SimpleNamespace
 import pytest
 
 from ev_msgs_py.contract.topics import QUEUE_DEPTH
+from ev_msgs_py.lockstep.methods import find_method
+from ev_msgs_py.lockstep.stepper import Stepper
 from ev_msgs_py.nodes import speaker as speaker_module
+from ev_msgs_py.nodes.reception import Reception
 from ev_msgs_py.nodes.signal_io import Reader
 from ev_msgs_py.nodes.speaker import Speaker
 
 OURS, ANOTHER = b"ours", b"another"
+PERIOD = 10_000_000
 
 
 class Graph:
@@ -90,3 +94,21 @@ def test_who_speaks_faster_than_it_is_refused_does_not_keep_the_node_from_all_el
     assert reader.take() == b""
     assert reader.take() is None
     assert reader.speaker.refused == 2 * QUEUE_DEPTH + 10
+
+
+def test_a_master_that_was_started_anew_before_time_went_on_is_named(wall):
+    """Its state at 0 has the stamp of the one before: nodes that have answered that would take it for a repetition."""
+    graph, told = Graph(ours="plant"), []
+    reception = Reception(
+        Stepper(find_method("asr", "off"), lambda: None, PERIOD), SimpleNamespace(warn=told.append), print
+    )
+    inbox = reception._stepper.inbox
+    speakers = [Speaker(graph, "imu", "plant", lambda *_: None, reception.note_new_master) for _ in range(2)]
+    for others, stamp, named in ((b"1", None, 0), (b"2", PERIOD, 0), (b"3", 0, 1), (b"4", 0, 2)):
+        inbox.expect(0 if stamp is None else stamp + PERIOD)
+        for speaker, gid in zip(speakers, (others * 12 + b"a", others * 12 + b"b"), strict=True):
+            graph.names = {gid.decode(): "plant"}
+            wall[0] += 1.0
+            assert heard(speaker, gid)
+        assert len(told) == named
+    assert told[0].startswith("plant was started anew at 0 s")

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.parameters.data_file import TextOfFile
+from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.parameters.shown import quoted
 
 INTERFACES = ("virtual", "udp_multicast", "socketcand", "socketcan")
 CIRCUITS = ("11", "12")  # right and left
@@ -47,6 +49,14 @@ class BusInterface:
         read_only=True,
     )
     database: str = parameter("can/ev_bench.dbc", about="DBC file of the frames", read_only=True)
+
+    def __post_init__(self) -> None:
+        """What a file may not open is refused: a socket on another network than that of this machine alone."""
+        if isinstance(self.address, TextOfFile) and self.address != LOOPBACK:
+            raise ParameterError(
+                f"address: {quoted(str(self.address))} is refused, allowed from a file is {LOOPBACK}; another "
+                "network is named on the command line: --set NODE.bus.address=ADDRESS, for a node -p bus.address:=ADDRESS"
+            )
 
     def channels(self) -> dict[str, str]:
         """The channel of each circuit."""

@@ -38,6 +38,7 @@ class Channel:
         self._bus = open_channel(interface, name, address)
         self._is_multicast = interface == "udp_multicast"  # it hears itself, by the clock of this machine
         self._log, self._meter = log, meter
+        self._emptied = time.monotonic()  # what comes out later is younger than this
         self.sent = self.received = self.refused = self.unsent = self.late = 0
         self.trouble = ""  # the newest reason why a frame could not be sent or read
 
@@ -59,7 +60,7 @@ class Channel:
             return
         self.sent += 1
         if not self._is_multicast:
-            self._note(message)
+            self._note(message, 0.0)
 
     def receive(self) -> Frame | None:
         """The next frame that has come; None if there is none."""
@@ -71,23 +72,34 @@ class Channel:
                 self.trouble = f"{self.name}: not read: {error}"
                 return None
             if message is None:
+                self._emptied = time.monotonic()
                 return None
-            if self._is_multicast and time.time() - message.timestamp > _OLDEST:
+            age = self._age(message)
+            if self._is_multicast and age > _OLDEST:
                 self.late += 1
                 self.trouble = f"{self.name}: frames that waited for more than {_OLDEST:g} s were left out"
                 continue
             if _is_classic(message):
                 self.received += 1
                 message.channel = self.name
-                self._note(message)
+                self._note(message, age)
                 return Frame(message.arbitration_id, bytes(message.data))
             self.refused += 1
 
-    def _note(self, message: can.Message) -> None:
+    def _age(self, message: can.Message) -> float:
+        """Seconds since the frame came to this machine, or to the hub.
+
+        It is stamped by the time of day, which may be set in between; of multicast there is a bound that does not
+        know it: no frame has waited for longer than since nothing was waiting.
+        """
+        by_time_of_day = time.time() - message.timestamp
+        return min(by_time_of_day, time.monotonic() - self._emptied) if self._is_multicast else by_time_of_day
+
+    def _note(self, message: can.Message, age: float) -> None:
         if self._log:
             self._log.write(message)
         if self._meter:
-            self._meter.note(message.arbitration_id, bytes(message.data), time.time() - message.timestamp)
+            self._meter.note(message.arbitration_id, bytes(message.data), age)
 
     def fileno(self) -> int:
         """What `select` can wait for, of udp_multicast and socketcan; NotImplementedError for the others."""

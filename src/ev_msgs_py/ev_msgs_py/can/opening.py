@@ -23,7 +23,7 @@ class BusError(RuntimeError):
 def open_channel(interface: str, channel: str, address: str = LOOPBACK) -> can.BusABC:
     """A bus of python-can that does not hear itself, but for udp_multicast; BusError if it cannot be had.
 
-    `address` is that of this machine in the network of a multicast group.
+    `address` is that of this machine in the network of a multicast group; on loopback a hub is on this machine, too.
     """
     try:
         return _open(interface, channel, address)
@@ -42,12 +42,21 @@ def _open(interface: str, channel: str, address: str) -> can.BusABC:
     if interface == "socketcand":
         name, place = _split(channel, "@", "NAME@HOST:PORT")
         host, port = _split(place, ":", "NAME@HOST:PORT")
+        if address == LOOPBACK and not _is_here(host):
+            raise ValueError(f"host {quoted(host)} is refused, allowed is {LOOPBACK} unless bus.address is another one")
         # It would warn of every message that comes in two pieces, which is how streams are.
         logging.getLogger("can.interfaces.socketcand").setLevel(logging.ERROR)
         # python-can would try for 10 s, at full speed
         socket.create_connection((host, _port(port)), _PATIENCE).close()
         return _bus(interface, name, host=host, port=_port(port), tcp_tune=True)
     return _bus(interface, channel)
+
+
+def _is_here(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
 
 
 def _bus(interface: str, channel: str, **more: Any) -> can.BusABC:

@@ -86,6 +86,11 @@ class Inbox:
         """What stamps are above the instants that they mean [ns]."""
         return 0 if self.last is None else self.last % self.period
 
+    @property
+    def is_at_zero(self) -> bool:
+        """Whether something of time zero has come, and nothing has been stepped behind it."""
+        return self.last == 0 or 0 in self.pending
+
     def _is_of_run(self, stamp: int) -> bool:
         """Whether a stamp is that of an instant of this run; of any before the first step."""
         return self.last is None or (stamp - self.last) % self.period == 0

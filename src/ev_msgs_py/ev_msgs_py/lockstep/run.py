@@ -6,6 +6,7 @@ The stack holds a piece of the run, which stays in the processor's cache; what w
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -35,6 +36,13 @@ def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
         shape_of(signal).refuse_not_finite(numbers[frame.PLACES[signal]].tolist())
 
 
+def call(part: Any, now: int, there: np.ndarray) -> None:
+    """Let a part write into the frame `there`, by that at the address `now`, by 0 its start; what it raises is raised."""
+    function, state, constants = part.addresses()
+    if call_part(function, now, there.ctypes.data, state, constants) != 0:
+        raise part.error
+
+
 class GraphRun:
     """All parts of a graph, the `frames` of a piece of its run, and `series` of all, (frame size, instants).
 
@@ -60,9 +68,7 @@ class GraphRun:
 
     def _show_start(self, place: int) -> None:
         role, part = self.parts[place]
-        function, state, constants = part.addresses()
-        if call_part(function, 0, self.frames.ctypes.data, state, constants) != 0:
-            raise part.error
+        call(part, 0, self.frames[0])
         refuse_not_finite(self.frames[0], self.writes[role])
 
     def drive(self, progress: Callable[[float], None], note: Callable[[str, str], None]) -> None:
@@ -113,12 +119,11 @@ def said_again(configuration: Configuration, series: np.ndarray) -> np.ndarray:
     again, last = series.copy(), series.shape[1] - 1
     frames = np.zeros((min(_PIECE, last) + 1, len(series)))
     row = np.array([(*part.addresses(), *frame.span(writes))], np.int64)
-    function, state, constants = part.addresses()
     for begin, end in _pieces(last):
         count = end - begin
         frames[: count + 1] = series[:, begin : end + 1].T
-        if begin == 0 and call_part(function, 0, frames.ctypes.data, state, constants) != 0:
-            raise part.error
+        if begin == 0:
+            call(part, 0, frames[0])
         if run_instants(frames, 0, count, False, row, 0, np.zeros(2, np.int64)) != FINISHED:
             refuse_not_finite(frames[count], writes)
             raise part.error

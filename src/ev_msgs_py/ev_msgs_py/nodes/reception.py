@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.lockstep.inbox import Arrival
 from ev_msgs_py.lockstep.stepper import Answer, Stepper
 from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of, stamp_of
+
+_PROCESS = 12  # first bytes of an identity, which all publishers of a process have
 
 
 class Reception:
@@ -22,6 +25,7 @@ class Reception:
         self.refused = 0  # messages that could not be read, or that the topic table does not allow
         self._gaps: set[Topic] = set()
         self._joined_late = False
+        self._new_master = b""
 
     def receiver(self, topic: Topic) -> Callable[[bytes], None]:
         """A function that takes a message of a topic, steps if that completes the inputs, and answers."""
@@ -57,6 +61,15 @@ class Reception:
             self._joined_late = True
             self._reports.warn(
                 f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible"
+            )
+
+    def note_new_master(self, gid: bytes) -> None:
+        """Report one whose first state is taken for that of the master before: it has the same stamp."""
+        before, self._new_master = self._new_master, gid[:_PROCESS]
+        if self._stepper.inbox.is_at_zero and self._new_master != before:
+            self._reports.warn(
+                f"{MASTER} was started anew at 0 s, what it said there before may still count: "
+                "the run is not reproducible before a reset"
             )
 
     def reader(self, topic: Topic) -> Callable[[bytes], tuple[int, Sequence[float]] | None]:

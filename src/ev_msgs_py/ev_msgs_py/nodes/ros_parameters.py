@@ -13,6 +13,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from ev_msgs_py.can.bus_parameters import LOOPBACK
 from ev_msgs_py.lockstep.methods import is_code
 from ev_msgs_py.parameters.data_file import TextOfFile
 from ev_msgs_py.parameters.declaration import Entry, ParameterError
@@ -29,7 +30,7 @@ _TYPES = {
     (str, True): ParameterType.PARAMETER_STRING_ARRAY,
 }
 _NO_LIMIT = {float: 1e300, int: 2**62}
-_METHOD, _LOG = "method", "bus.log"
+_METHOD, _LOG, _ADDRESS = "method", "bus.log", "bus.address"
 _ROS_OWN = ("use_sim_time", "start_type_description_service")
 
 
@@ -42,7 +43,7 @@ def overrides(node: Node) -> dict[str, Any]:
 def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
     """The same; ParameterError if a file chooses what only the command line or Python may.
 
-    That is code (a library, a law file), and a log of the bus in a folder that is not below the working directory.
+    That is code (a library, a law file), a network, and a log of the bus in a folder not below the working directory.
     """
     values = overrides(node)
     path: Any = values.get(_LOG)
@@ -50,9 +51,10 @@ def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
     if leads_out and not _is_said(_LOG, path, node_arguments):
         where = "a name below the working directory, on the command line any path"
         raise ParameterError(f"parameter {_LOG}: {quoted(path)} is refused, allowed from a file is {where}", _LOG)
-    path = values.get(_METHOD)
-    if isinstance(path, str) and is_code(path) and not _is_said(_METHOD, path, node_arguments):
-        values[_METHOD] = TextOfFile.of(path, Path("its parameter file"))
+    method, address = values.get(_METHOD), values.get(_ADDRESS)
+    for name, value, only_said in ((_METHOD, method, is_code(method)), (_ADDRESS, address, address != LOOPBACK)):
+        if isinstance(value, str) and only_said and not _is_said(name, value, node_arguments):
+            values[name] = TextOfFile.of(value, Path("its parameter file"))
     return values
 
 

@@ -6,6 +6,7 @@ node says to everybody stands in /diagnostics as well.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import socket
@@ -28,6 +29,7 @@ PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME, TIMING, TALLY = KINDS = (
 )
 _PATIENCE, _A_MOMENT = 1.0, 0.002  # s, for the last words to find room
 _LONGEST = 100_000  # bytes of a word
+_NO_ROOM = (errno.EAGAIN, errno.ENOBUFS, errno.ENOMEM)  # at the moment, for a word that is none too long
 
 
 @dataclass(frozen=True)
@@ -82,11 +84,12 @@ class RunnerLine:
         while self._waiting and self._socket is not None:
             try:
                 self._socket.send(self._waiting[0], socket.MSG_DONTWAIT | socket.MSG_NOSIGNAL)
-            except BlockingIOError:
-                return
-            except OSError:  # the runner is gone
-                self._waiting.clear()
-                return
+            except OSError as error:
+                if error.errno in _NO_ROOM:
+                    return
+                if error.errno != errno.EMSGSIZE:  # the runner is gone
+                    self._waiting.clear()
+                    return
             self._waiting.popleft()
 
     def close(self) -> None:

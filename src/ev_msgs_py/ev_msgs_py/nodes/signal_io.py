@@ -17,7 +17,7 @@ from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
 from ev_msgs_py.lockstep.stepper import WRITERS
-from ev_msgs_py.nodes.speaker import Judge, Refuse, Speaker
+from ev_msgs_py.nodes.speaker import Judge, Refuse, Speaker, Succeeded
 from ev_msgs_py.nodes.step_memory import End
 from ev_msgs_py.wire.message_format import format_of
 
@@ -110,7 +110,10 @@ class Reader:
 
 
 class SignalReader(Reader):
-    """Receives a signal from the node of the role that writes it; `refuse` is told of others who speak of it."""
+    """Receives a signal from the node of the role that writes it; `refuse` is told of others who speak of it.
+
+    `succeeded` is told when that node has been started anew (`Speaker`).
+    """
 
     def __init__(
         self,
@@ -119,8 +122,9 @@ class SignalReader(Reader):
         receive: Callable[[bytes], None],
         refuse: Refuse,
         quality: QoSProfile = _HEARD,
+        succeeded: Succeeded = lambda _: None,
     ) -> None:
-        speaker = Speaker(node, topic.name, WRITERS.get(topic.signal, RECORDER), refuse)
+        speaker = Speaker(node, topic.name, WRITERS.get(topic.signal, RECORDER), refuse, succeeded)
         self._format = format_of(topic.signal)
         super().__init__(node, self._format.message_class, topic.name, receive, speaker, quality)
 

@@ -14,6 +14,7 @@ NAMELESS = "_UNKNOWN_"  # in the names that the middleware gives to what it know
 _LONG = 3.0  # s for the graph to tell whose publisher has been heard
 
 Refuse = Callable[[str, str], None]  # is told the node that is refused, and a line about it
+Succeeded = Callable[[bytes], None]
 
 
 class Judge(Protocol):
@@ -28,13 +29,17 @@ class Speaker:
 
     Whoever else publishes on the topic is counted in `refused`, and `refuse` is told of it when it is looked up. Two
     nodes with the name that is allowed cannot be told apart: neither is admitted, unless one has been already. When the
-    publisher that was admitted leaves the graph, another one, such as that of a restarted node, may take its place.
+    publisher that was admitted leaves the graph, another one, such as that of a restarted node, may take its place;
+    `succeeded` is told its identity then.
     """
 
-    def __init__(self, node: Node, topic: str, name: str, refuse: Refuse) -> None:
+    def __init__(
+        self, node: Node, topic: str, name: str, refuse: Refuse, succeeded: Succeeded = lambda _: None
+    ) -> None:
         self._node, self._topic, self._refuse = node, node.resolve_topic_name(topic), refuse
         self._allowed = f"{node.get_namespace().rstrip('/')}/{name}"
         self.admitted: bytes | None = None
+        self._succeeded = succeeded
         self._next_look: dict[bytes, float] = {}  # when senders that are not admitted are looked up again
         self._nameless_since: float | None = None
         self.refused = 0
@@ -50,7 +55,9 @@ class Speaker:
                 self._next_look.clear()
             self._next_look[gid] = now + _SOON
             if self._may_speak(gid):
-                self.admitted = gid
+                before, self.admitted = self.admitted, gid
+                if before not in (None, gid):
+                    self._succeeded(gid)
             elif gid == self.admitted:
                 self.admitted = None
         if gid == self.admitted:

@@ -23,6 +23,7 @@ from ev_msgs_py.nodes.reports import Reports
 from ev_msgs_py.nodes.runner_line import TALLY, Word
 from ev_msgs_py.nodes.scheduling import ask_for
 from ev_msgs_py.nodes.signal_io import SignalReader, SignalWriter
+from ev_msgs_py.nodes.speaker import Succeeded
 from ev_msgs_py.nodes.waiting import Waiting
 
 _POLLING_ORDER = polling_order(ROLES, MASTER)
@@ -55,7 +56,13 @@ class SteppedNode(Node, Polled):
         self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in writes}
         reads = self.also_reads(self.stepper.reads)
         self.readers = {
-            signal: SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal]), self.reports.note)
+            signal: SignalReader(
+                self,
+                TOPICS[signal],
+                self.receiver(TOPICS[signal]),
+                self.reports.note,
+                succeeded=self._succeeded(signal),
+            )
             for signal in reads
         }
         self.health = Health(self)
@@ -87,6 +94,10 @@ class SteppedNode(Node, Polled):
     def receiver(self, topic: Topic) -> Callable[[bytes], None]:
         """What takes the serialized messages of a topic."""
         return self.reception.receiver(topic)
+
+    def _succeeded(self, signal: type) -> Succeeded:
+        """What is told when the writer of a signal was started anew."""
+        return self.reception.note_new_master if WRITERS.get(signal) == MASTER else lambda _: None
 
     def publish(self, answer: Answer) -> None:
         """Publish an answer."""

@@ -7,6 +7,7 @@ import sys
 
 from ev_msgs_py.can.socketcand_hub import HOST, SocketcandHub
 from ev_msgs_py.nodes.stop_request import StopRequest, turn_deaf
+from ev_sim.commands.refusal import refuse
 
 _PATIENCE = 0.2  # s between looks whether it shall end
 
@@ -16,11 +17,11 @@ def main(argv: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="can_hub", description=f"{__doc__} socketcand's raw mode over TCP on {HOST}.")
     parser.add_argument("--port", type=int, default=29536, help="default 29536; 0 takes any free one")
     given = parser.parse_args(argv)
-    with StopRequest() as stop:
+    with StopRequest(patient=True) as stop:
         try:
             hub = SocketcandHub(given.port, lambda text: print(f"can_hub: {text}", file=sys.stderr, flush=True))
         except (OSError, OverflowError) as error:
-            sys.exit(f"can_hub: port {given.port}: {getattr(error, 'strerror', None) or error}")
+            refuse(f"can_hub: port {given.port}: {getattr(error, 'strerror', None) or error}")
         print(f"can_hub: {HOST}:{hub.port}", flush=True)
         while not stop.received:
             hub.serve(_PATIENCE)

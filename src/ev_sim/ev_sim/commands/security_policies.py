@@ -12,6 +12,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.validate_namespace import validate_namespace
 
+from ev_sim.commands.refusal import refuse
 from ev_sim.security.permissions import permissions
 from ev_sim.security.policy_file import policy_file
 from ev_sim.security.running_graph import permissions_in_use, violations
@@ -39,7 +40,7 @@ def main(argv: list[str] | None = None) -> None:
     finally:
         rclpy.try_shutdown()
     if not used:
-        sys.exit(f"security_policies: no node is running in namespace {given.namespace}")
+        refuse(f"no node is running in namespace {given.namespace}")
     found = violations(allowed, used.values())
     print(f"{len(used)} nodes, {len(found)} things that the policy does not allow", *found, sep="\n")
     sys.exit(bool(found))

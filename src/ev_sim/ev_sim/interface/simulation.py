@@ -11,13 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.faults.row import of_signals
 from ev_msgs_py.lockstep.parts import compiled_parts
-from ev_msgs_py.lockstep.run import refuse_not_finite, roles_in_order
+from ev_msgs_py.lockstep.run import call, refuse_not_finite, roles_in_order
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
@@ -157,10 +156,7 @@ class Simulation:
     def _call(self, role: str, here: np.ndarray | None, there: np.ndarray) -> None:
         """Let the parts of a role answer or integrate; without `here` they show their start."""
         for part in self._parts[role]:
-            function, state, constants = part.addresses()
-            now = 0 if here is None else here.ctypes.data
-            if call_part(function, now, there.ctypes.data, state, constants) != 0:
-                raise part.error
+            call(part, 0 if here is None else here.ctypes.data, there)
         refuse_not_finite(there, self._writes[role])
 
     @property

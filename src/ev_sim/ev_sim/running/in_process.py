@@ -56,7 +56,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
         announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         try:
             for name, values in parameters.items():
-                with _line(words, name):
+                with _line(words, name, not run.realtime and name != RECORDER):
                     nodes.append(_node(name, run.namespace, values, observer.context))
             recorder = nodes[-1]
             next_look = 0.0
@@ -88,9 +88,9 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
 
 
 @contextmanager
-def _line(told: Told, node: str) -> Iterator[None]:
+def _line(told: Told, node: str, adds_up: bool) -> Iterator[None]:
     """What is made in the block finds the line of a node in the environment, as a process would."""
-    os.environ[LINE], _ = told.line(node)
+    os.environ[LINE], _ = told.line(node, adds_up)
     try:
         yield
     finally:

@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.lockstep.methods import is_code
 from ev_msgs_py.nodes.leaving import SILENTLY
 from ev_msgs_py.nodes.runner_line import LINE
@@ -76,7 +77,7 @@ def start_node(
     log = logs / f"{name}.log"
     arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
     arguments += [*_said_by_us(name, run, parameters.parent), *enclave(name, run.namespace)]
-    line, inherited = told.line(name)
+    line, inherited = told.line(name, ours and not run.realtime and name != RECORDER)
     environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain), SILENTLY: "1", LINE: line}
     with log.open("wb") as output:
         try:
@@ -99,7 +100,7 @@ def start_node(
 
 
 def _said_by_us(name: str, run: Run, folder: Path) -> list[str]:
-    """What a node takes from no file: the path of code, and that of a log of the bus (`ros_parameters.given`)."""
+    """What a node takes from no file: the path of code, that of a log, and a network (`ros_parameters.given`)."""
     configuration = run.configurations.get(name)
     if configuration is None:
         return []
@@ -107,6 +108,9 @@ def _said_by_us(name: str, run: Run, folder: Path) -> list[str]:
     said = {"method": method} if is_code(method) else {}
     if run.realtime and getattr(bus, "log", ""):
         said["bus.log"] = str(folder / bus.log)
+    gateway = run.configurations.get("inverter_gateway")
+    if run.realtime and bus is not None and gateway is not None:  # both ends have that of the gateway (`real_bus`)
+        said["bus.address"] = gateway.parameters.bus.address
     return [word for key, path in said.items() for word in ("-p", f'{key}:="{path}"')]
 
 

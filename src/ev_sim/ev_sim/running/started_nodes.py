@@ -14,7 +14,8 @@ from ev_sim.running.node_process import NodeProcess, start_node
 from ev_sim.running.scenarios.scenario import Run
 from ev_sim.running.told import Told
 
-_PATIENCE = 2.0  # s for processes to stop when they are asked to
+# s for processes to stop when they are asked to: all of them have last words if the run has come to its end.
+_PATIENCE, _AT_THE_END = 2.0, 10.0
 
 
 @contextmanager
@@ -28,16 +29,18 @@ def started_nodes(
             words = own.get(name)
             nodes.append(start_node(name, words or command(name), not words, run, parameters, domain, told))
         yield nodes
-    finally:
-        _stop(nodes)
+    except BaseException:
+        _stop(nodes, _PATIENCE)
+        raise
+    _stop(nodes, _AT_THE_END)
 
 
-def _stop(nodes: list[NodeProcess]) -> None:
+def _stop(nodes: list[NodeProcess], patience: float) -> None:
     """Ask all processes to stop, then make them, with whatever they have started."""
     for node in nodes:
         if node.process.poll() is None:
             node.send(signal.SIGINT)
-    deadline = time.monotonic() + _PATIENCE
+    deadline = time.monotonic() + patience
     for node in nodes:
         with suppress(subprocess.TimeoutExpired):
             node.process.wait(max(deadline - time.monotonic(), 0.0))

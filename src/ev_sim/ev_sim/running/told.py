@@ -23,6 +23,7 @@ from ev_sim.running.progress_bar import announce
 from ev_sim.running.recording.recording import Recording
 
 _BLOCK = 256  # steps
+_NAMED = 20  # warnings; more than these are counted only
 _WRITER_OF = {TOPICS[signal].name: writer for signal, writer in WRITERS.items()}
 
 
@@ -31,7 +32,8 @@ class Told:
 
     def __init__(self, namespace: str) -> None:
         self.time = 0.0
-        self.warnings: list[str] = []
+        self._warnings: dict[str, None] = {}
+        self._more_warnings = 0
         self.timing: dict[str, Any] = {}  # how well real time was kept, as the master says at its end
         self.rests = False  # whether a service has stopped time
         self._namespace = namespace.rstrip("/")
@@ -40,16 +42,28 @@ class Told:
         self._words: list[str] = []
         self._noted: dict[str, str] = {}
         self._waits: dict[str, tuple[float, Sequence[str]]] = {}  # by node: when it said so, and for whom
+        self._adding: set[str] = set()  # nodes whose sums are due at the end
         self._tallies: dict[str, Mapping[str, Any]] = {}
 
-    def line(self, node: str) -> tuple[str, int]:
-        """For the environment of a node, by which it finds its end, and the descriptor that it has to inherit."""
+    def line(self, node: str, adds_up: bool = False) -> tuple[str, int]:
+        """For the environment of a node, by which it finds its end, and the descriptor that it has to inherit.
+
+        One that `adds_up` has to tell its sums at its end.
+        """
+        if adds_up:
+            self._adding.add(node)
         end = self._lines[node] = ListeningEnd()
         return end.address(self._key), end.theirs.fileno()
 
     def started(self, node: str) -> None:
         """The node has its end, or will never have it."""
         self._lines[node].theirs.close()
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why the run may not be reproducible, as nodes say: each once, and how often something else was said."""
+        more = [f"{self._more_warnings} more warnings, which are in /diagnostics"] if self._more_warnings else []
+        return (*self._warnings, *more)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -89,19 +103,23 @@ class Told:
             self.rests = bool(word.values["rests"])
             self._words.append(text)
         elif word.kind == WARNING:
-            self.warnings.append(text)
+            if text in self._warnings or len(self._warnings) < _NAMED:
+                self._warnings[text] = None
+            else:
+                self._more_warnings += 1
         else:
             self._noted.setdefault(shown(word.what) if word.kind == NOTE else text, text)
 
     def others_heard(self, recording: Recording) -> list[str]:
         """A line for each node that has taken on a topic what the node of its role does not say that it has said.
 
-        Compared are the sums at the last step that both ends have, of the recorder those of the recording; a node that
-        has told none, such as one of the user's own, is not compared.
+        Compared are the sums at the last step that both ends have, of the recorder those of the recording. One of the
+        user's own has none; another one that has told none, as it was killed before, has a line as well.
         """
+        silent = [node for node in self._lines if node in self._adding and node not in self._tallies]
         if self._tallies:
             self._tallies[RECORDER] = self._tally_of(recording)
-        return [
+        return [f"node {node} told no sums: nobody knows whether others have spoken in its name" for node in silent] + [
             f"node {node}: what it took on {topic} is not what {writer} has said; somebody else has spoken in its name"
             for node, tally in self._tallies.items()
             for topic, taken in tally["taken"].items()

@@ -6,7 +6,7 @@ with what it has read, which is recorded, and tells what its channels carried: t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,12 +14,12 @@ from ev_msgs_py.can.bus_model import SENT
 from ev_msgs_py.can.bus_parameters import CIRCUITS
 from ev_msgs_py.can.database import load_database
 from ev_msgs_py.can.payload_words import joined
-from ev_msgs_py.compiling.loop import call_part
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.bus_signals import BusStates
 from ev_msgs_py.contract.record import names
 from ev_msgs_py.lockstep.configuration import Configuration
 from ev_msgs_py.lockstep.parts import compiled_parts
+from ev_msgs_py.lockstep.run import call
 from ev_sim.running.recording.recording import Recording
 from ev_sim.test_bench.circuits_on_can import CanCircuitsState, channel_layouts
 
@@ -67,7 +67,7 @@ def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[Logg
     parts = compiled_parts(bench)
     here, there = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
     for part in parts:
-        _call(part, 0, there)
+        call(part, 0, there)
     found = []
     for instant, time in enumerate(recording.time):
         if there[told].tolist() != [columns[place][instant] for place in told]:
@@ -78,7 +78,7 @@ def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[Logg
         here[read] = [columns[place][instant] for place in read]
         there[frame.TIME] = recording.time[instant + 1]
         for part in parts:
-            _call(part, here.ctypes.data, there)
+            call(part, here.ctypes.data, there)
         for circuit, count in counts.items():
             begin, sent = count + 1, int(parts[0].state[count])
             for place, end, low, high in parts[0].state[begin : begin + SENT * sent].reshape(sent, SENT).tolist():
@@ -86,9 +86,3 @@ def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[Logg
                 data = layout.data(joined(low, high))
                 found.append(LoggedFrame(time + end / rate, circuit, layout.identifier, data))
     return sorted(found), float(recording.time[-1])
-
-
-def _call(part: Any, here: int, there: np.ndarray) -> None:
-    function, state, constants = part.addresses()
-    if call_part(function, here, there.ctypes.data, state, constants) != 0:
-        raise part.error
