@@ -192,3 +192,13 @@ def test_the_same_path_on_the_command_line_and_below_the_file_is_read(tmp_path, 
         with pytest.raises(ParameterError, match=re.escape(str(elsewhere / file))) as refused:
             load_it()
         assert "is refused, allowed in" not in str(refused.value)
+
+
+@pytest.mark.skipif(not Path("/proc/self/pagemap").exists(), reason="no file here has more than it says")
+def test_a_file_that_has_no_end_is_one_line():
+    """In /proc files are regular and say that they are empty."""
+    with (
+        little_memory(),
+        pytest.raises(ParameterError, match=r"pagemap: it has more than it says, allowed is a regular"),
+    ):
+        cycle_values("/proc/self/pagemap")

@@ -161,3 +161,9 @@ def test_a_missing_file_is_named(tmp_path):
 )
 def test_what_is_no_parameter_file_is_one_line(file, text, said):
     assert refused(file(text)).startswith(said)
+
+
+@pytest.mark.parametrize("text", ["1:30", "-1:30:00", "1:30.5", "!!int 1:30", "1" + ":1" * 300_000])
+def test_a_number_to_the_base_of_sixty_is_a_text_as_for_ros(text: str):
+    """YAML 1.1 takes it for a number, and the work goes with the square of its length: hours for a file of 4 MB."""
+    assert read_yaml(text) == text.removeprefix("!!int ")

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import re
 import resource
 import shutil
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 from replay.bags import PERIOD, differences, foreign_bag, realtime_bag
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.rosbag2 import reader as rosbags_reader
 from rosbags.typesys import Stores, get_typestore
 
 import ev_sim.replay.bag
@@ -91,3 +95,23 @@ def test_a_chunk_that_unfolds_to_more_than_the_bound_is_one_line(monkeypatch, tm
     with pytest.raises(ParameterError, match=r"bag: the bag cannot be read: unfolded it takes more than 64 MB$"):
         find_recorded(tmp_path / "bag")
     assert resource.getrlimit(resource.RLIMIT_DATA) == before
+
+
+@pytest.mark.parametrize("kind", ["pipe", "unfolds"])
+def test_what_a_bag_names_is_a_file_that_fits_on_the_disk(kind, turn: Path, tmp_path: Path, monkeypatch):
+    """Its metadata may name a pipe, which would never end, or a compressed file that unfolds to any size."""
+    bag = foreign_bag(load(turn / "signals.npz"), tmp_path, STEPS, PART) / "bag"
+    metadata = bag / "metadata.yaml"
+    (storage,) = (path for path in bag.iterdir() if path != metadata)
+    said = metadata.read_text().replace(storage.name, "other")
+    if kind == "pipe":
+        os.mkfifo(bag / "other")
+    else:
+        (bag / "other").write_bytes(rosbags_reader.zstd.compress(bytes(16 * MEGABYTE)))
+        said = re.sub("compression_mode:.*", "compression_mode: FILE", said)
+        said = re.sub("compression_format:.*", "compression_format: zstd", said)
+        monkeypatch.setattr(ev_sim.replay.bag, "SIGNALS", 4 * MEGABYTE)
+        monkeypatch.setattr(ev_sim.replay.bag, "_memory_limit", lambda more: nullcontext())
+    metadata.write_text(said)
+    with pytest.raises(ParameterError, match="it is a pipe" if kind == "pipe" else "File too large"):
+        find_recorded(bag)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
 
 import ev_sim
 from ev_msgs_py.contract.roles import REQUIRED
@@ -19,6 +22,7 @@ from ev_sim.study.command import study_cases
 from ev_sim.study.study import study_named
 
 CONFIG = config_folders()[-1]
+ODD = ["../x", "a/b", "", ".", "summary.json", "ev_stack_manifest.json", "x\x1b[31m", "1", "n" * 101, "a\n", "é"]
 HEAD = "/**/scenario:\n  ros__parameters: {about: a test, duration: 2.0}\n"
 
 
@@ -163,6 +167,21 @@ def test_bad_words_of_a_scenario_about_itself_name_its_file(scenario, config):
     said = f"{path}: unknown parameter 'abuot'; known: about"
     assert refused(scenario(HEAD.replace("about", "abuot"))).startswith(said)
     assert refused(scenario("a: [")).startswith(f"{path}: not readable as YAML")
+
+
+@settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.lists(st.one_of(st.text(max_size=5), st.from_regex(r"\w{1,4}"), st.sampled_from(ODD)), min_size=1, max_size=3)
+)
+@example(["a", "a"])
+def test_names_of_runs_are_those_of_folders_and_namespaces(names: list[str], scenario, config):
+    """They are joined to the output folder and to /ev, and are shown on the terminal."""
+    about = json.dumps({"runs": names}, ensure_ascii=True)
+    name = scenario(f"/**/scenario:\n  ros__parameters: {about}\n")
+    if len(set(names)) == len(names) and all(re.fullmatch("[A-Za-z_][A-Za-z0-9_]{0,99}", each) for each in names):
+        assert [run.name for run in load_scenario(name).runs] == names
+    else:
+        assert refused(name).startswith(f"{config / 'scenarios' / 'test.yaml'}: runs: ")
 
 
 @pytest.mark.parametrize("pattern", ["/**/drivr", "/ev/other/driver", "driver", "/plant", "/*/*/driver"])

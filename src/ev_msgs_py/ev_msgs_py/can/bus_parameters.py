@@ -54,8 +54,8 @@ class BusInterface:
         """What a file may not open is refused: a socket on another network than that of this machine alone."""
         if isinstance(self.address, TextOfFile) and self.address != LOOPBACK:
             raise ParameterError(
-                f"address: {quoted(str(self.address))} is refused, allowed from a file is {LOOPBACK}; another "
-                "network is named on the command line: --set NODE.bus.address=ADDRESS, for a node -p bus.address:=ADDRESS"
+                f"address: {quoted(str(self.address))} is refused, allowed from a file is {LOOPBACK}; another network "
+                "is named on the command line: --set NODE.bus.address=ADDRESS, for a node -p bus.address:=ADDRESS"
             )
 
     def channels(self) -> dict[str, str]:

@@ -37,7 +37,7 @@ def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
 
 
 def call(part: Any, now: int, there: np.ndarray) -> None:
-    """Let a part write into the frame `there`, by that at the address `now`, by 0 its start; what it raises is raised."""
+    """Let a part write into the frame `there`, by that at the address `now`, its start by 0; raises what it raises."""
     function, state, constants = part.addresses()
     if call_part(function, now, there.ctypes.data, state, constants) != 0:
         raise part.error

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from ev_msgs_py.parameters.config_folders import find_in_config
-from ev_msgs_py.parameters.data_file import TABLE, open_data, refuse_outside
+from ev_msgs_py.parameters.data_file import TABLE, read_data, refuse_outside
 from ev_msgs_py.parameters.declaration import ParameterError
 
 T = TypeVar("T")
@@ -48,9 +48,9 @@ def read_csv(parameter: str, name: str, columns: tuple[Mapping[str, float], ...]
 
 
 def _read(path: Path, columns: tuple[Mapping[str, float], ...]) -> list[tuple[float, ...]]:
-    with io.TextIOWrapper(open_data(path, TABLE), newline="", encoding="utf-8-sig") as file:
-        lines = csv.reader(("" if line.startswith("#") else line for line in file), skipinitialspace=True)
-        rows = [(lines.line_num, row) for row in lines if row]
+    file = io.StringIO(read_data(path, TABLE).decode("utf-8-sig"), newline="")
+    lines = csv.reader(("" if line.startswith("#") else line for line in file), skipinitialspace=True)
+    rows = [(lines.line_num, row) for row in lines if row]
     header = [cell.strip() for cell in rows[0][1]] if rows else []
     found = [[name for name in names if name in header] for names in columns]
     if any(len(names) != 1 for names in found):

@@ -92,6 +92,10 @@ def open_data(path: Path | str, most: int) -> IO[bytes]:
 
 
 def read_data(path: Path | str, most: int) -> bytes:
-    """The bytes of a file of data; OSError as `open_data`."""
+    """The bytes of a file of data; OSError as `open_data`, also if it has more of them than it says, as in /proc."""
     with open_data(path, most) as file:
-        return file.read(most)
+        content = file.read(most + 1)
+    if len(content) > most:
+        allowed = f"it has more than it says, allowed is a regular file of at most {most // MEGABYTE} MB"
+        raise OSError(errno.EFBIG, allowed, str(path))
+    return content

@@ -11,7 +11,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
-from ev_msgs_py.parameters.shown import quoted
+from ev_msgs_py.parameters.shown import LINE, quoted, shown
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.commands.command_line import overrides, own_nodes
 from ev_sim.report.figures.saving import figure_files
@@ -50,7 +50,7 @@ def drive_scenario(given: argparse.Namespace) -> None:
         content = result.write_report(folder.directory, figures, not given.no_report, given.figures)
     print_metrics(summary.metrics)
     for note in summary.notes:
-        print(f"note: {note}")
+        print(f"note: {shown(note, LINE)}")
     for reason in summary.not_reproducible:
         print(f"not reproducible: {reason}")
     for timing in summary.timing.values():

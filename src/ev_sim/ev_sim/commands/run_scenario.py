@@ -12,6 +12,7 @@ from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.lockstep.installed_methods import not_loaded
 from ev_msgs_py.lockstep.methods import all_methods
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import shown
 from ev_sim.commands.command_line import TRACEBACK, arguments
 from ev_sim.commands.refusal import refuse
 from ev_sim.running.outcome import RunFailed
@@ -79,7 +80,7 @@ def print_list() -> None:
     """Scenarios and methods, one line each."""
     print("scenarios")
     for name in scenario_names():
-        print(f"  {name:24} {describe_scenario(name)}")
+        print(f"  {shown(name):24} {shown(describe_scenario(name))}")
     print("studies, of many runs (scripts/run.sh STUDY --help)")
     for name in STUDIES:
         print(f"  {name:24} {study_named(name).ABOUT}")

@@ -6,7 +6,7 @@ import resource
 import sys
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -66,7 +66,7 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
     size = 0
     try:
         _refuse_what_blocks(bag)
-        with _memory_at_most(2 * SIGNALS), Reader(bag) as reader:
+        with _room_at_most(2 * SIGNALS), Reader(bag) as reader:
             known = {(c.topic, c.msgtype): _meant(c.topic, c.msgtype) for c in reader.connections}
             ours = [c for c in reader.connections if known[c.topic, c.msgtype]]
             for connection, time, message in reader.messages(ours):
@@ -102,17 +102,30 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
 
 
 @contextmanager
-def _memory_at_most(more: int) -> Iterator[None]:
-    """MemoryError where a block takes so many bytes more: a compressed chunk unfolds to any size, whatever it says.
+def _room_at_most(more: int) -> Iterator[None]:
+    """MemoryError where a block takes so many bytes more, OSError where a file of it becomes larger than they.
 
-    Only Linux keeps such a limit.
+    A compressed chunk unfolds to any size, whatever it says, and a compressed file does on the disk. Only Linux keeps
+    the limit of memory.
     """
-    if sys.platform != "linux":
-        yield
-        return
+    files = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (_within(files[0], more), files[1]))
+    try:
+        with _memory_limit(more) if sys.platform == "linux" else nullcontext():
+            yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, files)
+
+
+def _within(limit: int, most: int) -> int:
+    return most if limit == resource.RLIM_INFINITY else min(limit, most)
+
+
+@contextmanager
+def _memory_limit(more: int) -> Iterator[None]:
     before = soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
     most = int(Path("/proc/self/statm").read_text().split()[5]) * resource.getpagesize() + more
-    resource.setrlimit(resource.RLIMIT_DATA, (most if soft == resource.RLIM_INFINITY else min(soft, most), hard))
+    resource.setrlimit(resource.RLIMIT_DATA, (_within(soft, most), hard))
     try:
         yield
     finally:
@@ -121,11 +134,10 @@ def _memory_at_most(more: int) -> Iterator[None]:
 
 def _refuse_what_blocks(bag: Path) -> None:
     """OSError unless all files of a bag are regular ones of a bounded size."""
-    storages = [path for path in bag.iterdir() if path.suffix in (".mcap", ".db3")] if bag.is_dir() else [bag]
-    for path in storages:
-        open_data(path, SIGNALS).close()
     if bag.is_dir():
         open_data(bag / "metadata.yaml", TEXT).close()
+    for path in (path for path in bag.iterdir() if not path.is_dir()) if bag.is_dir() else [bag]:
+        open_data(path, SIGNALS).close()
 
 
 def _meant(name: str, message_type: str) -> tuple[str, Topic] | None:

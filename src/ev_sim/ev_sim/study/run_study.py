@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import LINE, shown
 from ev_sim.commands.command_line import command_of
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.saving import figure_files, save_figures
@@ -123,7 +124,7 @@ def _print_notes(results: Sequence[CaseResult]) -> None:
             cases.setdefault(note, []).append(result.name)
     for note, names in cases.items():
         more = f" and {len(names) - 1} more" if len(names) > 1 else ""
-        print(f"note: {names[0]}{more}: {note}")
+        print(f"note: {names[0]}{more}: {shown(note, LINE)}")
 
 
 def _summary(

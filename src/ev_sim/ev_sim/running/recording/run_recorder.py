@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import closing
 from itertools import count
@@ -182,7 +183,7 @@ class RunRecorder:
 
 def _free(name: str) -> Path:
     """The first path NAME1, NAME2, ... that nobody has taken."""
-    return next(path for path in (Path(f"{name}{number}") for number in count(1)) if not path.exists())
+    return next(path for path in (Path(f"{name}{number}") for number in count(1)) if not os.path.lexists(path))
 
 
 def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from ev_msgs_py.nodes.master_parameters import LONGEST
 from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import build
 from ev_sim.report.reports import refuse_unknown_report
 from ev_sim.running.scenarios.configured_file import configured_file
@@ -14,6 +16,8 @@ from ev_sim.running.scenarios.slow_ramp import SlowRampParameters
 
 NAMESPACE = "/ev"  # of all nodes; of one run among several /ev/RUN
 SCENARIO_NODE = "scenario"
+_LONGEST = 100  # characters of the name of a run
+_RUN = re.compile(rf"[A-Za-z_][A-Za-z0-9_]{{0,{_LONGEST - 1}}}")  # a token of a namespace
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +37,15 @@ class ScenarioParameters:
     metrics: tuple[str, ...] = parameter(
         (), about="metrics of its own, each as NAME = REDUCTION(CHANNEL), such as peak = maximum(imu.yaw_rate)"
     )
+
+    def __post_init__(self) -> None:
+        """Names of runs are those of folders and of namespaces, and ParameterError if they cannot be."""
+        for name in self.runs:
+            if not _RUN.fullmatch(name) or self.runs.count(name) > 1:
+                raise ParameterError(
+                    f"runs: {quoted(str(name))} is refused, allowed are different names of up to {_LONGEST} letters, "
+                    "digits and underscores, the first one no digit"
+                )
 
 
 def describe_scenario(name: str) -> str:

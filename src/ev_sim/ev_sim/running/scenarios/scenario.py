@@ -15,7 +15,7 @@ from ev_msgs_py.lockstep.graph_check import check_graph
 from ev_msgs_py.nodes.master_parameters import LONGEST, MasterParameters
 from ev_msgs_py.parameters.config_folders import files_in_config
 from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.shown import quoted
+from ev_msgs_py.parameters.shown import quoted, shown
 from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.running.scenarios.about import NAMESPACE, SCENARIO_NODE, ScenarioParameters, said_by
 from ev_sim.running.scenarios.configured_file import VEHICLE, configured_file, vehicle_file
@@ -86,7 +86,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     """
     overrides = overrides or Overrides()
     own = ParameterFile(configured_file("scenario", name))
-    name = own.path.stem
+    name = shown(own.path.stem)
     about = said_by(own)
     namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
     of_all = [pattern for pattern in own.sections if _means_all(pattern, namespaces.values())]
