@@ -171,9 +171,11 @@ def test_bad_words_of_a_scenario_about_itself_name_its_file(scenario, config):
 
 @settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
-    st.lists(st.one_of(st.text(max_size=5), st.from_regex(r"\w{1,4}"), st.sampled_from(ODD)), min_size=1, max_size=3)
+    names=st.lists(
+        st.one_of(st.text(max_size=5), st.from_regex(r"\w{1,4}"), st.sampled_from(ODD)), min_size=1, max_size=3
+    )
 )
-@example(["a", "a"])
+@example(names=["a", "a"])
 def test_names_of_runs_are_those_of_folders_and_namespaces(names: list[str], scenario, config):
     """They are joined to the output folder and to /ev, and are shown on the terminal."""
     about = json.dumps({"runs": names}, ensure_ascii=True)
