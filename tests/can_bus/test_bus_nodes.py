@@ -327,6 +327,10 @@ def test_a_file_opens_no_socket_to_a_network(tmp_path: Path):
     can = ("test_bench", "method", "circuits_on_can")
     with pytest.raises(ParameterError, match=refused):
         load_scenario("urban_mixed_bench", Overrides([file], [can]))
+    file.write_text(file.read_text().replace("address: 192.0.2.7", f"database: {tmp_path.parent / 'other.dbc'}"))
+    with pytest.raises(ParameterError, match=r"bus\.database: '.*other.dbc' is refused, allowed in "):
+        load_scenario("urban_mixed_bench", Overrides([file], [can]))
+    file.write_text(f"/**/inverter_gateway:\n  ros__parameters: {values}\n")
     said = Overrides([file], [can, ("inverter_gateway", "bus.address", "192.0.2.8")])
     (run,) = load_scenario("urban_mixed_bench", said).runs
     assert run.configurations["inverter_gateway"].parameters.bus.address == "192.0.2.8"

@@ -1,5 +1,6 @@
 """A run gets a ROS domain of its own."""
 
+import os
 import socket
 
 import pytest
@@ -85,6 +86,13 @@ def test_when_locks_of_others_block_all_domains_one_is_named(tmp_path):
 def test_nobody_else_can_lock_our_lock_file(tmp_path):
     with free_domain() as free:
         assert (tmp_path / f"ev_stack_domain_{free}.lock").stat().st_mode & 0o077 == 0
+
+
+def test_a_pipe_in_the_place_of_a_lock_holds_nobody_up(tmp_path):
+    """Who opens one to write waits until somebody reads."""
+    os.mkfifo(tmp_path / "ev_stack_domain_1.lock")
+    with free_domain() as found:
+        assert found == 2
 
 
 def test_a_link_in_the_place_of_a_lock_is_not_followed(tmp_path):

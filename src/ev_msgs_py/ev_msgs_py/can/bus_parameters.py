@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from ev_msgs_py.parameters.csv_file import find_file
 from ev_msgs_py.parameters.data_file import TextOfFile
 from ev_msgs_py.parameters.declaration import ParameterError, parameter
 from ev_msgs_py.parameters.shown import quoted
@@ -51,12 +52,18 @@ class BusInterface:
     database: str = parameter("can/ev_bench.dbc", about="DBC file of the frames", read_only=True)
 
     def __post_init__(self) -> None:
-        """What a file may not open is refused: a socket on another network than that of this machine alone."""
+        """What a file may not open is refused: a socket on a network, and what is further away than it may lead."""
         if isinstance(self.address, TextOfFile) and self.address != LOOPBACK:
             raise ParameterError(
                 f"address: {quoted(str(self.address))} is refused, allowed from a file is {LOOPBACK}; another network "
                 "is named on the command line: --set NODE.bus.address=ADDRESS, for a node -p bus.address:=ADDRESS"
             )
+
+        if isinstance(self.database, TextOfFile):
+            try:
+                find_file(self.database)
+            except ParameterError as error:
+                raise ParameterError(f"database: {error}") from None
 
     def channels(self) -> dict[str, str]:
         """The channel of each circuit."""

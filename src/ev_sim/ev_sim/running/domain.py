@@ -94,9 +94,9 @@ def _reservation(what: object) -> Iterator[bool]:
 def _opened_in_place(path: str, flags: int) -> int:
     """Everybody may write into the folder of the locks: a link that somebody has put there is not followed.
 
-    Nobody else may open the file, for whoever can may lock it.
+    Nor does a pipe there hold us up. Nobody else may open the file, for whoever can may lock it.
     """
-    return os.open(path, (flags | os.O_NOFOLLOW) & ~os.O_TRUNC, 0o600)
+    return os.open(path, (flags | os.O_NOFOLLOW | os.O_NONBLOCK) & ~os.O_TRUNC, 0o600)
 
 
 def _blocked() -> str:
