@@ -29,6 +29,11 @@ TEXT = FILE.read_text()
         ("(0.03125,0) [-1000|1000]", "(0,0) [-1000|1000]", "Torque: scale 0 and offset 0 are refused, allowed"),
         ("24|16@1- (0.03125,0) [-1000", "24|16@1- (0.03125,0) [-2000", "-2000 to 1000 is refused, its 16 bits hold"),
         ("BA_DEF_ BO_", "BA_DEFINE_ BO_", "Invalid syntax"),
+        ("Drive11_SetPoint: 8", "Drive11_SetPoint: 100000000", "allowed are frames of 8 bytes and the bits in them"),
+        ("24|16@1- (0.03125", "24|300000000@1- (0.03125", "'24|300000000@' is refused"),
+        ("24|16@1- (0.03125", "300000000 //\n | 16@1- (0.03125", "allowed are frames of 8 bytes and the bits in them"),
+        ("24|16@1- (0.03125", "2.4|16@1- (0.03125", "2.4"),
+        ("BA_DEF_ BO_", "SG_MUL_VAL_ //\n 139 Torque Torque 0-5000000000; BA_DEF_ BO_", "no multiplexing are spoken"),
     ],
 )  # fmt: skip
 def test_refused_databases(tmp_path: Path, before: str, after: str, said: str):

@@ -210,7 +210,7 @@ def test_several_results_stand_on_one_page_side_by_side(tmp_path: Path):
     assert re.findall(r'class="value">(.*?)</td>', row) == ["5", "7.5", "2.5"]
 
 
-@pytest.mark.parametrize("content", [None, '{"study": "compare"}'])
+@pytest.mark.parametrize("content", [None, '{"study": "compare"}', '{"scenario": "a", "runs": {"../x": {}, "y": {}}}'])
 def test_a_folder_of_no_scenario_is_refused_in_one_line(tmp_path: Path, content: str | None):
     if content:
         (tmp_path / "summary.json").write_text(content)

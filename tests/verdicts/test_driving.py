@@ -98,6 +98,7 @@ def test_what_other_sources_have_left_is_removed(tmp_path: Path):
         (tmp_path / name).mkdir()
         (tmp_path / name / "run.npz").touch()
         os.utime(tmp_path / name, (0, 0))
+    (tmp_path / f"recordings_{9:024x}").symlink_to("gone")  # as if another command had just removed it
     Kept(tmp_path)
     assert [old.exists() for old in folders] == [False, True, True, True]
     assert [path.name for path in folders[1].iterdir()] == ["thesis.pdf"]

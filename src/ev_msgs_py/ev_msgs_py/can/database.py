@@ -24,6 +24,10 @@ EV_BENCH = "can/ev_bench.dbc"
 _GUARD_PLACES = {"Crc": (0, 8), "Counter": (8, 4)}  # start and length in bits, profile 1 variant 1A
 _DATA_IDS = range(1 << 16)
 _ENCODING = "cp1252"  # of DBC files
+_STRING_OR_COMMENT = re.compile(r'"(?:\\"|[^"])*"|//[^\n]*')
+_MULTIPLEXED = re.compile(r"SG_MUL_VAL_\s+\d")
+_SIZES = re.compile(r"(\d+)\s*\|\s*(\d+)\s*@|BO_\s+\d+\s+\w+\s*:\s*(\d+)")  # start and length in bits, bytes
+_MOST_BITS = 64
 _LONGEST_SIGNAL = 32  # bits; a float64 and compiled code hold such numbers exactly
 _SMALLEST, _LARGEST = 1e-9, 1e9  # of a scale; beyond them float64 does not tell all numbers of a signal apart
 
@@ -70,7 +74,9 @@ def _database(content: bytes) -> Database:
     from cantools.database.errors import Error
 
     try:
-        found: Any = load_string(content.decode(_ENCODING), database_format="dbc")
+        text = content.decode(_ENCODING)
+        _refuse_what_unfolds(text)
+        found: Any = load_string(text, database_format="dbc")
         layouts = [_layout(message) for message in found.messages]
     except (Error, UnicodeDecodeError) as error:
         what = re.sub(r'(column \d+): ".*', r"\1", str(error), flags=re.DOTALL)  # it goes on with what stands there
@@ -80,6 +86,16 @@ def _database(content: bytes) -> Database:
         if twice := [each for each in seen if seen.count(each) > 1]:
             raise ParameterError(f"two frames with the {what} {twice[0]}")
     return Database({layout.name: layout for layout in layouts})
+
+
+def _refuse_what_unfolds(text: str) -> None:
+    """ParameterError for what the reader writes out, each bit and each number of a range: a line may mean gigabytes."""
+    bare = _STRING_OR_COMMENT.sub(" ", text)
+    if _MULTIPLEXED.search(bare):
+        raise ParameterError("only classic frames with 11 bits and no multiplexing are spoken")
+    for found in _SIZES.finditer(bare):
+        if any(len(size) > 3 or int(size) > _MOST_BITS for size in found.groups("0")):
+            raise ParameterError(f"{quoted(found[0])} is refused, allowed are frames of 8 bytes and the bits in them")
 
 
 def _layout(message: Message) -> FrameLayout:

@@ -158,14 +158,15 @@ def _start_heap() -> None:
 def forget_older(key: str) -> None:
     """Delete what older texts of the same name were compiled to, but for those that were compiled last."""
     folder, name = cache_folder(), key.rpartition("_")[0]
-    newest = sorted(folder.glob(f"{name}_{'[0-9a-f]' * _DIGITS}.*"), key=_age)
+    newest = sorted(folder.glob(f"{name}_{'[0-9a-f]' * _DIGITS}.*"), key=age)
     texts = list(dict.fromkeys(file.name.partition(".")[0] for file in newest))
     for file in newest:
         if file.name.partition(".")[0] in texts[_KEPT_TEXTS:]:
             file.unlink(missing_ok=True)
 
 
-def _age(file: Path) -> float:
+def age(file: Path) -> float:
+    """Rises with the time since a file or folder was written; 0 if it has gone."""
     try:
         return -file.stat().st_mtime
     except FileNotFoundError:  # another process has deleted it

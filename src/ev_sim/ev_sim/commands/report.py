@@ -10,11 +10,13 @@ from typing import Any
 
 from ev_msgs_py.parameters.data_file import TABLE, read_data
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.page.content import Signals
 from ev_sim.report.page.writing import Page, write_page
 from ev_sim.running.files_of_run import PAGE, SIGNALS, SUMMARY
+from ev_sim.running.manifest import stays_within
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.recording.recording import load
 
@@ -68,5 +70,7 @@ def _summary(folder: Path) -> Mapping[str, Any]:
 
 def _signals(label: str, folder: Path, summary: Mapping[str, Any]) -> Signals:
     names = list(summary["runs"])
+    if outside := [name for name in names if not stays_within(name)]:
+        raise ParameterError(f"run {quoted(outside[0])} is refused, allowed is the name of a folder there")
     runs = {name: load((folder if len(names) == 1 else folder / name) / SIGNALS) for name in names}
     return Signals(label, runs, build(Vehicle, summary["vehicle"]))

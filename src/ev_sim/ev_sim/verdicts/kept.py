@@ -11,6 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from ev_msgs_py.compiling.machine_code import age
 from ev_msgs_py.compiling.user_cache import cache_folder, read_checked, write_checked
 from ev_sim.running.recording.recording import Recording, load, save
 from ev_sim.running.scenarios.scenario import Run
@@ -68,10 +69,10 @@ class Kept:
             each.mkdir(parents=True, exist_ok=True)
             os.utime(each)
             ours = folder.glob(f"{each.name.partition('_')[0]}_{_DIGEST}")
-            others = sorted(ours, key=lambda found: -found.stat().st_mtime)
+            others = sorted(ours, key=age)
             for other in others[_FOLDERS:]:
                 for file in (*other.glob("*.npz"), *other.glob("*.json")):
-                    file.unlink()
+                    file.unlink(missing_ok=True)  # another command may be doing the same
                 with suppress(OSError):  # what we have not written stays
                     other.rmdir()
 
