@@ -24,6 +24,7 @@ from ev_msgs_py.can.conventions import TORQUE_MODE
 from ev_msgs_py.can.drive_states import FAULT, OPERATION_ENABLED, SWITCH_ON_DISABLED
 from ev_msgs_py.nodes.ticks import Ticks
 from ev_msgs_py.parameters.values import build
+from ev_sim.commands import can_hub
 
 pytestmark = pytest.mark.slow
 
@@ -85,6 +86,17 @@ def end(processes: list[subprocess.Popen]) -> list[str]:
     for process in processes:
         process.send_signal(signal.SIGINT)
     return [process.communicate(timeout=PATIENCE)[0] for process in processes]
+
+
+def test_a_hub_ends_without_a_word_however_often_it_is_told():
+    """The second Ctrl-C was a traceback; what it cannot do is the line of all commands."""
+    hub = started([sys.executable, "-m", "ev_sim.commands.can_hub", "--port", "0"])
+    hub.stdout.readline()
+    hub.send_signal(signal.SIGINT)
+    assert end([hub]) == [""]
+    assert hub.returncode == 0
+    with pytest.raises(SystemExit, match=r"^error: can_hub: port 65536: "):
+        can_hub.main(["--port", "65536"])
 
 
 def test_torque_goes_through_two_processes_and_a_bus():

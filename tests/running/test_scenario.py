@@ -15,6 +15,7 @@ from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.parameters.config_folders import config_folders
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import arguments, overrides
+from ev_sim.commands.run_scenario import main
 from ev_sim.running.scenarios.about import describe_scenario
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario, scenario_names
 from ev_sim.study.command import arguments as study_arguments
@@ -184,6 +185,14 @@ def test_names_of_runs_are_those_of_folders_and_namespaces(names: list[str], sce
         assert [run.name for run in load_scenario(name).runs] == names
     else:
         assert refused(name).startswith(f"{config / 'scenarios' / 'test.yaml'}: runs: ")
+
+
+def test_what_a_file_is_called_and_says_of_itself_is_shown_as_text(scenario, capsys):
+    name = scenario(section("/**/scenario", json.dumps({"about": "a\x1b[2J\nb"})), "bad\x1b[31m")
+    assert load_scenario(name).name == r"bad\x1b[31m"
+    main(["--list"])
+    assert r"bad\x1b[31m" in (said := capsys.readouterr().out)
+    assert "\x1b" not in said
 
 
 @pytest.mark.parametrize("pattern", ["/**/drivr", "/ev/other/driver", "driver", "/plant", "/*/*/driver"])
