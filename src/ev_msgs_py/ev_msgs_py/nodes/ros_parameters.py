@@ -51,9 +51,9 @@ def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
     if leads_out and not _is_said(_LOG, path, node_arguments):
         where = "a name below the working directory, on the command line any path"
         raise ParameterError(f"parameter {_LOG}: {quoted(path)} is refused, allowed from a file is {where}", _LOG)
-    method, address = values.get(_METHOD), values.get(_ADDRESS)
-    for name, value, only_said in ((_METHOD, method, is_code(method)), (_ADDRESS, address, address != LOOPBACK)):
-        if isinstance(value, str) and only_said and not _is_said(name, value, node_arguments):
+    for name, only_said in ((_METHOD, is_code), (_ADDRESS, LOOPBACK.__ne__)):
+        value = values.get(name)
+        if isinstance(value, str) and only_said(value) and not _is_said(name, value, node_arguments):
             values[name] = TextOfFile.of(value, Path("its parameter file"))
     return values
 
