@@ -184,7 +184,7 @@ def test_names_of_runs_are_those_of_folders_and_namespaces(names: list[str], sce
     if len(set(names)) == len(names) and all(re.fullmatch("[A-Za-z_][A-Za-z0-9_]{0,99}", each) for each in names):
         assert [run.name for run in load_scenario(name).runs] == names
     else:
-        assert refused(name).startswith(f"{config / 'scenarios' / 'test.yaml'}: runs: ")
+        assert re.match(f"{config}/scenarios/test.yaml: (parameter )?runs: ", refused(name))
 
 
 def test_what_a_file_is_called_and_says_of_itself_is_shown_as_text(scenario, capsys):
