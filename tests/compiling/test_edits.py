@@ -12,9 +12,10 @@ import pytest
 from compiling.edited_law import CELLS, edit, method_of, namespace, said
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba import cfunc, float64
 
 from ev_msgs_py.compiling.fingerprint import Reach
-from ev_msgs_py.compiling.machine_code import reach_of
+from ev_msgs_py.compiling.machine_code import is_kept, reach_of
 from ev_msgs_py.compiling.part_source import part_source
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.law import Given
@@ -110,3 +111,13 @@ def test_one_law_with_two_classes_of_parameters_reads_each_where_it_stands():
     methods = [method_of(law, kind) for kind in (one, space["P"])]
     sources = [part_source(each, Given(each.law, each.parameters(), Vehicle(), 0.01)) for each in methods]
     assert reach_of(*sources[0]).digits != reach_of(*sources[1]).digits
+
+
+def test_code_that_holds_addresses_of_its_process_is_not_kept():
+    """Such as that of a C callback: the next process jumped to where nothing was, and ended by SIGSEGV."""
+    space = namespace(BEGIN)
+    space["helped"] = cfunc(float64(float64))(lambda x: 2.0 * x)
+    compiled, plain = said(space)
+    assert compiled == plain
+    method = method_of(space["law"], space["P"])
+    assert not is_kept(f"{method.name}_{method.role}", *part_source(method, Given(method.law, method.parameters(), Vehicle(), 0.01)))

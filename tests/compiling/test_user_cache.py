@@ -19,7 +19,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numba import njit
+from numba import cfunc, float64, njit, vectorize
+from numba.experimental import jitclass
 
 from ev_msgs_py.compiling import user_cache
 from ev_msgs_py.compiling.compilable import compilable
@@ -186,6 +187,17 @@ def test_the_fingerprint_tells_apart_what_stands_side_by_side():
     def plus(number: int) -> Callable[[float], float]:
         return lambda x: x + number
 
+    def counting(number: int) -> type:
+        class Counting:
+            def __init__(self) -> None:
+                self.k = 1.0
+
+            @property
+            def grown(self) -> float:
+                return self.k + number
+
+        return jitclass([("k", float64)])(Counting)
+
     row = np.linspace(0.0, 1.0, 5)
     different = (
         ("x * A + B", {"A": 1.0, "B": 10.0}, {"A": 1.01, "B": 0.0}),
@@ -194,6 +206,9 @@ def test_the_fingerprint_tells_apart_what_stands_side_by_side():
         ("x * A.ON", *({"A": IntEnum("A", {"ON": k})} for k in (1, 2))),
         ("A[0](x)", {"A": (plus(1),)}, {"A": (plus(2),)}),
         ("A(x)", *({"A": njit(plus(1), fastmath=fast)} for fast in (False, True))),
+        ("A(x)", *({"A": cfunc(float64(float64))(plus(k))} for k in (1, 2))),
+        ("A(x)", *({"A": vectorize([float64(float64)])(plus(k))} for k in (1, 2))),
+        ("A().grown", *({"A": counting(k)} for k in (1, 2))),
     )
     for text, one, other in different:
         assert of(text, **one) == of(text, **one)

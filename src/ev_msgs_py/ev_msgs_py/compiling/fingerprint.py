@@ -18,6 +18,7 @@ import numpy as np
 from ev_msgs_py.compiling.compilable import INLINED
 
 _NOTHING = object()
+_OPTIONS = ("targetoptions", "_sig", "types")  # of what numba makes of a function
 _FOREIGN = {*sys.stdlib_module_names, "numpy", "numba", "llvmlite"}  # packages whose versions say what is in them
 
 
@@ -54,7 +55,7 @@ class Reach:
 
     def _told(self, found: Any) -> Iterator[Any]:
         """Tell the digest what was found, and give what it leads to."""
-        function = getattr(found, "py_func", found)
+        function = _written(found)
         if isinstance(found, tuple | list):
             self._tell(_constant(type(found)), len(found))
             yield from found
@@ -64,13 +65,14 @@ class Reach:
             self._tell(found.dtype, found.shape, hashlib.sha256(content).hexdigest())
         elif not isinstance(function, FunctionType):
             self._tell(_constant(found))
+            yield from _methods(found)
         elif id(function) in self.functions:
             self._tell("again", [*self.functions].index(id(function)))
         else:
             self.functions[id(function)] = function
             self._made_of.append((function, _parts(function)))
-            options = getattr(found, "targetoptions", "")
-            self._tell(f"{function.__module__}.{function.__qualname__}", function in INLINED, options)
+            options = [getattr(found, name, "") for name in _OPTIONS]
+            self._tell(f"{function.__module__}.{function.__qualname__}", function in INLINED, *options)
             self._digest.update(_code(function.__code__) + b"\0")
             yield from self._used_by(function)
 
@@ -92,6 +94,21 @@ class Reach:
                         places.append(vars(found))
         yield from (function.__defaults__, tuple((function.__kwdefaults__ or {}).items()))
         yield tuple(_contents(function))
+
+
+def _written(found: Any) -> Any:
+    """The function that somebody has written of what numba made of it (njit, cfunc, vectorize); else what was found."""
+    if isinstance(found, FunctionType):
+        return found
+    return getattr(found, "py_func", getattr(found, "__wrapped__", found))
+
+
+def _methods(found: Any) -> Iterator[Any]:
+    """Of a jitclass its fields, and what its methods and properties do."""
+    of = getattr(found, "class_type", None)
+    if of is not None:
+        yield from (str(of.struct), tuple(of.jit_props))
+        yield from (tuple(e.items()) for e in (of.jit_methods, of.jit_static_methods, *of.jit_props.values()))
 
 
 def _are_same(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:

@@ -96,12 +96,16 @@ def keep_overloads(function: Any) -> Any:
 
 
 def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:
-    """The address of the C function `step` of a text, compiled now and kept for who loads it without the compiler."""
+    """The address of the C function `step` of a text, compiled now and kept for who loads it without the compiler.
+
+    Code that holds addresses of this process is not kept: another one would jump to where nothing is.
+    """
     _say_compiling(key)
     with only_machine_code_of("step"):
         register_functions()
         step = _executed(key, text, names)
-    keep(key, step.native_name, step._library._get_compiled_object())
+    if not step._library.has_dynamic_globals:
+        keep(key, step.native_name, step._library._get_compiled_object())
     address: int = step.address
     return address
 
