@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from numba import cfunc, float64
 
 from ev_msgs_py.compiling.fingerprint import Reach
-from ev_msgs_py.compiling.machine_code import is_kept, reach_of
+from ev_msgs_py.compiling.machine_code import reach_of
+from ev_msgs_py.compiling.part import is_kept
 from ev_msgs_py.compiling.part_source import part_source
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.lockstep.law import Given
@@ -120,4 +121,4 @@ def test_code_that_holds_addresses_of_its_process_is_not_kept():
     compiled, plain = said(space)
     assert compiled == plain
     method = method_of(space["law"], space["P"])
-    assert not is_kept(f"{method.name}_{method.role}", *part_source(method, Given(method.law, method.parameters(), Vehicle(), 0.01)))
+    assert not is_kept(method, method.parameters(), Vehicle(), 0.01)

@@ -202,6 +202,7 @@ def test_the_fingerprint_tells_apart_what_stands_side_by_side():
     different = (
         ("x * A + B", {"A": 1.0, "B": 10.0}, {"A": 1.01, "B": 0.0}),
         ("x * A[0][1]", {"A": (row,)}, {"A": (row + 1e-12,)}),
+        ("x * A.K", *({"A": module("profile", K=k)} for k in (1.0, 2.0))),  # as one of Python's own is called
         ("x * A.inner.K", *({"A": module("a", inner=module("b", K=k))} for k in (1.0, 2.0))),
         ("x * A.ON", *({"A": IntEnum("A", {"ON": k})} for k in (1, 2))),
         ("A[0](x)", {"A": (plus(1),)}, {"A": (plus(2),)}),

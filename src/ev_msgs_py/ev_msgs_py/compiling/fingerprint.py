@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import builtins
 import hashlib
+import os
 import sys
 from collections.abc import Iterator, Mapping
 from types import CodeType, FunctionType, ModuleType
@@ -19,7 +20,8 @@ from ev_msgs_py.compiling.compilable import INLINED
 
 _NOTHING = object()
 _OPTIONS = ("targetoptions", "_sig", "types")  # of what numba makes of a function
-_FOREIGN = {*sys.stdlib_module_names, "numpy", "numba", "llvmlite"}  # packages whose versions say what is in them
+_FOREIGN = ("numpy", "numba", "llvmlite")  # their versions say what is in them, as Python's does of its own
+_OF_PYTHON = os.path.dirname(os.__file__)
 
 
 def fingerprint(*roots: Any) -> str:
@@ -131,7 +133,12 @@ def _contents(function: FunctionType) -> Iterator[Any]:
 
 
 def _is_looked_into(found: Any) -> bool:
-    return isinstance(found, ModuleType) and found.__name__.partition(".")[0] not in _FOREIGN
+    """Whether it is a module of somebody, who may call it as one of Python's is called."""
+    if not isinstance(found, ModuleType):
+        return False
+    package = found.__name__.partition(".")[0]
+    file = getattr(found, "__file__", None) or _OF_PYTHON
+    return package not in _FOREIGN and not (package in sys.stdlib_module_names and file.startswith(_OF_PYTHON))
 
 
 def _code(code: CodeType) -> bytes:
