@@ -25,6 +25,11 @@ def dead(_torque: float) -> float:
     return 0.0
 
 
+def dragging(_torque: float) -> float:
+    """Switched off, and its rotor takes a little."""
+    return -1.0
+
+
 def at_half(torque: float) -> float:
     return 0.5 * torque
 

@@ -6,7 +6,7 @@ import dataclasses
 import math
 
 import pytest
-from limping import CAR, Limping, Motors, at_half, dead, stuck_at
+from limping import CAR, Limping, Motors, at_half, dead, dragging, stuck_at
 
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 
@@ -29,6 +29,16 @@ def test_a_dead_motor_takes_its_partner_with_it(side):
     assert limp.drive(200.0, 200.0, 0.01) == Wheels.front(200.0, 200.0)
     command = limp.drive(200.0, 200.0, 0.05)
     assert (command[1 - side], command[side]) == (0.0, 200.0)
+
+
+@LEFT_OR_RIGHT
+@pytest.mark.parametrize("asked", [200.0, -200.0])
+@pytest.mark.parametrize(("fault", "noise"), [(dragging, 0.0), (lambda _: 1.0, 0.0), (dead, 1.0), (dead, 10.0)])
+def test_a_dead_motor_that_shows_a_little_torque_is_dead(side, asked, fault, noise):
+    """By drag or noise of either sign: what had the other sign than its command counted as a small deviation alone."""
+    limp = Limping(Motors(faults=only(side, fault), noise=noise))
+    assert abs(limp.drive(asked, asked, 0.1)[1 - side]) <= 4.0 * noise + 1.1
+    assert limp.lost()[side] == 1
 
 
 def test_the_difference_that_was_asked_for_stays_as_far_as_it_fits_the_request():

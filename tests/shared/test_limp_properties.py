@@ -11,7 +11,7 @@ import os
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from limping import CAR, PERIOD, Limping, Motors, at_half, dead, stuck_at
+from limping import CAR, PERIOD, Limping, Motors, at_half, dead, dragging, stuck_at
 from traction import METHODS, Control, Measured, cars, driven, in_regulator, sequences, swapped
 
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
@@ -37,7 +37,15 @@ vehicles = st.builds(
 )
 periods = st.sampled_from((0.001, 0.005, PERIOD, 0.03))
 broken = st.sampled_from(
-    [(dead, None), (None, dead), (at_half, None), (None, stuck_at(250.0)), (dead, dead), (dead, at_half)]
+    [
+        (dead, None),
+        (None, dead),
+        (at_half, None),
+        (None, stuck_at(250.0)),
+        (dead, dead),
+        (dead, at_half),
+        (dragging, None),
+    ]
 )
 
 
@@ -142,7 +150,12 @@ def test_all_drive_is_back_after_a_fault(parts, speed, vehicle, fault, asked):
 
 
 @several
-@given(asked=st.floats(60.0, 390.0), more=st.floats(0.8, 1.25), fault=st.sampled_from([dead, at_half]), speed=speeds)
+@given(
+    asked=st.floats(60.0, 390.0),
+    more=st.floats(0.8, 1.25),
+    fault=st.sampled_from([dead, dragging, at_half]),
+    speed=speeds,
+)
 @pytest.mark.parametrize("side", [0, 1])
 def test_a_lost_motor_does_not_turn_the_car(asked, more, fault, speed, side):
     """0.4 s after it: what acts on left and right differs by what was asked, and by what is allowed and half as much.

@@ -76,6 +76,15 @@ def test_a_dead_motor_on_the_dry_side_spins_nothing_on_ice():
     assert channel(run, "torque_command.drive.front_left")[-1] < 1e-9  # its partner gives nothing
 
 
+def test_a_tripped_inverter_whose_rotor_drags_is_found():
+    """On the bench a dead motor shows some mN m of either sign, as real ones do: it was not found in all 0.6 s."""
+    found = {"asr.limp.watch": True}
+    run = ev_sim.run("bench_fault", method={"asr": "slip_window"}, set=found, duration=1.15).runs["bench_fault"]
+    left, right = (channel(run, f"torque_command.drive.{wheel}") for wheel in ("front_left", "front_right"))
+    assert left[1000] == right[1000] == 500.0
+    assert (abs(left[1050:]) < 1.0).all() and (right[1050:] == 500.0).all()
+
+
 @pytest.mark.parametrize(("vehicle", "share"), [("layout_1_8_c", 0.6), ("compact_ev", 0.2), ("audi_a2", 0.2)])
 def test_no_drive_is_taken_from_a_sound_car(vehicle, share):
     """At any speed, torque, mass, gear and limit of the battery, with noise of up to half the allowed 20 N m."""

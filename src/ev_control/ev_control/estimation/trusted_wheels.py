@@ -2,10 +2,10 @@
 
 A wheel that is driven cannot turn slower than it rolls, nor a braked one faster; a wheel without a motor that nobody
 brakes rolls; and no wheel turns at one speed, to the bit, while the others and the accelerometer say that the car
-changes its own. What a sensor says beyond that,
-by more than tyres and bends explain, is left out at once, and the sensor counts as lost where that lasts. A driven
-wheel that turns faster may be slipping: there a sensor that reads too much cannot be told from a wheel that spins, and
-is not found. An assumption of this project, no source has it.
+changes its own. What a sensor says beyond that, by more than tyres and bends explain, is left out at once, and the
+sensor counts as lost where that lasts. A driven wheel that turns faster may be slipping: there a sensor that reads too
+much cannot be told from a wheel that spins, and is not found. A wheel in the air, which nothing slows down in the
+model, is taken for stuck. An assumption of this project, no source has it.
 """
 
 from __future__ import annotations

@@ -97,13 +97,18 @@ def watch_torques(
 
 @compilable
 def deviation(p: PlausibilityParameters, s: PlausibilityState, wheels: WheelStates, i: int, due: float) -> float:
-    """How much more than was told, or less than is due [N m], a motor gives, over what is allowed [1]."""
-    gives = measured(wheels, i)
+    """How much more than was told, or less than is due [N m], a motor gives, over what is allowed [1].
+
+    A dead motor may show both: by drag or noise it gives a little of the other sign, and all that is due is missing.
+    """
+    gives, less, beyond = measured(wheels, i), 0.0, 0.0
+    if due > 0.0:
+        less = (due - copysign(1.0, s.told[i]) * gives) / (p.tolerance + p.share * due)
     if gives > s.most[i]:
-        return (gives - s.most[i]) / (p.tolerance + p.share * s.most[i])
-    if gives < s.least[i]:
-        return (s.least[i] - gives) / (p.tolerance - p.share * s.least[i])
-    return (due - copysign(1.0, s.told[i]) * gives) / (p.tolerance + p.share * due) if due > 0.0 else 0.0
+        beyond = (gives - s.most[i]) / (p.tolerance + p.share * s.most[i])
+    elif gives < s.least[i]:
+        beyond = (s.least[i] - gives) / (p.tolerance - p.share * s.least[i])
+    return max(beyond, less)
 
 
 @compilable
