@@ -9,7 +9,7 @@ import dataclasses
 import os
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from limping import CAR, PERIOD, Limping, Motors, at_half, dead, dragging, stuck_at
 from traction import METHODS, Control, Measured, cars, driven, in_regulator, sequences, swapped
@@ -28,13 +28,6 @@ requests = st.lists(  # left, right [N m], how many periods
 )
 speeds = st.floats(-120.0, 120.0) | st.sampled_from((0.0, 50.0))
 bends = st.floats(0.8, 1.25)  # what the right wheel turns faster
-vehicles = st.builds(
-    lambda efficiency, lag: dataclasses.replace(
-        CAR, motor=dataclasses.replace(CAR.motor, gear_efficiency=efficiency, torque_lag=lag)
-    ),
-    st.floats(0.5, 1.0),
-    st.floats(1e-4, 0.2),
-)
 periods = st.sampled_from((0.001, 0.005, PERIOD, 0.03))
 broken = st.sampled_from(
     [
@@ -47,6 +40,14 @@ broken = st.sampled_from(
         (dragging, None),
     ]
 )
+
+
+def car_with(efficiency: float, lag: float):
+    """The car with such a gear and drive."""
+    return dataclasses.replace(CAR, motor=dataclasses.replace(CAR.motor, gear_efficiency=efficiency, torque_lag=lag))
+
+
+vehicles = st.builds(car_with, st.floats(0.5, 1.0), st.floats(1e-4, 0.2))
 
 
 def told(limp: Limping, parts, speed: float, bend: float = 1.0):
@@ -111,6 +112,11 @@ def test_left_and_right_mirror_to_the_bit(sequence, keeps):
     noise=st.floats(0.0, 8.0),
     seed=st.integers(0, 2**32),
 )
+@example([(277.0, 554.0, 26)], 0.0, 1.0, car_with(0.5, 0.004), 0.03, 1.0, 398.0, 0.0, 0)  # gear losses at the limit
+@example(
+    [(12.0, 400.0, 17), (343.0, 77.0, 30)], 71.6, 0.976, car_with(0.846, 0.0427), 0.03, 0.21, 442.0, 7.0, 1692712403
+)
+@example([(-189.0, -189.0, 40)] * 20, 3.8, 1.246, car_with(0.6, 0.0294), 0.03, 0.005, 685.0, 8.0, 3956271888)
 def test_a_sound_car_gets_what_was_asked_to_the_bit(parts, speed, bend, vehicle, period, battery, most, noise, seed):
     """At any share of the battery, with motors between hot and cold, gears, lags, periods, bends, noisy sensors."""
     limp = Limping(Motors(vehicle, period, most, battery, noise=noise, seed=seed))

@@ -72,17 +72,19 @@ def watch_torques(
     """Compare the torques of the last period with what was told, and with those of the partners.
 
     A deviation counts by its size, at most twice what is allowed, and what is plausible takes back: so noise about the
-    allowed deviation does not add up. A motor without a partner is not judged.
+    allowed deviation does not add up. Nor is one look enough, unless `time` is 0, however long the period is. A motor
+    without a partner is not judged.
     """
     if s.known == 0.0:
         return
+    look = min(period, p.time) if p.time > 0.0 else period
     for i in range(4):
         if car.driven[i] == 0.0 or car.driven[PARTNERS[i]] == 0.0:
             continue
         due = due_torque(p, car, s, wheels, i)
         excess = deviation(p, s, wheels, i, due)
         if s.lost[i] == 0.0:
-            s.deviates[i] = max(s.deviates[i] + period * min(excess - 1.0, 1.0), 0.0)
+            s.deviates[i] = max(s.deviates[i] + look * min(excess - 1.0, 1.0), 0.0)
             s.agrees[i] = 0.0
         elif excess > 1.0:
             s.agrees[i] = 0.0
@@ -123,12 +125,13 @@ def due_torque(p: PlausibilityParameters, car: Car, s: PlausibilityState, wheels
     j, ahead = PARTNERS[i], copysign(1.0, s.told[i])
     told, told_partner, gives = abs(s.told[i]), ahead * s.told[j], max(ahead * measured(wheels, j), 0.0)
     outer, other = (s.most[i], -s.least[i]) if ahead > 0.0 else (-s.least[i], s.most[i])
+    outer_partner = s.most[j] if ahead > 0.0 else -s.least[j]  # of which it may still give more than it is told now
     outer *= car.motor.gear_efficiency * car.motor.gear_efficiency
+    outer_partner *= car.motor.gear_efficiency * car.motor.gear_efficiency
     due, most = told, lasting_torque(p, car, wheels.velocity[i], ahead)
     if s.lost[j] == 0.0 and told_partner > p.tolerance:
-        due = min(told, 2.0 * told_partner) * min(
-            gives / told_partner, 1.0
-        )  # a small torque says little of a large one
+        # A small torque says little of a large one.
+        due = min(told, 2.0 * told_partner) * min(gives / max(outer_partner, told_partner), 1.0)
         if gives + p.tolerance + p.share * told_partner < told_partner and s.lost[i] == 0.0:
             most = min(most, gives)
     elif s.lost[i] == 0.0:
@@ -139,14 +142,14 @@ def due_torque(p: PlausibilityParameters, car: Car, s: PlausibilityState, wheels
 
 @compilable
 def lasting_torque(p: PlausibilityParameters, car: Car, speed: float, ahead: float) -> float:
-    """What heat and a low voltage leave of a motor's torque at a wheel speed, in a direction [N m, rad/s]."""
+    """What heat, a low voltage and the gear leave of a motor's torque at a wheel speed, in a direction [N m, rad/s]."""
     motor, turns = car.motor, max(abs(speed) * car.gear_ratio, 1e-3)
     if turns > NEARLY_FASTEST * motor.maximum_speed:
         return 0.0
     torque, power = min(motor.nominal_torque, motor.peak_torque), motor.peak_power
     if ahead * speed < 0.0:
         torque, power = min(torque, motor.generator_torque), motor.generator_power
-    return min(torque, p.power * power / turns) * car.gear_ratio
+    return min(torque, p.power * power / turns) * car.gear_ratio * motor.gear_efficiency
 
 
 @compilable
