@@ -109,7 +109,9 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
         if only and run_name not in only:
             continue
         run = _run(run_name, namespace, files, overrides, duration)
-        if about.slow_ramp.lateral_acceleration and not _is_told(f"{COLUMN}.{SCALE}", namespace, overrides):
+        may_differ = any((overrides.vehicle, overrides.files, overrides.prepared, overrides.values))
+        is_scaled = may_differ and _is_told(f"{COLUMN}.{SCALE}", namespace, overrides)
+        if about.slow_ramp.lateral_acceleration and may_differ and not is_scaled:
             as_it_is = _run(run_name, namespace, [vehicle_file(about.vehicle), own], Overrides(), about.duration)
             run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
             notes += [note] if note else []
@@ -210,6 +212,7 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
             continue
         try:
             configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
+            _refuse_before_a_file(configurations[role], namespace, files, overrides)
         except ParameterError as error:
             origin = _origin(error.parameter, role, namespace, files, overrides)
             raise ParameterError(f"{role}: {error}{origin}") from None
@@ -218,6 +221,21 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
     if duration < period:
         raise ParameterError(f"duration: {duration!r} is refused, allowed is at least one control period, {period:g} s")
     return Run(name, namespace, configurations, duration)
+
+
+def _refuse_before_a_file(
+    configuration: Configuration, namespace: str, files: Sequence[ParameterFile], overrides: Overrides
+) -> None:
+    """ParameterError for what is told after or beside the name of a file that says it: it would silently do nothing."""
+    role, said = configuration.role, (*overrides.prepared, *overrides.values)
+    places = [file.values_for(f"{namespace}/{role}").keys() for file in files]
+    places.append({key for node, key, _ in said if node in ("*", role)})
+    last = {name: place for place, names in enumerate(places) for name in names}
+    for file in (name for name in configuration.from_files if name.endswith("file")):
+        for name in configuration.from_files:
+            is_told = name in last and (last[name] > last.get(file, -1) or last[name] == len(files))
+            if is_told and name != file and name.startswith(file.removesuffix("file")):
+                raise ParameterError(f"parameter {name} is refused: {file} says it, allowed with {file} ''", name)
 
 
 def _is_played(role: str, values: Mapping[str, Mapping[str, Any]]) -> bool:
