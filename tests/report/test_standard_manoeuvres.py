@@ -220,6 +220,13 @@ def test_a_car_that_is_driven_does_not_coast():
     )
 
 
+@pytest.mark.parametrize("slope", [{"plant.road.grade": [0.02]}, {"plant.road.side_slope": [-0.02]}])
+def test_a_slope_is_no_road_load(slope):
+    """Up 2 % the rolling resistance was "measured" as 0.035 instead of 0.015."""
+    found = values(ev_sim.run("coast_down", set=slope, duration=15.0))
+    assert set(found.values()) == {None}
+
+
 def test_cones_are_counted_on_the_whole_course_only():
     short = ev_sim.run("double_lane_change", duration=5.0)
     assert short.metrics["cones_hit"].verdict == "not measured: the end of the course never comes"

@@ -140,6 +140,22 @@ def test_a_changed_file_changes_the_rows_that_depend_on_it_and_no_others(folder,
     latest |= now
 
 
+def test_two_files_that_change_places_are_others(tmp_path):
+    """Each text was still there, and the row of the other bus was taken again."""
+    texts = [in_config("can/ev_bench.dbc").read_text() + end for end in ("", "\n")]
+    files = [tmp_path / "one.dbc", tmp_path / "two.dbc"]
+    of_nodes = zip(("test_bench", "inverter_gateway"), map(str, files), strict=True)
+    case = Case("bus", "bench_fault", tuple((node, "bus.database", file) for node, file in of_nodes))
+
+    def key(*texts: str) -> str:
+        for file, text in zip(files, texts, strict=True):
+            file.write_text(text)
+        return depends.row_key("sweep", case)
+
+    assert key(*texts) != key(*reversed(texts))
+    assert key(*texts) == key(*texts)
+
+
 def test_a_library_in_c_is_a_file_that_was_read(tmp_path, monkeypatch):
     library = tmp_path / "liblimit.so"
     library.write_bytes(b"machine code")
