@@ -56,8 +56,8 @@ DEPENDENTS = {  # by what a file is called the cases that read it
     "more.yaml": {"more parameters"},
     "recorded.npz": {"recorded"},
     "bus.dbc": {"bus"},
-    "row_law.py": {"law"},
-    "row_law_gain.py": {"law"},
+    "row_law.py": {"law", "law by its path"},
+    "row_law_gain.py": {"law", "law by its path"},
 }
 
 
@@ -104,6 +104,7 @@ def cases(folder: Path) -> list[Case]:
         Case("recorded", "coast_down", (("driver", "method", str(folder / "recorded.npz")),), duration=0.1),
         Case("bus", "bench_fault", tuple((n, "bus.database", bus) for n in ("test_bench", "inverter_gateway"))),
         Case("law", "coast_down", (("asr", "method", "row_law"),)),
+        Case("law by its path", "coast_down", (("asr", "method", str(folder / "row_law.py")),)),
     ]
 
 
