@@ -16,6 +16,7 @@ from ev_sim.report.result import Result
 from ev_sim.report.scenarios import sine_with_dwell
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios import scenario as scenarios
+from ev_sim.running.scenarios.cycle import cycle_values
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 from ev_sim.running.scenarios.slow_ramp import angle_at, driven_slowly
 
@@ -92,6 +93,12 @@ def test_a_car_too_slow_for_the_ramp_is_said_to_be_that(speed, said):
     """It was "profile.angle: 1612.0 is refused", which nobody had set. 616 are 16 (4 m/s^2 2.405 m/(0.5 m/s)^2)."""
     scenario = load_scenario("step_steer", Overrides(values=[("plant", "initial_speed", speed)]), only=["left"])
     assert f"a slow ramp gives none: {said}" in scenario.notes[0]
+
+
+def test_another_cycle_is_no_other_car():
+    """It draws random roads for as long as it takes, where there are some: the step was 1.8 % larger for it."""
+    scenario = load_scenario("step_steer", Overrides(prepared=cycle_values("nedc")[0]), only=["left"])
+    assert scenario.runs[0].configurations["steering_column"].parameters.scale == 1.0
 
 
 def test_a_standing_car_has_no_response():

@@ -31,6 +31,7 @@ BEGIN = 1.0  # [s], when the ramp begins
 LARGEST = 2.5  # times the angle of the linear car: so far the ramp goes on
 READINGS = LINE, CROSSING = ("line", "crossing")
 FIT_RANGE = (1 / 3, 1.25)  # of the wanted acceleration, over which FMVSS 126, S7.6, fits its line: 0.1 to 0.375 g
+_HOW_A_ROAD_IS_DRAWN = ("road.seed", "road.random_distance")
 _OF_THE_CAR = ("method", "initial_speed", "vehicle.", "road.", "rear_steering.")
 
 
@@ -101,7 +102,11 @@ def _car(run: Run) -> dict[str, Any]:
         if role in (MASTER, "rear_steering")
         for name, value in configuration.values().items()
     }
-    return {name: value for name, value in values.items() if name.startswith(_OF_THE_CAR) and name != "road.seed"}
+    return {
+        name: value
+        for name, value in values.items()
+        if name.startswith(_OF_THE_CAR) and name not in _HOW_A_ROAD_IS_DRAWN
+    }
 
 
 def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
