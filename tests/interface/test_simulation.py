@@ -152,6 +152,9 @@ def test_a_state_of_other_sizes_or_of_something_else_is_refused():
     short = {**saved.parts, "asr": tuple(np.zeros(np.size(each) + 1) for each in saved.parts["asr"])}
     with pytest.raises(ParameterError, match=r"^state: asr had \d+ numbers, here it has \d+; allowed is as many"):
         car.state = replace(saved, parts=short)
+    older = {**saved.of, "numbers": 7}
+    with pytest.raises(ParameterError, match="state: numbers was 7, here it is"):
+        car.state = replace(saved, of=older, frame=np.zeros(7))
     with pytest.raises(ParameterError, match="allowed is the state of a Simulation"):
         car.state = {"instant": 3}
 

@@ -15,6 +15,8 @@ from ev_sim.report.quantities import handling, motion
 from ev_sim.report.result import Result
 from ev_sim.report.scenarios import sine_with_dwell
 from ev_sim.running.recording.recording import Recording
+from ev_sim.running.scenarios import scenario as scenarios
+from ev_sim.running.scenarios.cycle import cycle_values
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 from ev_sim.running.scenarios.slow_ramp import angle_at, driven_slowly
 
@@ -75,6 +77,45 @@ def test_where_the_ramp_finds_nothing_the_note_says_so():
     scenario = load_scenario("step_steer", Overrides(values=icy), only=["left"])
     assert scenario.runs[0].configurations["steering_column"].parameters.scale == 1.0
     assert "a lateral acceleration of 4 m/s^2 never comes" in scenario.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("speed", "said"),
+    [
+        (0.0, "the run begins at rest, where no angle gives a lateral acceleration"),
+        (
+            -0.5,
+            "at the 0.5 m/s with which the run begins, 4 m/s^2 would take 616 rad of the steering wheel, and a ramp",
+        ),
+    ],
+)
+def test_a_car_too_slow_for_the_ramp_is_said_to_be_that(speed, said):
+    """It was "profile.angle: 1612.0 is refused", which nobody had set. 616 are 16 (4 m/s^2 2.405 m/(0.5 m/s)^2)."""
+    scenario = load_scenario("step_steer", Overrides(values=[("plant", "initial_speed", speed)]), only=["left"])
+    assert f"a slow ramp gives none: {said}" in scenario.notes[0]
+
+
+def test_another_cycle_is_no_other_car():
+    """It draws random roads for as long as it takes, where there are some: the step was 1.8 % larger for it."""
+    scenario = load_scenario("step_steer", Overrides(prepared=cycle_values("nedc")[0]), only=["left"])
+    assert scenario.runs[0].configurations["steering_column"].parameters.scale == 1.0
+
+
+def test_a_standing_car_has_no_response():
+    """Overshoot of 3e13 % and a TB factor of 26 deg s were measured of a car that had come to rest."""
+    at_rest = {"driver.speed_profile.speed": [0.0], "driver.speed_profile.time": [0.0], "plant.initial_speed": 0.5}
+    found = ev_sim.run("step_steer", runs=["right"], set=at_rest).metrics
+    assert {name for name, each in found.items() if each.value is not None} == {"steering_wheel_angle"}
+    assert found["tb_factor"].reason == "the car stands in the end"
+
+
+def test_a_run_that_tells_nothing_is_configured_once(monkeypatch):
+    """Twice is for what may be another car."""
+    found = []
+    configured = scenarios._run
+    monkeypatch.setattr(scenarios, "_run", lambda *told: (found.append(told), configured(*told))[1])
+    load_scenario("step_steer", Overrides(duration=5.0), only=["left"])
+    assert len(found) == 1
 
 
 def test_linear_and_real_tyres_are_two_runs_with_another_car():
@@ -184,6 +225,13 @@ def test_a_car_that_is_driven_does_not_coast():
     assert driven.metrics["drag_area"].verdict.startswith(
         "not measured: the car does not coast: driver.command.drive_torque"
     )
+
+
+@pytest.mark.parametrize("slope", [{"plant.road.grade": [0.02]}, {"plant.road.side_slope": [-0.02]}])
+def test_a_slope_is_no_road_load(slope):
+    """Up 2 % the rolling resistance was "measured" as 0.035 instead of 0.015."""
+    found = values(ev_sim.run("coast_down", set=slope, duration=15.0))
+    assert set(found.values()) == {None}
 
 
 def test_cones_are_counted_on_the_whole_course_only():

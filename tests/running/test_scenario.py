@@ -334,6 +334,52 @@ def test_a_vehicle_that_does_not_say_everything_about_itself_is_refused(scenario
     assert refused(scenario(HEAD), Overrides(vehicle=path)) == said
 
 
+PROFILE = "t_s,v_mps\n0,1\n10,2\n"
+
+
+@pytest.mark.parametrize("level", ["scenario", "file", "command line", "cycle"])
+def test_points_that_a_file_says_are_refused_whoever_names_the_file(scenario, more, tmp_path, level):
+    """They did nothing, and rows of a sweep stood under speeds that nobody drove."""
+    (tmp_path / "profile.csv").write_text(PROFILE)
+    text = section("/**/driver", f"{{speed_profile: {{file: {tmp_path / 'profile.csv'}}}}}")
+    name = scenario(HEAD + text if level == "scenario" else HEAD)
+    files = [more(text)] if level == "file" else []
+    named = [("driver", "speed_profile.file", str(tmp_path / "profile.csv"))]
+    speed = [("driver", "speed_profile.speed", [3.0, 4.0]), ("driver", "speed_profile.time", [0.0, 5.0])]
+    beside = [*named, *speed] if level == "command line" else speed
+    prepared = named if level == "cycle" else []
+    said = "driver: parameter speed_profile.time is refused: speed_profile.file says it, allowed with speed_profile.fi"
+    assert refused(name, Overrides(files, beside, prepared=prepared)).startswith(said)
+    points = more(section("/**/driver", "{speed_profile: {time: [0.0, 5.0], speed: [3.0, 4.0]}}"), "points")
+    if level in ("scenario", "file"):
+        assert refused(name, Overrides([*files, points])) == f"{said}le '' ({points})"
+    instead = Overrides([points, *files], [*speed, ("driver", "speed_profile.file", "")])
+    (run,) = load_scenario(name, instead).runs
+    assert run.configurations["driver"].parameters.speed_profile.speed == (3.0, 4.0)
+
+
+def test_a_file_goes_before_points_that_were_told_before_it(scenario, tmp_path):
+    """So `--cycle` drives another cycle where the scenario lists its own."""
+    (tmp_path / "profile.csv").write_text(PROFILE)
+    name = scenario(HEAD + section("/**/driver", "{speed_profile: {time: [0.0, 5.0], speed: [3.0, 4.0]}}"))
+    (run,) = load_scenario(
+        name, Overrides(prepared=[("driver", "speed_profile.file", str(tmp_path / "profile.csv"))])
+    ).runs
+    assert run.configurations["driver"].parameters.speed_profile.speed == (1.0, 2.0)
+
+
+def test_numbers_of_a_tyre_that_its_file_says_are_refused():
+    said = "parameter vehicle.tyre.rear_mf is refused: vehicle.tyre.rear_file says it, allowed with vehicle.tyre.rear_"
+    numbers = list(
+        load_scenario("coast_down", Overrides(vehicle="compact_ev"))
+        .runs[0]
+        .configurations["plant"]
+        .common.vehicle.tyre.rear_mf
+    )
+    told = [("*", "vehicle.tyre.rear_mf", [2.0 * each for each in numbers])]
+    assert said in refused("coast_down", Overrides(values=told, vehicle="compact_ev"))
+
+
 def test_a_vehicle_that_says_more_than_a_car_is_refused(scenario, tmp_path):
     """The scenario would overrule it, and nobody would know."""
     path = own_car(tmp_path, lambda text: text + section("/**/asr", "{method: 'off'}"))

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-import pytest
+from collections.abc import Iterator
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.study.case import Case
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ev_msgs_py.parameters.declaration import Entry, ParameterError
+from ev_sim.running.scenarios.scenario import load_scenario, scenario_names
+from ev_sim.study.case import Case, run_of
 from ev_sim.study.command import _refuse_what_it_sets, arguments, study_cases
 from ev_sim.study.study import STUDIES, study_named
 
@@ -98,3 +103,72 @@ def test_names_have_all_digits_and_lists_are_values():
     ]
     lists = cases_of("sweep", "coast_down", "--vary", "plant.road.left=[ice,dry_asphalt],[ice]")
     assert [value for case in lists for *_, value in case.values] == [["ice", "dry_asphalt"], ["ice"]]
+
+
+def assert_driven_as_it_says(case: Case) -> None:
+    """What a case sets is what its run has: told once more, it changes nothing."""
+    played = run_of(case).configurations
+    said = {(role, name): value for node, name, value in case.values for role in played if node in ("*", role)}
+    for (role, name), value in said.items():
+        if name in (has := played[role].values()):
+            assert played[role].changed({name: value}).values() == has, (case.name, role, name)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_the_cases_of_a_study_are_driven_as_they_say(name):
+    cases = cases_of(name)
+    for case in (cases[0], cases[-1]):
+        assert_driven_as_it_says(case)
+
+
+def values_of(entry: Entry) -> Iterator[str]:
+    """Some values that are allowed, as words of a command line."""
+    low, high = entry.spec.low, entry.spec.high
+    if entry.spec.choices:
+        yield from entry.spec.choices
+    elif entry.type is bool:
+        yield from ("true", "false")
+    elif entry.type in (int, float) and low is not None and high is not None:
+        value = (low + high) / 3.0
+        yield f"[{value}]" if entry.is_array else str(entry.type(value))
+
+
+@settings(max_examples=15)
+@given(st.data())
+def test_a_row_stands_under_what_was_driven_or_is_refused(data):
+    """Any parameter of any scenario, with another car, cycle or file: rows stood under angles and speeds of others."""
+    scenario = data.draw(st.sampled_from(scenario_names()))
+    run = load_scenario(scenario).runs[0]
+    role = data.draw(st.sampled_from(sorted(run.configurations)))
+    common = ("control_period", "duration", "vehicle.", "mode", "sensors.")
+    own = [e for e in run.configurations[role].entries() if not e.name.startswith(common) and any(values_of(e))]
+    entry = data.draw(st.sampled_from(own))
+    value = data.draw(st.sampled_from([*values_of(entry)]))
+    more = data.draw(st.sampled_from([(), ("--vehicle", "compact_ev"), ("--cycle", "nedc")]))
+    try:
+        for case in cases_of("sweep", scenario, "--vary", f"{role}.{entry.name}={value}", *more):
+            assert_driven_as_it_says(case)
+    except ParameterError as error:
+        assert "\n" not in str(error)
+
+
+def test_an_angle_that_a_study_sets_stays_with_another_car():
+    """The slow ramp took its place: rows of 1.0 and 2.0 were both driven with 1.612."""
+    words = ("step_steer", "--vehicle", "compact_ev")
+    varied = cases_of("sweep", *words, "--vary", "steering_column.scale=1.0,2.0")
+    varied += cases_of("sweep", *words, "--set", "steering_column.scale=3.0")
+    assert [run_of(case).configurations["steering_column"].parameters.scale for case in varied] == [1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize("words", [("--cycle", "nedc"), ()])
+def test_points_under_a_file_are_refused(words, tmp_path):
+    """They did nothing: all rows were the cycle. The scenario names the file, or the command line."""
+    scenario = "urban_mixed" if words else str(tmp_path / "own.yaml")
+    (tmp_path / "p.csv").write_text("t_s,v_mps\n0,1\n10,2\n")
+    text = f"/**/driver: {{ros__parameters: {{speed_profile: {{file: {tmp_path / 'p.csv'}}}}}}}\n"
+    (tmp_path / "own.yaml").write_text(f"/**/scenario: {{ros__parameters: {{about: a}}}}\n{text}")
+    with pytest.raises(ParameterError, match=r"speed_profile\.(file|speed) is refused"):
+        for case in cases_of(
+            "sweep", scenario, "--vary", "driver.speed_profile.speed=[1.0,2.0,3.0,4.0],[4.0,3.0,2.0,1.0]", *words
+        ):
+            run_of(case)

@@ -21,6 +21,8 @@ from ev_sim.report.quantities import handling
 from ev_sim.running.recording.recording import Recording
 from ev_sim.study import compare
 from ev_sim.study.case import drive_case
+from ev_sim.surfaces.road import RoadParameters
+from ev_sim.surfaces.table import SURFACES
 from ev_sim.tyres.curve import peak_slip
 
 pytestmark = pytest.mark.slow
@@ -105,6 +107,14 @@ def test_time_over_limit_counts_slip_beyond_the_peak_of_the_curve():
 
     assert over(0.9 * peak, 0.0) == over(0.0, math.asin(0.9 * peak)) == 0.0
     assert over(0.9 * peak, math.asin(0.9 * peak)) == pytest.approx(0.4, rel=1e-9)
+
+
+def test_the_limit_is_that_of_a_surface_that_lies_on_the_road():
+    """Wet asphalt and snow, of which a random road would be made, were on every road, in any order."""
+    assert compare.surfaces_of(RoadParameters()) == (SURFACES["dry_asphalt"],)
+    assert compare.surfaces_of(RoadParameters(right=("ice",))) == (SURFACES["dry_asphalt"], SURFACES["ice"])
+    drawn = compare.surfaces_of(RoadParameters(pattern="random"))
+    assert set(drawn) == {SURFACES["wet_asphalt_1"], SURFACES["packed_snow_1"]}
 
 
 # The study

@@ -56,8 +56,8 @@ DEPENDENTS = {  # by what a file is called the cases that read it
     "more.yaml": {"more parameters"},
     "recorded.npz": {"recorded"},
     "bus.dbc": {"bus"},
-    "row_law.py": {"law"},
-    "row_law_gain.py": {"law"},
+    "row_law.py": {"law", "law by its path"},
+    "row_law_gain.py": {"law", "law by its path"},
 }
 
 
@@ -104,6 +104,7 @@ def cases(folder: Path) -> list[Case]:
         Case("recorded", "coast_down", (("driver", "method", str(folder / "recorded.npz")),), duration=0.1),
         Case("bus", "bench_fault", tuple((n, "bus.database", bus) for n in ("test_bench", "inverter_gateway"))),
         Case("law", "coast_down", (("asr", "method", "row_law"),)),
+        Case("law by its path", "coast_down", (("asr", "method", str(folder / "row_law.py")),)),
     ]
 
 
@@ -138,6 +139,22 @@ def test_a_changed_file_changes_the_rows_that_depend_on_it_and_no_others(folder,
     assert {name for name in now if now[name] != latest[name]} == set().union(*(DEPENDENTS[c] for c in changed))
     assert len(set(now.values())) == len(now)
     latest |= now
+
+
+def test_two_files_that_change_places_are_others(tmp_path):
+    """Each text was still there, and the row of the other bus was taken again."""
+    texts = [in_config("can/ev_bench.dbc").read_text() + end for end in ("", "\n")]
+    files = [tmp_path / "one.dbc", tmp_path / "two.dbc"]
+    of_nodes = zip(("test_bench", "inverter_gateway"), map(str, files), strict=True)
+    case = Case("bus", "bench_fault", tuple((node, "bus.database", file) for node, file in of_nodes))
+
+    def key(*texts: str) -> str:
+        for file, text in zip(files, texts, strict=True):
+            file.write_text(text)
+        return depends.row_key("sweep", case)
+
+    assert key(*texts) != key(*reversed(texts))
+    assert key(*texts) == key(*texts)
 
 
 def test_a_library_in_c_is_a_file_that_was_read(tmp_path, monkeypatch):

@@ -17,6 +17,7 @@ import pytest
 from ev_sim.running.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.study.case import Case, drive_case
+from ev_sim.study.cluster import refuse_others
 from ev_sim.study.workers import drive_cases
 
 pytestmark = pytest.mark.slow
@@ -187,6 +188,21 @@ def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here, tmp_path, 
         results = drive_cases(CASES, last_speed_once_a_worker_is_lost, kill, scheduler=address)
         assert victim.wait() == -signal.SIGKILL
     assert signals(results) == driven_here
+
+
+@pytest.mark.parametrize("other", ["versions", "digest_of_sources"])
+def test_a_worker_with_other_packages_or_sources_is_refused(other):
+    """Its rows would be kept as if our text had driven them; a checkout of last week has the same version."""
+
+    class OneWorker:
+        def run(self, function, **told):
+            found = function(**told)
+            if function.__name__ != other:
+                return {"tcp://a": found}
+            return {"tcp://a": {**found, "numpy": "0.1"} if isinstance(found, dict) else "other"}
+
+    with pytest.raises(RunFailed, match=r"^worker tcp://a has (numpy 0\.1|other sources)"):
+        refuse_others(OneWorker())
 
 
 def test_no_scheduler_at_that_address(monkeypatch):

@@ -16,6 +16,7 @@ from ev_msgs_py.vehicle.car import car_numbers
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.driveline import Driveline
 from ev_msgs_py.vehicle.engine import Engine, Gearbox
+from ev_sim.drives.engine import EngineState, advance_engine
 from ev_sim.plant.planar.state import VX, WHEEL_SPEED, index
 from ev_sim.running.offline import run_offline
 from ev_sim.running.scenarios.scenario import Overrides, load_scenario
@@ -131,6 +132,38 @@ def test_engine_car_converges_with_the_step(name):
     for coarse, fine in pairwise(changes):
         worst = np.argmax(coarse)
         assert coarse[worst] / fine[worst] == pytest.approx(2.0, rel=0.33) or coarse[worst] < 1e-9
+
+
+@settings(max_examples=20)
+@given(st.integers(1, 400))
+def test_a_gear_stays_in_for_its_dwell_at_any_step(n):
+    """0.5 s of steps of 10/n ms, to the nearest; 2000 steps of 0.25 ms are less than 0.5 s by rounding."""
+    engine, h = Engine(peak_power=110e3), 0.01 / n
+    s, shaft = EngineState(since_shift=engine.gearbox.dwell), 2.0 * engine.gearbox.upshift_speed
+    shifts = []
+    for step in range(round(1.1 * engine.gearbox.dwell / h)):
+        before = s.gear
+        advance_engine(s, engine, (1.0,) * 5, 0.0, shaft, 0.0, h)
+        shifts += [step] if s.gear != before else []
+    assert shifts == [0, round(engine.gearbox.dwell / h)]
+
+
+def test_shifts_leave_way_and_speed_of_first_order():
+    """The launch with split friction, four shifts: docs/drivelines.md. Half of the step left more than the whole."""
+    ends = []
+    for step in (1e-3, 5e-4, 2.5e-4, 1.25e-4):
+        values = [("plant", "step", step)]
+        (run,) = load_scenario(
+            "launch_split_mu", Overrides((), values, 4.0, "engine_4x4"), only=["fixed_steering"]
+        ).runs
+        channels = run_offline(run.configurations, 4.0).channels
+        ends.append([channels[name] for name in ("pose.x", "pose.y", "twist.longitudinal")])
+    changes = [
+        np.abs(np.subtract(*pair)).mean(axis=1) / np.abs(pair[1]).max(axis=1) for pair in pairwise(np.array(ends))
+    ]
+    assert changes[0].max() < 1e-3
+    for coarse, fine in pairwise(changes):
+        assert (fine < 0.7 * coarse).all()
 
 
 @pytest.mark.parametrize(("speed", "torque", "gear"), [(2.0, -800.0, 1.0), (-1.5, 1400.0, -1.0)])

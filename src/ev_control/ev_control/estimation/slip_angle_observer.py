@@ -46,7 +46,7 @@ class SlipAngleObserverState:
 
 
 class SlipAngles(NamedTuple):
-    """Slip angles d1, d2 of the middles of the axles [rad], positive in a left turn without drive."""
+    """Slip angles d1, d2 of the middles of the axles [rad], positive on a circle to the left without drive."""
 
     front: float
     rear: float
@@ -59,11 +59,13 @@ def axle_slip_angles(
     """Slip angles of both axles, with the signs of Zhileykin (2018), fig 1.
 
     d1 = delta - atan((v + a r)/u), d2 = -atan((v - b r)/u), from the velocities u, v of the centre of mass [m/s], the
-    yaw rate r [rad/s] and the mean road-wheel angle delta [rad]; u is at least `slowest` [m/s].
+    yaw rate r [rad/s] and the mean road-wheel angle delta [rad]; u is at least `slowest` [m/s]. In reverse, from
+    there on, |u| stands for u and -delta for delta: tyres push against their way aside, wherever they roll.
     """
-    u, b = max(longitudinal, slowest), car.centre_of_mass_to_rear_axle
+    delta = -road_wheel_angle if longitudinal <= -slowest else road_wheel_angle
+    u, b = max(abs(longitudinal), slowest), car.centre_of_mass_to_rear_axle
     a = car.wheelbase - b
-    return SlipAngles(road_wheel_angle - atan((lateral + a * yaw_rate) / u), -atan((lateral - b * yaw_rate) / u))
+    return SlipAngles(delta - atan((lateral + a * yaw_rate) / u), -atan((lateral - b * yaw_rate) / u))
 
 
 @compilable
@@ -83,14 +85,16 @@ def observed_slip_angles(
     m a_tyre = C_1 (delta - (v + a r)/u) - C_2 (v - b r)/u: kinematics hold on every road but drift, the tyre does not
     drift but underrates the slip angles on a slippery road; w only sets how long the kinematics lead, because in a
     steady turn a_y = r u and the tyre alone decides. Implicit Euler, stable at every speed. The speed u is that of
-    the slowest wheel, brought to the centre of mass, or of the fastest one under braking. No source has it.
+    the slowest wheel, brought to the centre of mass, or of the fastest one under braking; negative in reverse, which
+    is where the mean of the wheels is, and there the tyre reads as `axle_slip_angles` does. No source has it.
     """
     delta, r = column.road_wheel_angle, imu.yaw_rate
     speeds = rolling_speeds(car, s.lateral_velocity, wheels.velocity, delta, r)
-    braking = driver.brake_torque > 0.0 or driver.drive_torque < 0.0
-    fastest = max(speeds[0], speeds[1], speeds[2], speeds[3])
-    slowest = min(speeds[0], speeds[1], speeds[2], speeds[3])
-    return slip_angles_at(p, car, s, period, fastest if braking else slowest, imu.lateral_acceleration, r, delta)
+    most, least = max(speeds[0], speeds[1], speeds[2], speeds[3]), min(speeds[0], speeds[1], speeds[2], speeds[3])
+    reverses = (speeds[0] + speeds[1]) + (speeds[2] + speeds[3]) <= -4.0 * p.slowest
+    braking = driver.brake_torque > 0.0 or (driver.drive_torque > 0.0 if reverses else driver.drive_torque < 0.0)
+    u = most if braking != reverses else least
+    return slip_angles_at(p, car, s, period, u, imu.lateral_acceleration, r, delta)
 
 
 @compilable
@@ -105,14 +109,15 @@ def slip_angles_at(
     road_wheel_angle: float,
 ) -> SlipAngles:
     """The same at a speed of the car that is known [m/s]; accelerations in m/s^2, yaw rate in rad/s, angle in rad."""
-    u, r, delta, w = max(speed, p.slowest), yaw_rate, road_wheel_angle, p.kinematic_share
+    ahead = -1.0 if speed <= -p.slowest else 1.0
+    u, r, delta, w = max(abs(speed), p.slowest), yaw_rate, ahead * road_wheel_angle, p.kinematic_share
     b = car.centre_of_mass_to_rear_axle
     front, rear = p.front_cornering_stiffness / car.mass, p.rear_cornering_stiffness / car.mass
     at_rest = front * (delta - (car.wheelbase - b) * r / u) + rear * b * r / u
     damping = (1.0 - w) * (front + rear) / u
     believed = w * lateral_acceleration + (1.0 - w) * at_rest
-    s.lateral_velocity = (s.lateral_velocity + period * (believed - r * u)) / (1.0 + period * damping)
-    return axle_slip_angles(car, u, s.lateral_velocity, r, delta, p.slowest)
+    s.lateral_velocity = (s.lateral_velocity + period * (believed - ahead * r * u)) / (1.0 + period * damping)
+    return axle_slip_angles(car, ahead * u, s.lateral_velocity, r, road_wheel_angle, p.slowest)
 
 
 @compilable

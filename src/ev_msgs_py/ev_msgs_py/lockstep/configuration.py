@@ -28,7 +28,7 @@ from ev_msgs_py.sensors.seeds import seeded
 from ev_msgs_py.vehicle.files import with_files
 
 P = TypeVar("P")
-_METHOD, _SENSORS = "method", "sensors."
+_METHOD, _SENSORS, _VEHICLE = "method", "sensors.", "vehicle."
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,8 @@ class Configuration:
     """A role, the method that plays it and all their parameters.
 
     `sensors` are those of the signals that the method writes; `unused` values belong to other methods of the role.
-    `own_faults` are those of a method whose parameters have no `faults`.
+    `own_faults` are those of a method whose parameters have no `faults`. `from_files` are the names of parameters that
+    files say, and of those that name the files.
     """
 
     role: str
@@ -47,6 +48,7 @@ class Configuration:
     unused: tuple[str, ...] = ()
     sensors: Any = field(default_factory=sensors_for(()))
     own_faults: FaultParameters | None = None
+    from_files: tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def period(self) -> int:
@@ -171,16 +173,26 @@ def _ends_alike(one: str, other: str) -> bool:
 def _fitting(configuration: Configuration) -> Configuration:
     """The configuration with what its files hold; ParameterError if its method does not suit the vehicle."""
     method, common = configuration.method, configuration.common
-    common = dataclasses.replace(common, vehicle=with_files(common.vehicle))
-    parameters = configuration.parameters
+    vehicle, parameters = with_files(common.vehicle), configuration.parameters
+    from_files = _changed(common.vehicle, vehicle, _VEHICLE)
+    common = dataclasses.replace(common, vehicle=vehicle)
     if isinstance(method.factory, ReadingFiles):
         parameters = method.factory.load_files(parameters)
+    from_files += _changed(configuration.parameters, parameters)
     if configuration.extra is not None:
         configuration.extra.refuse_beside(common)
     refuse_layout(method, parameters, common.vehicle)
     has_car, period = hasattr(parameters, "faults"), common.control_period
     refuse_faults(configuration.role, configuration.faults, method.writes, has_car, period)
-    return dataclasses.replace(configuration, common=common, parameters=parameters)
+    return dataclasses.replace(configuration, common=common, parameters=parameters, from_files=from_files)
+
+
+def _changed(before: Any, after: Any, prefix: str = "") -> tuple[str, ...]:
+    """The names of what differs between two dataclasses of parameters."""
+    if before == after:
+        return ()
+    now = flatten(after, prefix)
+    return tuple(name for name, value in flatten(before, prefix).items() if value != now[name])
 
 
 def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:

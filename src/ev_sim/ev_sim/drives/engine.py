@@ -122,7 +122,7 @@ def _converter_change(
 def _shift(s: EngineState, e: Engine, ratios: tuple[float, ...], wanted: float, shaft: float, h: float) -> None:
     """Change gear by the speed of the turbine, and the direction near rest by what is wanted."""
     s.since_shift += h
-    if s.since_shift < e.gearbox.dwell:
+    if s.since_shift < e.gearbox.dwell - 0.5 * h:  # a sum of steps is now above, now below what it stands for
         return
     gear, turbine, slow = s.gear, gear_ratio(e, ratios, s.gear) * shaft, e.gearbox.selector_speed
     if gear < 0.0:

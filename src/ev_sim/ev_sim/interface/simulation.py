@@ -30,7 +30,7 @@ from ev_sim.running.scenarios.scenario import Run
 class SimulationState:
     """All that lasts between steps: number of the instant, its frame, and by role the seed and the states of its parts.
 
-    `of` says what it is the state of: the control period [ns], and by role method, sensors and faults.
+    `of` says what it is the state of: control period [ns], numbers of a frame, and by role method, sensors and faults.
     """
 
     instant: int
@@ -219,7 +219,7 @@ class Simulation:
 
     def _of(self) -> dict[str, Any]:
         """What a state is a state of, by name."""
-        found: dict[str, Any] = {"control period [ns]": self.period, "roles": self.kept}
+        found: dict[str, Any] = {"control period [ns]": self.period, "roles": self.kept, "numbers": frame.SIZE}
         for role in self.kept:
             configuration = self.configurations[role]
             errors = {quantity.name: each.delay for quantity, each in imperfect(configuration.sensors)}

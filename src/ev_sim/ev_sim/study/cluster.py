@@ -11,6 +11,7 @@ from distributed import Client, as_completed
 from ev_sim.report.summary import versions
 from ev_sim.running.outcome import RunFailed
 from ev_sim.study.case import Case, CaseResult, Measure, drive_case
+from ev_sim.study.depends import digest_of_sources
 
 _PATIENCE = 60.0  # s for a scheduler to answer and for its first worker to join
 
@@ -21,10 +22,10 @@ def drive_on_cluster(
     """The results of all cases, each with what measures it, in their order; `scheduler` is an address, tcp://HOST:PORT.
 
     The cases of a worker that is lost are driven again by others. RunFailed if there is no such scheduler, if it has no
-    workers, or if a worker computes with other versions than this process.
+    workers, or if a worker computes with other versions, sources or config files than this process.
     """
     with _client(scheduler) as client:
-        _refuse_other_versions(client)
+        refuse_others(client)
         # The same case driven twice is no matter of a cache: whoever asks wants it driven.
         futures = client.map(drive_case, *zip(*jobs, strict=True), pure=False)
         for _, result in as_completed(futures, with_results=True):
@@ -47,10 +48,13 @@ def _client(scheduler: str) -> Iterator[Client]:
         yield client
 
 
-def _refuse_other_versions(client: Client) -> None:
-    """Signals are equal to the last bit only where the same packages compute them."""
-    own = versions()
+def refuse_others(client: Client) -> None:
+    """Signals are equal to the last bit only where the same text is computed by the same packages."""
+    own, sources = versions(), digest_of_sources(config=True)
     for worker, theirs in client.run(versions).items():
         for package, version in theirs.items():
             if version != own[package]:
                 raise RunFailed(f"worker {worker} has {package} {version}, allowed is {own[package]} as here")
+    for worker, digest in client.run(digest_of_sources, config=True).items():
+        if digest != sources:
+            raise RunFailed(f"worker {worker} has other sources or config files, allowed are those of here")

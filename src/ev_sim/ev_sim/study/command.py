@@ -75,15 +75,18 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
 
 def _refuse_unused(study: Study, given: argparse.Namespace, cases: Sequence[Case]) -> None:
     """ParameterError for what the command line sets or varies and no method of any case has."""
-    alike = {(c.scenario, c.run, c.files, *(v for v in c.values if v[1] == "method")): c for c in cases}
+    varied = study.variations(given) if hasattr(study, "variations") else {}
+    places = [(*name.split(".", 1), None) for name in varied if "." in name]
+    told = [*overrides(given).values, *places]
+    if not told:
+        return
+    alike = {(c.scenario, c.run, c.files, *(str(v) for v in c.values if v[1] == "method")): c for c in cases}
     runs = []
     for case in alike.values():
         with suppress(ParameterError):  # a case that cannot be driven comes back as refused
             runs.append(run_of(case))
-    varied = study.variations(given) if hasattr(study, "variations") else {}
-    places = [(*name.split(".", 1), None) for name in varied if "." in name]
     if runs:
-        refuse_unused_values([*overrides(given).values, *places], runs)
+        refuse_unused_values(told, runs)
 
 
 def _refuse_same_names(cases: Iterable[Case]) -> None:

@@ -24,6 +24,8 @@ from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
+from ev_sim.surfaces.road import RoadParameters, left_and_right
+from ev_sim.surfaces.table import Surface
 
 ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"
 ROLE = "electronic_differential"
@@ -64,8 +66,7 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     """QUANTITIES, or in one line why one cannot be measured, and CURVES."""
     plant = run.configurations[MASTER]
-    vehicle, road = plant.common.vehicle, getattr(plant.parameters, "road", None)
-    surfaces = tuple(map(road.surface, {*road.left, *road.right, *road.random_surfaces})) if road else ()
+    vehicle, surfaces = plant.common.vehicle, surfaces_of(getattr(plant.told, "road", None))
     return {
         "peak_sideslip": handling.peak_sideslip(recording),
         "yaw_rate_error": _if_measured(lambda: handling.yaw_rate_error(recording, vehicle)),
@@ -81,6 +82,13 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
         "speed": derived.speed(recording),
         "torque_difference": _right_minus_left(recording),
     }
+
+
+def surfaces_of(road: RoadParameters | None) -> tuple[Surface, ...]:
+    """The surfaces that lie on a road; none of a plant that has none."""
+    if road is None:
+        return ()
+    return tuple(map(road.surface, dict.fromkeys(name for side in left_and_right(road) for name in side.surface)))
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:

@@ -29,15 +29,16 @@ def case_key(case: Case) -> str:
 def row_key(study: str, case: Case) -> str:
     """A digest of all that what a study measures on a case depends on, but for `digest_of_sources`.
 
-    It is of the run with all its values, the files that were read for it, and the texts of the methods that are not
-    ours. ParameterError if the case is refused, ValueError if a law refuses its vehicle.
+    It is of the run with all its values, the names and texts of the files that were read for it, and the texts of the
+    methods that are not ours. ParameterError if the case is refused, ValueError if a law refuses its vehicle.
     """
     with files_read() as files:
         run = run_of(case)
         for configuration in run.configurations.values():
             configuration.create()
     roles = {role: (_text_of(each.method), each.values()) for role, each in run.configurations.items()}
-    return _short(repr((study, run.name, run.duration, run.report, run.metrics, roles, sorted(files.values()))))
+    read = sorted((Path(name).name, digest) for name, digest in files.items())
+    return _short(repr((study, run.name, run.duration, run.report, run.metrics, roles, read)))
 
 
 def _text_of(method: Method) -> str:

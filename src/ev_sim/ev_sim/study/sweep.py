@@ -13,7 +13,6 @@ import yaml
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.shown import quoted
-from ev_msgs_py.parameters.values import unknown_name
 from ev_sim.report.figures.figure import Figure
 from ev_sim.report.figures.over_values import lines_with_bands, maps
 from ev_sim.report.metric import Metric
@@ -117,14 +116,14 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 
 
 def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
-    """By name the unit of the metrics that are shown; ParameterError for one that no run has."""
+    """By name the unit of the metrics that are shown; ParameterError for one that no run has measured."""
     units: dict[str, str] = {}
     for result in results.values():
         units |= result.measured.get("units", {})
     chosen = given.metrics.split(",") if given.metrics else list(units)
     for name in chosen:
         if name not in units:
-            raise unknown_name("metric", name, units)
+            raise ParameterError(f"no run has measured a metric {quoted(name)}; measured: {', '.join(units) or 'none'}")
     return {name: units[name] for name in chosen}
 
 

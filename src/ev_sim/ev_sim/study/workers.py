@@ -28,7 +28,7 @@ def drive_cases(
     `measure` is one function for all cases, or one for each of them. `scheduler` is the address of a running scheduler
     (tcp://HOST:PORT); without it `workers` processes (as many as there are cores) live on this machine until the end.
     The case of a worker that is lost is driven again by another one. RunFailed if a case loses all its workers, if
-    there is no such scheduler, if it has no workers, or if one of them computes with other versions than this process.
+    there is no such scheduler, if it has no workers, or if one computes with other versions or sources.
     """
     jobs = [*zip(cases, [measure] * len(cases) if callable(measure) else measure, strict=True)]
     if scheduler is not None:

@@ -6,8 +6,11 @@ intervals of one second.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
+from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.drive_train import wheel_inertias
 from ev_sim.report.figures.drawing import sheet
@@ -16,7 +19,7 @@ from ev_sim.report.figures.over_time import over_time
 from ev_sim.report.figures.panels import Curve, panel
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.report.quantities import derived, motion
-from ev_sim.report.samples import Runs, channel
+from ev_sim.report.samples import Parameters, Runs, channel
 from ev_sim.running.recording.recording import Recording
 
 GRAVITY = 9.81  # [m/s^2]
@@ -60,8 +63,18 @@ def road_load(run: Recording, vehicle: Vehicle) -> tuple[float, float]:
     return float(rolling), float(area)
 
 
-def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
+def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
     """The fitted road load beside that of the vehicle description, and the time from 100 to 80 km/h."""
+    road = parameters.get(MASTER, {})
+
+    def level(measure: Callable[[], float]) -> Callable[[], float]:
+        def measured() -> float:
+            if any((*road.get("road.grade", ()), *road.get("road.side_slope", ()))):
+                raise NotMeasured("the road is not level, and what its slope gives would count as road load")
+            return measure()
+
+        return measured
+
     area = vehicle.drag_coefficient * vehicle.frontal_area
     if vehicle.air_density > 0.0:  # the part of the rolling resistance that grows with V^2 looks like drag
         area += 2 * vehicle.mass * GRAVITY * vehicle.rolling_resistance_growth / vehicle.air_density
@@ -69,11 +82,11 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
         runs,
         lambda run: {
             "rolling_resistance": metric(
-                lambda: road_load(run, vehicle)[0], "1", _described(vehicle.rolling_resistance, "f_0")
+                level(lambda: road_load(run, vehicle)[0]), "1", _described(vehicle.rolling_resistance, "f_0")
             ),
-            "drag_area": metric(lambda: road_load(run, vehicle)[1], "m^2", _described(area, "c_d A and k_f")),
-            "initial_deceleration": metric(lambda: decelerations(run)[1][0], "m/s^2"),
-            "time_from_100_to_80_km_h": metric(lambda: _time_between(run), "s"),
+            "drag_area": metric(level(lambda: road_load(run, vehicle)[1]), "m^2", _described(area, "c_d A and k_f")),
+            "initial_deceleration": metric(level(lambda: decelerations(run)[1][0]), "m/s^2"),
+            "time_from_100_to_80_km_h": metric(level(lambda: _time_between(run)), "s"),
         },
     )
 

@@ -40,7 +40,7 @@ class Response:
 def response(run: Recording, values: np.ndarray) -> Response:
     """The response of a quantity (n,); the response time ends at 90 % of the steady value.
 
-    NotMeasured if the steering wheel is not turned or the quantity is not steady in the end.
+    NotMeasured if the steering wheel is not turned, or if in the end the car stands or the quantity is not steady.
     """
     angle = channel(run, motion.STEERING_WHEEL_ANGLE)
     final = mean_between(run, angle, *last(run, WINDOW))
@@ -48,6 +48,8 @@ def response(run: Recording, values: np.ndarray) -> Response:
         raise NotMeasured("the steering wheel is not turned")
     start = motion.crossing_time(run.time, angle / final, 0.5, "half of the step")
     end = float(run.time[-1])
+    if not motion.moving(run)[run.time >= end - 2 * WINDOW].all():
+        raise NotMeasured("the car stands in the end")
     steady = mean_between(run, values, end - WINDOW, end)
     if not steady:
         raise NotMeasured("the car does not respond")

@@ -61,6 +61,11 @@ class Overrides:
     vehicle: str | None = None
     prepared: Sequence[tuple[str, str, Any]] = ()
 
+    @property
+    def told(self) -> tuple[tuple[str, str, Any], ...]:
+        """What is prepared, and the values that go before it."""
+        return (*self.prepared, *self.values)
+
 
 @dataclass(frozen=True)
 class Scenario:
@@ -109,7 +114,9 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
         if only and run_name not in only:
             continue
         run = _run(run_name, namespace, files, overrides, duration)
-        if about.slow_ramp.lateral_acceleration and not _is_told(f"{COLUMN}.{SCALE}", namespace, overrides):
+        may_differ = any((overrides.vehicle, overrides.files, overrides.told))
+        is_scaled = may_differ and _is_told(f"{COLUMN}.{SCALE}", namespace, overrides)
+        if about.slow_ramp.lateral_acceleration and may_differ and not is_scaled:
             as_it_is = _run(run_name, namespace, [vehicle_file(about.vehicle), own], Overrides(), about.duration)
             run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
             notes += [note] if note else []
@@ -124,7 +131,7 @@ def _is_told(name: str, namespace: str, overrides: Overrides) -> bool:
     """Whether the command line or its files give a value to a parameter, NODE.PARAMETER."""
     role, _, parameter = name.partition(".")
     files = (ParameterFile(path).values_for(f"{namespace}/{role}") for path in overrides.files)
-    told = (key for node, key, _ in overrides.values if node in ("*", role))
+    told = (key for node, key, _ in overrides.told if node in ("*", role))
     return parameter in told or any(parameter in values for values in files)
 
 
@@ -210,6 +217,7 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
             continue
         try:
             configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
+            _refuse_before_a_file(configurations[role], namespace, files, overrides)
         except ParameterError as error:
             origin = _origin(error.parameter, role, namespace, files, overrides)
             raise ParameterError(f"{role}: {error}{origin}") from None
@@ -220,6 +228,21 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
     return Run(name, namespace, configurations, duration)
 
 
+def _refuse_before_a_file(
+    configuration: Configuration, namespace: str, files: Sequence[ParameterFile], overrides: Overrides
+) -> None:
+    """ParameterError for what is told after or beside the name of a file that says it: it would silently do nothing."""
+    role = configuration.role
+    places = [file.values_for(f"{namespace}/{role}").keys() for file in files]
+    places.append({key for node, key, _ in overrides.told if node in ("*", role)})
+    last = {name: place for place, names in enumerate(places) for name in names}
+    for file in (name for name in configuration.from_files if name.endswith("file")):
+        for name in configuration.from_files:
+            is_told = name in last and (last[name] > last.get(file, -1) or last[name] == len(files))
+            if is_told and name != file and name.startswith(file.removesuffix("file")):
+                raise ParameterError(f"parameter {name} is refused: {file} says it, allowed with {file} ''", name)
+
+
 def _is_played(role: str, values: Mapping[str, Mapping[str, Any]]) -> bool:
     """Optional roles are played where a parameter chooses their method, or another method requires it."""
     return "method" in values[role] or not ROLES[role].optional
@@ -227,7 +250,7 @@ def _is_played(role: str, values: Mapping[str, Mapping[str, Any]]) -> bool:
 
 def _origin(name: str, role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> str:
     """Where a value was given that is refused, in words; nothing for one of the command line, which the user sees."""
-    if not name or any(key == name and node in ("*", role) for node, key, _ in overrides.values):
+    if not name or any(key == name and node in ("*", role) for node, key, _ in overrides.told):
         return ""
     given = [file.path for file in files if name in file.values_for(f"{namespace}/{role}")]
     return f" ({given[-1]})" if given else ""
@@ -237,6 +260,5 @@ def _values(role: str, namespace: str, files: Sequence[ParameterFile], overrides
     values: dict[str, Any] = {}
     for file in files:
         values.update(file.values_for(f"{namespace}/{role}"))
-    said = (*overrides.prepared, *overrides.values)
-    values.update({key: value for node, key, value in said if node in ("*", role)})
+    values.update({key: value for node, key, value in overrides.told if node in ("*", role)})
     return values

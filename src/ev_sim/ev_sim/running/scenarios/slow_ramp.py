@@ -16,6 +16,7 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.lockstep.configuration import Configuration, configure
 from ev_msgs_py.parameters.declaration import ParameterError, defaults, parameter
+from ev_msgs_py.parameters.values import entries_by_name
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import motion
 from ev_sim.report.quantities.understeer import understeer_gradient
@@ -30,6 +31,7 @@ BEGIN = 1.0  # [s], when the ramp begins
 LARGEST = 2.5  # times the angle of the linear car: so far the ramp goes on
 READINGS = LINE, CROSSING = ("line", "crossing")
 FIT_RANGE = (1 / 3, 1.25)  # of the wanted acceleration, over which FMVSS 126, S7.6, fits its line: 0.1 to 0.375 g
+_HOW_A_ROAD_IS_DRAWN = ("road.seed", "road.random_distance")
 _OF_THE_CAR = ("method", "initial_speed", "vehicle.", "road.", "rear_steering.")
 
 
@@ -100,7 +102,11 @@ def _car(run: Run) -> dict[str, Any]:
         if role in (MASTER, "rear_steering")
         for name, value in configuration.values().items()
     }
-    return {name: value for name, value in values.items() if name.startswith(_OF_THE_CAR) and name != "road.seed"}
+    return {
+        name: value
+        for name, value in values.items()
+        if name.startswith(_OF_THE_CAR) and name not in _HOW_A_ROAD_IS_DRAWN
+    }
 
 
 def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
@@ -111,9 +117,16 @@ def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
     plant = replace(plant.changed({"faults": []}), sensors=defaults(type(plant.sensors)))
     car, speed = plant.common.vehicle, plant.values().get("initial_speed", 0.0)
     if speed == 0.0:
-        raise NotMeasured("the car stands")
+        raise NotMeasured("the run begins at rest, where no angle gives a lateral acceleration")
     linear = (car.wheelbase / speed**2 + abs(understeer_gradient(car))) * ramp.lateral_acceleration
     angle = LARGEST * linear * car.steering_ratio
+    most = entries_by_name(run.configurations[COLUMN].method.parameters)["profile.angle"].spec.high
+    if angle > most:
+        raise NotMeasured(
+            f"at the {abs(speed):g} m/s with which the run begins, {ramp.lateral_acceleration:g} m/s^2 would take "
+            f"{angle / LARGEST:.3g} rad of the steering wheel, and a ramp ends at {LARGEST:g} times that, allowed is "
+            f"up to {most:g} rad"
+        )
     end = BEGIN + angle / ramp.rate
 
     def of(role: str, method: str, **values: Any) -> Configuration:
