@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from documentation.asr_seeds import seed_tables
 from documentation.markdown import with_blocks
 from documentation.measured import is_long, read_measured, sample
 from documentation.scenario_results import STUDY_PAGES, study_table
@@ -34,3 +35,13 @@ def test_measured_numbers_are_those_of_the_cases(study: str):
         for name, value in kept[now.name].measured.items():
             same = value if value is None else pytest.approx(value, rel=1e-6, abs=1e-9, nan_ok=True)
             assert now.measured[name] == same, (now.name, name)
+
+
+def test_spread_over_seeds_is_that_of_the_page():
+    """Two controls on dry asphalt, and one of them with the slip of the road's peak as target."""
+    text = (ROOT / "docs" / "asr.md").read_text(encoding="utf-8").partition("<!-- generated: seeds -->")[2]
+    written = [line.split(" | ") for line in text.partition("<!-- end")[0].splitlines()]
+    for line in seed_tables(("dry",), ("slip_window", "pi_slip")).splitlines():
+        name, *cell = line.rstrip(" |").split(" | ")
+        if "±" in line:
+            assert any(row[0] == name and row[4] == cell[0] for row in written), line

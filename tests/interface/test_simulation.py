@@ -59,6 +59,23 @@ def test_ones_own_driver_and_column_are_told_what_they_do(inside):
     assert signal_hash(outside.recording) == signal_hash(next(iter(inside.runs.values())))
 
 
+def test_ones_own_traction_control_sets_the_speeds_of_drives_in_speed_mode():
+    """What the law that is left out would have written can be given: torques, and here the speeds as well."""
+    outside = ev_sim.Simulation(
+        "double_lane_change",
+        without=("asr",),
+        method={"plant": "planar_speed_mode", "asr": "speed_by_slip"},
+        set={"plant.initial_speed": 1.0},
+    )
+    speeds = [name for name in outside.inputs if name.startswith("speed_command.")]
+    assert len(speeds) == 4
+    told = dict.fromkeys(speeds, 5.0) | {f"torque_command.drive.front_{side}": 800.0 for side in ("left", "right")}
+    for _ in range(200):
+        frame = outside.step(told)
+    assert frame["wheel_states.velocity.front_left"] == pytest.approx(5.0, rel=0.2)
+    assert "speed_command.speed.front_left" in outside.recording.channels
+
+
 def test_a_state_that_was_kept_is_gone_on_from_with_the_same_bits():
     """Noise of the sensors as well; through a file, and in another simulation."""
     first, second = simulation(record=False), simulation(record=False)

@@ -8,7 +8,12 @@ from launches import SURFACE_NAMES, full_throttle, launch, slip_of
 from traction import CONTROLS, METHODS, PERIOD
 
 ACCELERATION_LAWS = ("acceleration_ratio", "maximum_transmissible_torque")
-ON_ICE = {"slip_window": 0.8, "acceleration_ratio": 0.8, "maximum_transmissible_torque": 0.98}  # of the speed without
+ON_ICE = {  # of the speed without
+    "slip_window": 0.8,
+    "acceleration_ratio": 0.8,
+    "expected_signal": 0.97,
+    "maximum_transmissible_torque": 0.98,
+}
 RECOVERY = {  # seconds from dry asphalt under the wheel to 90 % of the request, after snow; measured with eight seeds:
     "least_squares": 0.15,  # 0.05 to 0.10
     "slip_window": 0.95,  # 0.40 to 0.84: noise decides when the swinging slip lets the limit rise
@@ -42,9 +47,9 @@ def test_launches_do_not_chatter(name, surface):
 
     On ice the force hardly depends on the slip, so there is nothing to win; a limit that falls too far only loses.
     slip_window and acceleration_ratio lose 10 to 17 % of the speed there, over eight seeds of the noise, and
-    maximum_transmissible_torque 0 to 1.4 %. Slip is never negative but for the spring of the carcass at rest; the laws
-    that only know accelerations take so much torque at walking speed that the wheel swings back, and slip_window on ice
-    (to -0.05 at 0.5 m/s).
+    maximum_transmissible_torque 0 to 1.4 %, expected_signal 2 % for its smaller slip at rest. Slip is never negative
+    but for the spring of the carcass at rest; the laws that only know accelerations take so much torque at walking
+    speed that the wheel swings back, and slip_window on ice (to -0.05 at 0.5 m/s).
     """
     channels, off = full_throttle(name, surface), full_throttle("off", surface)
     for wheel in ("front_left", "front_right"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from traction import METHODS, SPEED_MODE, Control, Measured
 
@@ -16,6 +17,7 @@ from ev_sim.running.scenarios.scenario import Overrides, load_scenario
 
 CARS = sorted(files_in_config("vehicles"))
 PERIOD = 0.01
+STARTS = [(begin, share) for begin in (8.0, 22.0, -8.0) for share in (0.1, 0.2)]  # m/s, torque over weight times radius
 
 
 def car(name: str) -> Vehicle:
@@ -43,6 +45,49 @@ def test_nothing_is_withheld_from_wheels_that_roll(name):
                     assert control.limits() == [math.inf] * 4, (law, begin, step)
                 else:
                     assert control.step(rolls) == drive, (law, begin, step)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", METHODS)
+def test_nothing_is_withheld_on_a_dry_road_without_slip(name):
+    """Every car at 8 and 22 m/s and in reverse, pedal down at once to a tenth and a fifth of the weight.
+
+    Torque comes before force: the carcass winds up and the wheel runs ahead, which `acceleration_ratio` took for slip.
+    Without slip is below 0.05, where dry asphalt still carries more than half of the load.
+    """
+    seen = 0
+    for vehicle in CARS:
+        asked, given_, slip = starts(vehicle, name)
+        grips = slip < 0.05
+        assert (asked[grips] == given_[grips]).all(), vehicle
+        seen += grips.sum()
+    assert seen > 5 * len(CARS)
+
+
+def starts(vehicle: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Requests and commands of all wheels [N m] in the first half second of six starts, and their largest slips."""
+    of = car(vehicle)
+    lever = of.mass * 9.81 * of.wheel_radius
+    pedals = [[share * lever * math.copysign(1.0, begin)] for begin, share in STARTS]
+    topics = ("torque_request.drive", "torque_command.drive", "tire_forces.slip_ratio")
+    found = ev_sim.batch(
+        "launch_split_mu",
+        {"plant.initial_speed": [begin for begin, _ in STARTS], "driver.pedals.drive_torque": pedals},
+        run="fixed_steering",
+        signals=[f"{topic}.{wheel}" for topic in topics for wheel in of.driven_wheels],
+        vehicle=vehicle,
+        method={"asr": name},
+        set={
+            "*.control_period": 0.005,
+            "plant.road.left": ["dry_asphalt"],
+            "driver.pedals.time": [0.0],
+            "driver.pedals.drive_torque": [0.0],
+            "driver.pedals.brake_torque": [0.0],
+        },
+        duration=0.5,
+    )
+    asked, given_, slip = (np.stack([found.signals[f"{of_}.{w}"] for w in of.driven_wheels], axis=1) for of_ in topics)
+    return asked, given_, abs(slip).max(axis=(1, 2))
 
 
 @pytest.mark.slow

@@ -66,7 +66,8 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
             _write(root / name, {**texts, **_studied(root, page.studies, images)})
     for name, studies in scenario_results.STUDY_PAGES.items():
         if name in wanted:
-            _write(root / name, _studied(root, studies, images))
+            further = {part: table() for part, table in scenario_results.STUDY_TABLES.get(name, {}).items()}
+            _write(root / name, {**_studied(root, studies, images), **further})
 
 
 def _write_hashes(page: Path) -> None:

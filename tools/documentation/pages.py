@@ -10,7 +10,7 @@ from documentation.graph_diagram import graph_diagram
 from documentation.hashes import HASHES
 from documentation.lists import method_table, scenario_table, study_list
 from documentation.markdown import block_names, with_blocks
-from documentation.scenario_results import SCENARIO_PAGES, STUDY_PAGES
+from documentation.scenario_results import SCENARIO_PAGES, STUDY_PAGES, STUDY_TABLES
 
 SHCHUR = "docs/shchur2019.md"
 CONTROL_PERIODS = "control periods"
@@ -48,7 +48,7 @@ PAGES = {
     SHCHUR: (RESULTS, CONTROL_PERIODS),
     verdict_tables.PAGE: verdict_tables.PARTS,  # made from runs, too
     **{name: (RESULTS, *page.studies, *page.tables) for name, page in SCENARIO_PAGES.items()},
-    **STUDY_PAGES,
+    **{name: (*studies, *STUDY_TABLES.get(name, {})) for name, studies in STUDY_PAGES.items()},
 }
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from documentation.asr_seeds import seed_tables
 from documentation.markdown import code, table
 from documentation.measured import is_long, write_measured
 from documentation.neutral_steer import neutral_steer_table, save_bode_plot
@@ -101,6 +102,7 @@ STUDY_PAGES = {  # pages that show studies alone
     "docs/faults.md": ("faults",),
     "docs/dissertation.md": ("five_methods", "urban_sensitivity"),
 }
+STUDY_TABLES: dict[str, dict[str, Callable[[], str]]] = {"docs/asr.md": {"seeds": seed_tables}}  # further parts
 
 
 def results_of(page: Page, driven: Driven) -> str:

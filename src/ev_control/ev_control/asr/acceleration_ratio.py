@@ -64,11 +64,12 @@ def acceleration_ratio(
 
     A rolling wheel has a_x/w' = r, a slipping one less (dissertation, eq 1.4). The source wants to intervene where
     the ratio exceeds 0.4 m, which for its wheel of 0.32 m never happens, and prints a_x/w' < 0.4, which is always
-    true; the sign of eq 1.4 is right, the value is not. The ratio is compared without dividing, and only while the
-    wheel accelerates more than noise does. It sees slip that grows, not slip: a wheel that spins at a steady speed is
-    left to spin, and the slip that built up before the limit fell stays.
+    true; the sign of eq 1.4 is right, the value is not. The ratio is compared without dividing, only while the
+    wheel accelerates more than noise does, and once it has gained more on the car than a tyre that grips. It sees slip
+    that grows, not slip: a wheel that spins at a steady speed is left to spin, and the slip that built up before the
+    limit fell stays.
     """
-    if gains_on_car(p, w.accelerations, period, motion):
+    if gains_on_car(p, car, w.accelerations, period, motion):
         return min(w.limit, wanted) - p.fall * period
     raised = w.limit + p.rise * period
     return raised if raised < wanted else inf

@@ -18,7 +18,7 @@ from ev_control.shared.first_order_filter import Filtered, filter_share, follow,
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
-from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, slip_of, slowest_wheel
+from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, share_at, share_at_rest, slip_of, slowest_wheel
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.elementary import tan
@@ -39,6 +39,15 @@ class ExpectedSignalParameters:
     least_slip: float = parameter(
         0.02, unit="1", low=1e-3, high=0.5, about="slip below which nothing can be compared", source="assumption"
     )
+    rise: float = parameter(
+        0.3,
+        unit="1/s",
+        low=0.0,
+        high=100.0,
+        about="rise of the estimate below that slip: a wheel that had spun shows less than the road carries, and a car "
+        "on a slippery hill would stand for ever",
+        source="assumption",
+    )
     rate: float = parameter(
         50.0, unit="1/s", low=0.0, high=1000.0, about="correction of the estimate", source="assumption"
     )
@@ -49,6 +58,7 @@ class ExpectedSignalParameters:
         0.95, unit="1", low=0.1, high=1.0, about="share of the expected peak that is used", source="assumption"
     )
     slowest: float = slowest_wheel()
+    at_rest: float = share_at_rest(0.3)
     diagram: FrictionDiagramParameters = group(FrictionDiagramParameters)
     observer: SlipAngleObserverParameters = group(SlipAngleObserverParameters)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
@@ -83,7 +93,8 @@ def expected_signal(
     """Limit each wheel to the peak that stored diagrams expect, on the road that the friction in use speaks for.
 
     phi_x(s, alpha) with the estimated largest friction is what a wheel with this slip and slip angle should use; the
-    estimate follows the difference to what it does use, (M - J w')/(F_z r), by `rate`. The limit is phi_x at the peak
+    estimate follows the difference to what it does use, (M - J w')/(F_z r), by `rate`; a wheel without slip says
+    nothing, and it rises slowly. The limit is phi_x at the peak
     of the resultant slip, beside the slip angle, times load and radius. The dissertation (section 1.4) only names the
     analysis of the expected signal and its diagrams, phi_x over slip for slip angles and phi_y for largest
     coefficients.
@@ -92,7 +103,7 @@ def expected_signal(
     lever = load * car.wheel_radius
     share = filter_share(period, p.filter_time)
     used = follow(w.used, road_torque(car, motion) / lever if lever > 0.0 else 0.0, share)
-    slip = follow(w.slip, slip_of(motion, p.slowest), share)
+    slip = follow(w.slip, slip_of(motion, p.slowest) / share_at(motion, p.slowest, p.at_rest), share)
     angle = slip_angle_of(p.observer, car, w.observer, period, motion)
     lateral = tan(min(max(angle, -1.0), 1.0))
     if slip > p.least_slip:
@@ -100,5 +111,7 @@ def expected_signal(
         share_of_peak = max(expected_friction(p.diagram, w.friction, slip, lateral) / w.friction, p.least_slip)
         gap = used / share_of_peak - w.friction
         w.friction = min(max(w.friction + min(p.rate * period, 1.0) * gap, p.least_friction), p.largest_friction)
+    else:
+        w.friction = min(w.friction + p.rise * period, p.largest_friction)
     peak = friction_at_peak(p.diagram, w.friction, lateral)
     return p.use * peak * lever / car.motor.gear_efficiency

@@ -11,7 +11,7 @@ from ev_control.shared.least_squares_parameters import LeastSquaresParameters
 from ev_control.shared.slip_regulator import until_served
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
-from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, slip_of
+from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, share_at, slip_of
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.elementary import sqrt
@@ -64,7 +64,8 @@ def least_squares(
     aim(p, w, period, motion)
     if w.target == 0.0:
         return inf
-    wanted_speed = max(motion.rolling / (1.0 - w.target), motion.rolling + w.target * p.slowest)
+    least = w.target * share_at(motion, p.slowest, p.at_rest) * p.slowest
+    wanted_speed = max(motion.rolling / (1.0 - w.target), motion.rolling + least)
     acceleration = motion.body_acceleration / (car.wheel_radius * (1.0 - w.target))
     acceleration += p.bandwidth * (wanted_speed - motion.speed)
     torque = (road + car.driven_wheel_inertia[motion.place] * acceleration) / car.motor.gear_efficiency

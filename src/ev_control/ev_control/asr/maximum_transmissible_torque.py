@@ -1,4 +1,4 @@
-"""Traction control by the largest torque that the tyre can transmit (dissertation, eq 1.7)."""
+"""Traction control by the largest torque that the tyre can transmit (dissertation, eq 1.7; Yin, Oh and Hori 2009)."""
 
 from __future__ import annotations
 
@@ -7,20 +7,33 @@ from math import inf
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.gained_speed import GainedSpeedParameters, has_gained
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
 from ev_control.shared.wheel_dynamics import WheelMotion, mass_share, road_torque
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import part
+from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.parameters.declaration import group, parameter
 from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.vehicle.drive_train import has_own_motors
+
+LIMITS = ("while_gaining", "always")
+WHILE_GAINING, ALWAYS = range(len(LIMITS))
 
 
 @dataclass(frozen=True, slots=True)
-class MaximumTransmissibleTorqueParameters:
+class MaximumTransmissibleTorqueParameters(GainedSpeedParameters):
     """The relaxation factor, and when the limit counts; the source gives none of them."""
 
+    limits: str = parameter(
+        "while_gaining",
+        choices=LIMITS,
+        about="while_gaining: only while the tread gains on the car by more than `margin`, then rising; always: at "
+        "every instant",
+        source="always: Yin, Oh and Hori (2009); while_gaining: assumption",
+    )
     relaxation: float = parameter(
         0.9,
         unit="1",
@@ -37,7 +50,7 @@ class MaximumTransmissibleTorqueParameters:
         unit="m/s^2",
         low=0.0,
         high=50.0,
-        about="acceleration of the tread over the allowed one that is noise, or a carcass that winds up",
+        about="while_gaining: acceleration of the tread over the allowed one that is noise",
         source="assumption",
     )
     rise: float = parameter(
@@ -45,8 +58,17 @@ class MaximumTransmissibleTorqueParameters:
         unit="N m/s",
         low=1.0,
         high=1e6,
-        about="rise of the limit while the wheel follows the car; by eq 1.7 alone, no force stays no force",
+        about="while_gaining: rise of the limit while the wheel follows the car; by eq 1.7 alone, no force stays none",
         source="assumption",
+    )
+    compensation: float = parameter(
+        0.15,
+        unit="s",
+        low=0.0,
+        high=10.0,
+        about="always: of the filtered rate of the request, added to the limit while the tyre grips, so that filter, "
+        "drive and carcass do not hold back a pedal that is pressed",
+        source="Yin, Oh and Hori (2009) add it; its value, and that it ends with the grip, are assumptions",
     )
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)
@@ -59,6 +81,9 @@ class MaximumTransmissibleTorqueWheel(LimitedWheel):
     road: Filtered = part(Filtered)  # torque that the road takes [N m]
     tread_acceleration: Filtered = part(Filtered)  # [m/s^2]
     body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
+    gained: float = entry(unit="rad/s", about="speed that the wheel has gained on the car lately")
+    asked: float = entry(unit="N m", about="last request")
+    rate: float = entry(unit="N m/s", about="of the request, filtered")
 
 
 @compilable
@@ -68,10 +93,22 @@ def forget(p: MaximumTransmissibleTorqueParameters, w: MaximumTransmissibleTorqu
     forget_filtered(w.road)
     forget_filtered(w.tread_acceleration)
     forget_filtered(w.body_acceleration)
+    w.gained = w.asked = w.rate = 0.0
+
+
+def own_motors_to_limit_always(parameters: MaximumTransmissibleTorqueParameters, vehicle: Vehicle) -> str:
+    """Behind an engine or a differential the torque of a wheel comes too late to be what the limit starts from."""
+    if parameters.limits != "always" or (has_own_motors(vehicle) and vehicle.engine.peak_power == 0.0):
+        return ""
+    return "a motor for each driven wheel for limits always"
 
 
 @traction_control(
-    "maximum_transmissible_torque", MaximumTransmissibleTorqueParameters, MaximumTransmissibleTorqueWheel, forget
+    "maximum_transmissible_torque",
+    MaximumTransmissibleTorqueParameters,
+    MaximumTransmissibleTorqueWheel,
+    forget,
+    needs=(own_motors_to_limit_always,),
 )
 @compilable
 def maximum_transmissible_torque(
@@ -82,21 +119,30 @@ def maximum_transmissible_torque(
     motion: WheelMotion,
     wanted: float,
 ) -> float:
-    """Limit a wheel that gains on the car to the torque that lets both accelerate in a fixed proportion.
+    """Limit a wheel to the torque that lets it and the car accelerate in a fixed proportion.
 
     T = (J/(alpha M r^2) + 1) r F_d, with the force F_d = (M_w - J w')/r: with it the tread accelerates 1/alpha times as
     fast as the car (dissertation, eq 1.7). The source prints r where r^2 belongs if the factor is the pure number
     alpha; with its own definition, a_x/w' [m] = alpha r, the printed r is right. M is what one wheel moves, not the
     whole car. No speed of the car is needed but for the direction, and like every law that only knows accelerations
-    this one keeps slip from growing but does not undo it. Here it acts only beyond `margin`, so that slip which grows
-    more slowly is not seen; Yin, Oh and Hori (2009), after whom the law is named, limit always.
+    this one keeps slip from growing but does not undo it.
+
+    Yin, Oh and Hori (2009), after whom the law is named, limit `always`, T + G dT*/dt with the rate of the request.
+    `while_gaining` limits only a tread that gains on the car by more than `margin`, so that slip which grows more
+    slowly is not seen. In both a tyre that grips may gain what it needs for its force.
     """
     share, radius = filter_share(period, p.filter_time), car.wheel_radius
     road = follow(w.road, road_torque(car, motion), share)
     tread = follow(w.tread_acceleration, radius * motion.acceleration, share)
     body = follow(w.body_acceleration, motion.body_acceleration, share)
-    if p.relaxation * tread > body + p.margin:
-        ratio = car.driven_wheel_inertia[motion.place] / (p.relaxation * mass_share(car) * (radius * radius))
-        return (ratio + 1.0) / car.motor.gear_efficiency * max(road, 0.0)
+    slips = has_gained(p, car, w, period, motion)
+    ratio = car.driven_wheel_inertia[motion.place] / (p.relaxation * mass_share(car) * (radius * radius))
+    transmissible = (ratio + 1.0) / car.motor.gear_efficiency * max(road, 0.0)
+    if p.limits == ALWAYS:
+        w.rate += share * ((wanted - w.asked) / period - w.rate)
+        w.asked = wanted
+        return transmissible if slips else transmissible + p.compensation * max(w.rate, 0.0)
+    if slips and p.relaxation * tread > body + p.margin:
+        return transmissible
     raised = w.limit + p.rise * period
     return raised if raised < wanted else inf

@@ -62,5 +62,5 @@ def speed_by_acceleration_ratio(
     `acceleration_ratio`). The drive is in speed mode. What the text leaves open: where the set-point begins (at the
     speed of the wheel), how fast it falls, and that it rises while the criterion does not hold.
     """
-    gains = gains_on_car(p.criterion, w.accelerations, period, motion)
+    gains = gains_on_car(p.criterion, car, w.accelerations, period, motion)
     return moved(p, car, w, period, motion, wanted, -1.0 if gains else 1.0)

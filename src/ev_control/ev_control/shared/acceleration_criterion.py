@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.shared.gained_speed import GainedSpeedParameters, has_gained
 from ev_control.shared.wheel_dynamics import WheelMotion
 from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import part
+from ev_msgs_py.contract.record import entry, part
 from ev_msgs_py.parameters.declaration import parameter
+from ev_msgs_py.vehicle.car import Car
 
 
 @dataclass(frozen=True, slots=True)
-class AccelerationCriterionParameters:
+class AccelerationCriterionParameters(GainedSpeedParameters):
     """The ratio that tells slip from grip."""
 
     threshold: float = parameter(
@@ -39,10 +41,11 @@ class AccelerationCriterionParameters:
 
 @dataclass(slots=True)
 class Accelerations:
-    """Both accelerations, filtered."""
+    """Both accelerations, filtered, and what they have added up to."""
 
     wheel: Filtered = part(Filtered)  # [rad/s^2]
     body: Filtered = part(Filtered)  # of the car [m/s^2]
+    gained: float = entry(unit="rad/s", about="speed that the wheel has gained on the car lately")
 
 
 @compilable
@@ -50,12 +53,19 @@ def forget_accelerations(s: Accelerations) -> None:
     """Begin anew."""
     forget_filtered(s.wheel)
     forget_filtered(s.body)
+    s.gained = 0.0
 
 
 @compilable
-def gains_on_car(p: AccelerationCriterionParameters, s: Accelerations, period: float, motion: WheelMotion) -> bool:
-    """Whether a_x/w' < threshold, compared without dividing, and only while w' is more than noise."""
+def gains_on_car(
+    p: AccelerationCriterionParameters, car: Car, s: Accelerations, period: float, motion: WheelMotion
+) -> bool:
+    """Whether a_x/w' < threshold, compared without dividing, and only while w' is more than noise.
+
+    A tyre that grips needs slip for its force, and its carcass winds up first: what it gains by that does not count.
+    """
+    gained = has_gained(p, car, s, period, motion)
     share = filter_share(period, p.filter_time)
     turning = follow(s.wheel, motion.acceleration, share)
     moving = follow(s.body, motion.body_acceleration, share)
-    return turning > p.least_acceleration and moving < p.threshold * turning
+    return gained and turning > p.least_acceleration and moving < p.threshold * turning

@@ -17,10 +17,10 @@ from ev_msgs_py.parameters.declaration import parameter
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.drive_train import has_own_motors
+from ev_msgs_py.vehicle.torque_envelope import driving_torque, generating_torque
 
 KEEPS = ("asked", "sum", "difference")
 ASKED, SUM, DIFFERENCE = range(len(KEEPS))
-SPEED_FADE = 0.02  # share of the motor's maximum speed over which its torque fades, as drives do it
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,9 +111,8 @@ def motor_range(car: Car, wheel: int, speed: float) -> Range:
     """What the motors of a wheel can give at a wheel speed [rad/s]; nothing where there are none."""
     motor, at_wheel = car.motor, car.driven[wheel] * car.motors[wheel] * car.gear[wheel]
     turns = abs(speed) * car.gear[wheel]
-    fade = min(max((motor.maximum_speed - turns) / (SPEED_FADE * motor.maximum_speed), 0.0), 1.0)
-    driving = at_wheel * fade * min(motor.peak_torque, motor.peak_power / max(turns, 1e-9))
-    generating = at_wheel * min(motor.peak_torque, motor.generator_torque, motor.generator_power / max(turns, 1e-9))
+    driving = at_wheel * driving_torque(motor, motor.peak_torque, 1.0, turns)
+    generating = at_wheel * generating_torque(motor, motor.peak_torque, 1.0, turns)
     if speed == 0.0:
         return Range(-driving, driving)
     return Range(-generating, driving) if speed > 0.0 else Range(-driving, generating)

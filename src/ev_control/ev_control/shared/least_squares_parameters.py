@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_peak import SlipPeakParameters
 from ev_control.shared.limp_mode import LimpModeParameters
+from ev_control.shared.wheel_dynamics import share_at_rest
 from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
 
 
@@ -69,6 +70,7 @@ class LeastSquaresParameters(SlipPeakParameters):
         about="time for which the road has to carry the whole request before the limit ends",
         source="assumption",
     )
+    at_rest: float = share_at_rest(0.3)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)
 

@@ -18,6 +18,7 @@ from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand
 from ev_msgs_py.elementary import copysign
 from ev_msgs_py.parameters.declaration import parameter
 from ev_msgs_py.vehicle.car import Car
+from ev_msgs_py.vehicle.torque_envelope import driving_torque, generating_torque
 
 PARTNERS = (1, 0, 3, 2)  # the other wheel of the axle, in the order of Wheels
 NEARLY_FASTEST = 0.95  # share of the motor's maximum speed from which on no torque is expected of it
@@ -143,13 +144,13 @@ def due_torque(p: PlausibilityParameters, car: Car, s: PlausibilityState, wheels
 @compilable
 def lasting_torque(p: PlausibilityParameters, car: Car, speed: float, ahead: float) -> float:
     """What heat, a low voltage and the gear leave of a motor's torque at a wheel speed, in a direction [N m, rad/s]."""
-    motor, turns = car.motor, max(abs(speed) * car.gear_ratio, 1e-3)
+    motor, turns = car.motor, abs(speed) * car.gear_ratio
     if turns > NEARLY_FASTEST * motor.maximum_speed:
         return 0.0
-    torque, power = min(motor.nominal_torque, motor.peak_torque), motor.peak_power
+    lasting = min(motor.nominal_torque, motor.peak_torque)
     if ahead * speed < 0.0:
-        torque, power = min(torque, motor.generator_torque), motor.generator_power
-    return min(torque, p.power * power / turns) * car.gear_ratio * motor.gear_efficiency
+        return generating_torque(motor, lasting, p.power, turns) * car.gear_ratio * motor.gear_efficiency
+    return driving_torque(motor, lasting, p.power, turns) * car.gear_ratio * motor.gear_efficiency
 
 
 @compilable

@@ -65,6 +65,7 @@ def traction_control(
     forget: Callable[..., None],
     reference: str = "reference",
     speed_mode: bool = False,
+    needs: tuple[Need, ...] = (),
 ) -> Callable[[L], L]:
     """Register the law of one wheel as a method of the asr, under its docstring.
 
@@ -74,7 +75,7 @@ def traction_control(
     `limp` beside them are those of the limp mode. The method runs compiled if both functions are compilable.
 
     With `speed_mode` the law gives the largest speed of the wheel [rad/s] for drives in speed mode, as
-    `speed_mode.speed_controlled` says, and has no limp mode.
+    `speed_mode.speed_controlled` says, and has no limp mode. `needs` are what it asks of the vehicle besides.
     """
     reference_of, limp_of = GROUPS[reference]
     how: dict[str, Any] = {}
@@ -125,10 +126,10 @@ def traction_control(
         named_after(made, limit_of)
         if limit_of in FUNCTIONS and forget in FUNCTIONS:
             compilable(made)
-        needs: tuple[Need, ...] = (free_wheels_for(reference),)
+        lacks: tuple[Need, ...] = (*needs, free_wheels_for(reference))
         if not speed_mode:
-            needs = (*needs, limp_mode_for(f"{reference.rpartition('.')[0]}.limp".lstrip(".")))
-        method("asr", name, parameters, state=State, start=start, needs=needs, mirrored=True, **how)(made)
+            lacks = (*lacks, limp_mode_for(f"{reference.rpartition('.')[0]}.limp".lstrip(".")))
+        method("asr", name, parameters, state=State, start=start, needs=lacks, mirrored=True, **how)(made)
         return limit_of
 
     return register

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.contract.record import entry
 from ev_msgs_py.vehicle.engine import Engine
+from ev_msgs_py.vehicle.torque_envelope import speed_fade
 from ev_sim.driveline.torque_converter import STEEPEST, converter_torques
-from ev_sim.drives.torque_controlled import SPEED_FADE
 
 
 @dataclass(slots=True)
@@ -34,8 +34,8 @@ def full_load_torque(e: Engine, speed: float) -> float:
     Dynamics, 1997, section on the engine's characteristics); it fades where fuel is cut off.
     """
     over = speed / e.peak_power_speed
-    fade = min(max((e.maximum_speed - speed) / (SPEED_FADE * e.maximum_speed), 0.0), 1.0)
-    return max(e.peak_power / e.peak_power_speed * (1.0 + over - over * over), 0.0) * fade
+    torque = max(e.peak_power / e.peak_power_speed * (1.0 + over - over * over), 0.0)
+    return torque * speed_fade(e.maximum_speed, speed)
 
 
 @compilable

@@ -40,3 +40,19 @@ def speed_control(
     """
     integral = min(max(integral + gain * error * period / integral_time, least), most)
     return gain * error + integral, integral
+
+
+@compilable
+def speed_control_without_windup(
+    gain: float, integral_time: float, integral: float, error: float, period: float, least: float, most: float
+) -> tuple[float, float]:
+    """The same, and the integral holds where the torque is limited already and would be more so.
+
+    Conditional integration (Astrom and Murray, Feedback Systems, section on integral windup): a drive waits at its
+    limit for as long as the car takes to gain speed. A load machine of the bench is there for some milliseconds only.
+    """
+    held = min(max(integral, least), most)
+    asked, moved = speed_control(gain, integral_time, integral, error, period, least, most)
+    if (asked > most and moved > held) or (asked < least and moved < held):
+        return gain * error + held, held
+    return asked, moved

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from ev_msgs_py.compiling.compilable import inlined
 from ev_msgs_py.vehicle.motor import Motor
+from ev_msgs_py.vehicle.torque_envelope import driving_torque, generating_torque
 
-# Overshoot of the thermal state over which the peak torque shrinks to the nominal one, and share of the maximum speed
-# over which the drive torque fades: both only soften a corner.
+# Overshoot of the thermal state over which the peak torque shrinks to the nominal one; it softens a corner.
 HEAT_FADE = 0.1
-SPEED_FADE = 0.02
 
 
 @inlined
@@ -25,9 +24,8 @@ def limited_torque(motor: Motor, wanted: float, speed: float, heat: float) -> fl
     lasting = min(motor.nominal_torque, motor.peak_torque)
     torque_limit = motor.peak_torque + hot * (lasting - motor.peak_torque)
     if wanted * speed >= 0.0:
-        fade = min(max((motor.maximum_speed - turns) / (SPEED_FADE * motor.maximum_speed), 0.0), 1.0)
-        limit = min(torque_limit, motor.peak_power / max(turns, 1e-9)) * fade
+        limit = driving_torque(motor, torque_limit, 1.0, turns)
     else:
-        limit = min(torque_limit, motor.generator_torque, motor.generator_power / max(turns, 1e-9))
+        limit = generating_torque(motor, torque_limit, 1.0, turns)
     limited = min(magnitude, limit)
     return limited if wanted >= 0.0 else -limited

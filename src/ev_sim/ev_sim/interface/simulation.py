@@ -80,14 +80,14 @@ class Simulation:
             first = 0
         self._before, self._behind = self._kept(answering[:first]), self._kept(answering[first:])
         self._integrating = self._kept(integrating)
-        given = [signal for role in without for signal in ROLES[role].writes]
+        given = dict.fromkeys(signal for role in without for signal in (*ROLES[role].writes, *self._writes[role]))
         places = frame.channels()
         self.kept = (*self._before, *self._behind, *self._integrating)
         self.inputs = tuple(name for signal in given for name in TOPICS[signal].channels)
         self._inputs = {name: places[name] for name in self.inputs}
         self._channels = {
             name: places[name]
-            for signals in (*self._writes.values(), tuple(given))
+            for signals in (*self._writes.values(), given)
             for signal in signals
             for name in TOPICS[signal].channels
         }

@@ -6,6 +6,7 @@ from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE
 from ev_msgs_py.compiling.compilable import compilable
 from ev_msgs_py.elementary import exp
+from ev_msgs_py.vehicle.torque_envelope import SPEED_FADE
 from ev_sim.drives.field_weakening import (
     current_limited_torque,
     induced_voltage,
@@ -21,7 +22,6 @@ from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.state import Inverter
 from ev_sim.inverter.temperatures import derating
 
-_SPEED_FADE = 0.02  # of the maximum speed: over it the torque fades before the speed limit; it softens a corner
 _COLD = 0.0  # heat of `limited_torque`: derating is by our own temperatures
 _HALF_STEP = 1.0 / 64.0  # N m
 
@@ -87,7 +87,7 @@ def _below_speed_limit(p: InverterParameters, asked: float, speed: float, limit:
     """Without torque [N m] that would drive the shaft beyond the speed limit [rad/s]."""
     if asked * speed < 0.0:
         return asked
-    return asked * min(max((limit - abs(speed)) / (_SPEED_FADE * p.machine.maximum_speed), 0.0), 1.0)
+    return asked * min(max((limit - abs(speed)) / (SPEED_FADE * p.machine.maximum_speed), 0.0), 1.0)
 
 
 @compilable

@@ -20,6 +20,7 @@ class Variant:
 VARIANTS = {
     "least_squares_error_bound": Variant("least_squares", (("largest_error", 0.001),)),
     "least_squares_square": Variant("least_squares", (("template", "square"),)),
+    "maximum_transmissible_torque_always": Variant("maximum_transmissible_torque", (("limits", "always"),)),
     "slip_window_side_force": Variant("slip_window", (("side_force.correction", "ellipse"),)),
 }
 

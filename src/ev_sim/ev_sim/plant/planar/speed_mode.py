@@ -13,7 +13,7 @@ from ev_msgs_py.parameters.declaration import group
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_msgs_py.vehicle.drive_train import has_own_motors
-from ev_sim.drives.speed_control import SpeedControlParameters, speed_control
+from ev_sim.drives.speed_control import SpeedControlParameters, speed_control_without_windup
 from ev_sim.plant.commands import accepted
 from ev_sim.plant.planar.drive_torques import Lags, apply_drives
 from ev_sim.plant.planar.energy import PowerConstants, account
@@ -73,7 +73,8 @@ def planar_speed_mode(
     """The planar plant whose drives control their speed, with no more than the commanded torque and never against it.
 
     M = K e + (K/T) integral(e) within 0..M_command, e = w* - w at the shaft, in every step of the plant; motor, its
-    limits, lag and losses are those of the plant in torque mode. A set-point out of reach is torque mode, to the bit.
+    limits, lag and losses are those of the plant in torque mode. A set-point out of reach is torque mode, to the bit;
+    the integral part follows the torque there, so that a set-point that comes into reach takes over without a jump.
     """
     for i in range(4):
         most = car.motor.maximum_speed / car.gear[i]
@@ -97,8 +98,11 @@ def _apply(
     for i in range(4):
         gear = car.gear[i]
         least, most = min(command[i], 0.0) / gear, max(command[i], 0.0) / gear
+        if s.set_point[i] * command[i] >= car.motor.maximum_speed / gear * abs(command[i]):
+            s.speed_integral[i] = command[i] / gear
+            continue
         error = gear * (s.set_point[i] - s.motion[WHEEL_SPEED + i])
-        asked, s.speed_integral[i] = speed_control(
+        asked, s.speed_integral[i] = speed_control_without_windup(
             control.gain, control.integral_time, s.speed_integral[i], error, h, least, most
         )
         if (command[i] > 0.0 and asked < most) or (command[i] < 0.0 and asked > least):
