@@ -18,9 +18,9 @@ from ev_msgs_py.lockstep.configuration import Configuration, configure
 from ev_msgs_py.parameters.declaration import ParameterError, defaults, parameter
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import motion
-from ev_sim.report.quantities.understeer import understeer_gradient
 from ev_sim.report.samples import channel
 from ev_sim.running.recording.recording import Recording
+from ev_sim.vehicle.understeer import understeer_gradient
 
 if TYPE_CHECKING:
     from ev_sim.running.scenarios.scenario import Run
