@@ -117,3 +117,10 @@ def test_a_flat_front_tyre_is_learnt():
         flat["driver__preview__learning"] = learning
         ends[learning] = abs(from_circle(drives("audi_a2", [60 / 3.6], bend, 15.0, **flat), 0, 40.0, 100.0)[-1])
     assert ends[6.0] < 0.1 * ends[1e6] and ends[1e6] > 0.5, ends
+
+
+def test_a_car_that_goes_aside_without_turning_settles_as_well():
+    """Rear wheels that turn as far as the front ones leave no yaw to learn from: 1 m beside, within 1 cm after 6 s."""
+    crab = {"*__vehicle__rear_steering_ratio": 1.0, "plant__initial_y": 1.0}
+    found = drives("compact_ev", [80 / 3.6], STRAIGHT, 8.0, **crab)
+    assert np.abs(found.signals["pose.y"][:, found.time > 6.0]).max() < 0.01

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,6 +17,9 @@ from ev_sim.profiles.profile import number_until
 from ev_sim.vehicle.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 
 _SIZE = len(STATES)
+_TURNS_ALONG = (
+    0.5  # ratio of rear to front angle from which on a car goes aside more than it turns: nothing to learn
+)
 
 
 @dataclass(slots=True)
@@ -48,7 +52,8 @@ class Preview(NamedTuple):
 
 def preview_of(p: PreviewParameters, vehicle: Vehicle, period: float) -> Preview:
     """What the driver knows of his car, for a period [s]."""
-    steered = 1.0 - vehicle.rear_steering_ratio
+    learns = vehicle.rear_steering_ratio < _TURNS_ALONG
+    steered = 1.0 - min(vehicle.rear_steering_ratio, _TURNS_ALONG)
     length, gradient = vehicle.wheelbase / steered, understeer_gradient(vehicle) / steered
     front, rear = axle_cornering_stiffnesses(vehicle)
     return Preview(
@@ -58,7 +63,7 @@ def preview_of(p: PreviewParameters, vehicle: Vehicle, period: float) -> Preview
         gradient,
         vehicle.centre_of_mass_to_rear_axle + vehicle.rear_steering_ratio * length,
         axle_masses(vehicle)[1] / rear - vehicle.rear_steering_ratio * gradient,
-        vehicle.mass / (front + rear),
+        vehicle.mass / (front + rear) if learns else math.inf,
     )
 
 
@@ -95,7 +100,8 @@ def look_ahead(
     if abs(speed) > SPEEDS[0]:
         besides = wheels - (c.length / speed + c.gradient * abs(speed)) * body.yaw_rate
         sliding = (body.lateral - (c.arm - c.lag * abs(speed) * speed) * body.yaw_rate) / speed
-        share = period / (p.learning * (p.lag + p.column_lag + c.settling * abs(speed)))
+        settled = p.lag + p.column_lag + c.settling * abs(speed)
+        share = min(period / (p.learning * settled), 1.0)
         s.besides = _learnt(p, s.besides, share, besides)
         s.sliding = _learnt(p, s.sliding, share, sliding)
     angles = (wheels - s.besides, s.arms - s.besides, s.intended - s.besides)
