@@ -25,7 +25,7 @@ from ev_sim.analysis.linearised_plant import OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.state import VY, YAW_RATE
-from ev_sim.report.quantities.understeer import (
+from ev_sim.vehicle.understeer import (
     axle_cornering_stiffnesses,
     characteristic_speed,
     critical_speed,

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+import ev_sim
+
 FILE = Path(__file__).parents[2] / "benchmarks" / "lane_change.py"
 
 
@@ -23,7 +25,7 @@ def loaded():
 
 
 lane_change = loaded()
-# The line asks for 5.9 m/s^2 at 80 km/h: the tyres of one hold 4.4, the other slides by 10 degrees and swings its tail.
+# At 80 km/h the tyres of one have lost half their slope on the line (3.7 of 4.4 m/s^2); the other slides by 10 degrees.
 WITHOUT_GRIP = ("ge_ni2005", "zhileykin_4x4")
 
 
@@ -39,8 +41,17 @@ def test_no_car_touches_a_cone_at_walking_speed(car):
 
 @pytest.mark.parametrize("car", [car for car in lane_change.CARS if car not in WITHOUT_GRIP])
 def test_cones_do_not_hang_on_how_far_the_driver_sees(car):
-    """80 km/h, seen 0.4 to 3 s ahead: no cone, and from 1 s on as far from the line within 3 cm (measured: 2 cm)."""
+    """80 km/h, seen 0.4 to 3 s ahead: no cone, and as far from the line within 5 cm (measured: 4 cm, of 9 or less)."""
     found = [through_lanes(car, [80], seen)[0] for seen in (0.4, 1.0, 3.0)]
     assert [each.cones for each in found] == [0] * 3
-    assert found[1].error == pytest.approx(found[2].error, abs=0.03)
-    assert max(each.error for each in found) < 0.25
+    assert found[0].error == pytest.approx(found[2].error, abs=0.05)
+    assert max(each.error for each in found) < 0.15
+
+
+def test_the_car_turns_about_as_fast_as_its_line_bends():
+    """The line's largest bend, 1/134 m, is 0.17 rad/s at 80 km/h; a quarter more (0.21) is what its tail does.
+
+    With its centre of mass held on a line a car is free to swing: omega^2 = L C_r/J_z, damped by zeta = omega b/(2 V),
+    0.31 at 80 km/h. A driver who holds the line too firmly, or does not know how late his wheels turn, makes it swing.
+    """
+    assert 0.16 < ev_sim.run("double_lane_change").metrics["peak_yaw_rate"].value < 0.23

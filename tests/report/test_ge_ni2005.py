@@ -11,7 +11,7 @@ from source_runs import driven, metrics_of, value
 
 from ev_sim.report.papers import ge_ni2005 as paper
 from ev_sim.report.quantities import motion
-from ev_sim.report.quantities.understeer import understeer_gradient
+from ev_sim.vehicle.understeer import understeer_gradient
 from ev_sim.verdicts.sources.ge_ni2005.claims import ORDERINGS
 from ev_sim.verdicts.sources.ge_ni2005.runs import READINGS
 

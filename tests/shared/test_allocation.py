@@ -225,7 +225,7 @@ def test_a_car_without_motors_of_its_wheels_is_refused(name):
 def test_drives_that_steer_keep_the_path_while_they_speed_up(side):
     """20 to 24 m/s within 2 s in a bend of 100 m: sum and difference together are more than the outer motor has.
 
-    Each motor on its own, the car leaves its path by 20 m; where the sum yields, by 1.2 m. Half a lane is 1.75 m.
+    Each motor on its own, the car leaves its path by 20 m; where the sum yields, by 0.9 m. Half a lane is 1.75 m.
     """
     leaves = {}
     for keep in ("asked", "difference"):

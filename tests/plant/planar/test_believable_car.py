@@ -15,7 +15,7 @@ from ev_msgs_py.vehicle.suspension import Suspension
 from ev_sim.analysis.__main__ import load_vehicle
 from ev_sim.analysis.linearised_plant import OperatingPoint, linearised
 from ev_sim.analysis.single_track import single_track, tangent_speed, yaw_damping, yaw_gain
-from ev_sim.report.quantities.understeer import understeer_gradient
+from ev_sim.vehicle.understeer import understeer_gradient
 
 CAR = load_vehicle("compact_ev")
 # Drag pitches the car and rolling resistance brakes the outer wheels more: neither is in a linear model.

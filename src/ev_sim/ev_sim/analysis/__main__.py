@@ -19,17 +19,17 @@ from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
 from ev_sim.analysis.single_track import single_track, tangent_speed, yaw_damping, yaw_gain
 from ev_sim.commands.refusal import refuse
 from ev_sim.report.figures.saving import figure_files, save_figures
-from ev_sim.report.quantities.understeer import (
+from ev_sim.running.output_folder import OutputFolder
+from ev_sim.running.recording.atomic import atomic_file
+from ev_sim.running.scenarios.configured_file import vehicle_file
+from ev_sim.surfaces.table import REFERENCE, SURFACES
+from ev_sim.vehicle.understeer import (
     axle_cornering_stiffnesses,
     axle_masses,
     characteristic_speed,
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.running.output_folder import OutputFolder
-from ev_sim.running.recording.atomic import atomic_file
-from ev_sim.running.scenarios.configured_file import vehicle_file
-from ev_sim.surfaces.table import REFERENCE, SURFACES
 
 _PREFIX = "vehicle."
 _SPEEDS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0)  # [m/s] of the table

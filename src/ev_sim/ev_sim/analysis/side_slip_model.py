@@ -8,8 +8,8 @@ import numpy as np
 from scipy.signal import StateSpace, ZerosPolesGain
 
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.quantities.understeer import axle_cornering_stiffnesses
 from ev_sim.surfaces.table import REFERENCE
+from ev_sim.vehicle.understeer import axle_cornering_stiffnesses
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,12 @@ import numpy as np
 from scipy.signal import StateSpace
 
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.quantities.understeer import (
+from ev_sim.surfaces.table import REFERENCE
+from ev_sim.vehicle.understeer import (
     axle_cornering_stiffnesses,
     axle_masses,
     tyre_cornering_stiffnesses,
 )
-from ev_sim.surfaces.table import REFERENCE
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,8 @@ from ev_msgs_py.lockstep.methods import method
 from ev_msgs_py.vehicle.car import Car
 from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.rear_steering.rear_axle import PLANT, moment_of_road, shown
-from ev_sim.report.quantities.understeer import axle_cornering_stiffnesses
 from ev_sim.steering_actuator.motor import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
+from ev_sim.vehicle.understeer import axle_cornering_stiffnesses
 
 
 class ZeroSideslipConstants(NamedTuple):

@@ -16,11 +16,11 @@ import numpy as np
 
 from ev_msgs_py.parameters.declaration import parameter
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.quantities.understeer import axle_cornering_stiffnesses
+from ev_sim.vehicle.understeer import axle_cornering_stiffnesses
 
 STEP = 0.05  # [s] from one point of the path that the driver looks at to the next
-STATES = ("lateral_velocity", "yaw_rate", "heading_error", "lateral_error", "arms", "intended")
-V, R, HEADING, LATERAL, ARMS, INTENDED = range(len(STATES))
+STATES = ("lateral_velocity", "yaw_rate", "heading_error", "lateral_error", "wheels", "arms", "intended")
+V, R, HEADING, LATERAL, WHEELS, ARMS, INTENDED = range(len(STATES))
 # The speeds [m/s] between which gains are interpolated. Below the first the driver looks as far as at it, for at rest
 # there would be nothing ahead.
 SPEEDS = (4.0, 5.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 36.0, 43.0, 51.0, 60.0)
@@ -41,6 +41,12 @@ class PreviewParameters:
         0.1, unit="s", low=0.02, high=1.0, about="first-order lag of the arms behind the intended angle, known to him",
         source="assumption; 0.1 to 0.2 s are usual for drivers",
     )  # fmt: skip
+    column_lag: float = parameter(
+        0.04, unit="s", low=0.005, high=1.0,
+        about="first-order lag of the tyres' side forces behind the arms, known to him: hands and column, a period of "
+        "the control, and the tyres' relaxation",
+        source="0.017 s of the default hands on the column of Shchur 2019, 0.01 s, and 0.016 s at 80 km/h",
+    )  # fmt: skip
     lateral_error: float = parameter(
         0.1, unit="m", low=0.001, high=10.0, about="distance from the path that he minds as much as `steering_rate`",
         source="assumption",
@@ -50,9 +56,18 @@ class PreviewParameters:
         source="assumption",
     )  # fmt: skip
     steering_rate: float = parameter(
-        0.2, unit="rad/s", low=0.001, high=10.0, about="rate of the intended road-wheel angle that he minds as much",
+        0.1, unit="rad/s", low=0.001, high=10.0, about="rate of the intended road-wheel angle that he minds as much",
         source="assumption",
     )  # fmt: skip
+    learning: float = parameter(
+        6.0, unit="1", low=1.0, high=1e6,
+        about="time in which he learns by how much angle and sideslip in a bend differ from those of the linear car, "
+        "over that in which they settle: `lag`, `column_lag` and m V/(C_1 + C_2); 1e6 for never",
+        source="assumption",
+    )  # fmt: skip
+    learnt_angle: float = parameter(
+        0.1, unit="rad", low=0.0, high=1.4, about="that he learns at most of each, either way", source="assumption"
+    )
     max_angle: float = parameter(
         0.6, unit="rad", low=0.01, high=1.4, about="largest road-wheel angle, either way", source="assumption"
     )
@@ -80,7 +95,7 @@ def preview_gains(p: PreviewParameters, vehicle: Vehicle) -> Gains:
     """
     points = max(round(p.preview_time / STEP), 1)
     speed = np.array([*SPEEDS, *(-speed for speed in SPEEDS)])
-    a, b = _stepped(*_model(vehicle, p.lag, speed))
+    a, b = _stepped(*_model(p, vehicle, speed))
     weight = np.zeros_like(a)
     weight[:, LATERAL, LATERAL] = 1.0 / (p.lateral_error * p.lateral_error)
     minded = 1.0 / (p.lateral_rate * p.lateral_rate)
@@ -105,8 +120,8 @@ def preview_gains(p: PreviewParameters, vehicle: Vehicle) -> Gains:
     return Gains(_flat(feedback), _flat(np.array(preview).T), float(points))
 
 
-def _model(vehicle: Vehicle, lag: float, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """X' = A x + B u beside a straight path at speeds [m/s], negative in reverse: (n, 6, 6) and (n, 6, 1).
+def _model(p: PreviewParameters, vehicle: Vehicle, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """X' = A x + B u beside a straight path at speeds [m/s], negative in reverse: (n, 7, 7) and (n, 7, 1).
 
     x is STATES, u the rate of the intended road-wheel angle [rad/s]; angles are small.
     """
@@ -118,13 +133,14 @@ def _model(vehicle: Vehicle, lag: float, speed: np.ndarray) -> tuple[np.ndarray,
             force = stiffness / inertia / np.abs(speed)
             a[:, state, V] -= force
             a[:, state, R] -= force * place
-            a[:, state, ARMS] += force * speed * steered
+            a[:, state, WHEELS] += force * speed * steered
     a[:, V, R] -= speed
     a[:, HEADING, R] = 1.0
     a[:, LATERAL, V] = 1.0
     a[:, LATERAL, HEADING] = speed
-    a[:, ARMS, INTENDED] = 1.0 / lag
-    a[:, ARMS, ARMS] = -1.0 / lag
+    for state, before, lag in ((WHEELS, ARMS, p.column_lag), (ARMS, INTENDED, p.lag)):
+        a[:, state, before] = 1.0 / lag
+        a[:, state, state] = -1.0 / lag
     b[:, INTENDED, 0] = 1.0
     return a, b
 

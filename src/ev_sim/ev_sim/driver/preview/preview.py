@@ -103,7 +103,8 @@ def preview(
     speed = speed_along_path(body)
     if abs(speed) > STANDING:
         s.preview.direction = 1.0 if speed > 0.0 else -1.0
-    angle = look_ahead(p.preview, c.preview, c.path, s.preview, period, pose, body, speed)
+    wheels = column.angle / car.steering_ratio
+    angle = look_ahead(p.preview, c.preview, c.path, s.preview, period, pose, body, speed, wheels)
     leg = int(s.preview.leg)
     fastest = planned_speed(p.plan, c.plan, c.path, s.plan, now.time, pose.x, pose.y, leg, speed)
     drive, brake = work_pedals(p, car, c.feet, s.feet, period, now.time, speed, fastest)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,8 +14,12 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.path import Path, nearest, point_at
 from ev_sim.driver.preview.gains import SPEEDS, STATES, STEP, Gains, PreviewParameters, preview_gains
 from ev_sim.profiles.profile import number_until
+from ev_sim.vehicle.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 
 _SIZE = len(STATES)
+_TURNS_ALONG = (
+    0.5  # ratio of rear to front angle from which on a car goes aside more than it turns: nothing to learn
+)
 
 
 @dataclass(slots=True)
@@ -23,31 +28,55 @@ class PreviewState:
 
     intended: float = entry(unit="rad", about="road-wheel angle that he intends")
     arms: float = entry(unit="rad", about="road-wheel angle that his arms turn to")
+    besides: float = entry(unit="rad", about="road-wheel angle that the car takes beyond its linear model")
+    sliding: float = entry(unit="rad", about="sideslip angle that the car has beyond it")
     leg: float = entry(unit="1", about="place of the leg of the path that is reached")
     direction: float = entry(1.0, unit="1", about="to which the eyes look: 1 ahead, -1 back")
 
 
 class Preview(NamedTuple):
-    """Gains, and the share of a step that the arms make in a period."""
+    """Gains, the share of a step that the arms make in a period, and the linear car on a steady circle.
+
+    There delta = (length/V + gradient |V|) r and v = (arm - lag |V| V) r, lengths in m and the others in s^2/m;
+    `settling` m/(C_1 + C_2) [s^2/m] times the speed is the time in which it gets there.
+    """
 
     gains: Gains
     share: float
+    length: float
+    gradient: float
+    arm: float
+    lag: float
+    settling: float
 
 
 def preview_of(p: PreviewParameters, vehicle: Vehicle, period: float) -> Preview:
     """What the driver knows of his car, for a period [s]."""
-    return Preview(preview_gains(p, vehicle), 1.0 - exp(-period / p.lag))
+    learns = vehicle.rear_steering_ratio < _TURNS_ALONG
+    steered = 1.0 - min(vehicle.rear_steering_ratio, _TURNS_ALONG)
+    length, gradient = vehicle.wheelbase / steered, understeer_gradient(vehicle) / steered
+    front, rear = axle_cornering_stiffnesses(vehicle)
+    return Preview(
+        preview_gains(p, vehicle),
+        1.0 - exp(-period / p.lag),
+        length,
+        gradient,
+        vehicle.centre_of_mass_to_rear_axle + vehicle.rear_steering_ratio * length,
+        axle_masses(vehicle)[1] / rear - vehicle.rear_steering_ratio * gradient,
+        vehicle.mass / (front + rear) if learns else math.inf,
+    )
 
 
 @compilable
 def look_ahead(
     p: PreviewParameters, c: Preview, path: Path, s: PreviewState, period: float, pose: BodyPose, body: BodyVelocity,
-    speed: float,
+    speed: float, wheels: float,
 ) -> float:  # fmt: skip
-    """Road-wheel angle [rad] to which the arms turn, at a speed, negative in reverse [m/s].
+    """Road-wheel angle [rad] to which the arms turn, at a speed, negative in reverse [m/s]; that of `wheels` is felt.
 
     rate = -K x + sum of g_i turn_i, x as in `gains.STATES` beside the chord from the nearest point of the path to the
-    first one ahead, turn_i by what the path turns at the i-th point.
+    first one ahead, turn_i by what the path turns at the i-th point. Of angles and sideslip only what the linear car
+    would have counts: what is learnt besides does what an integral of the lateral error would do, without overshoot.
     """
     fastest = SPEEDS[len(SPEEDS) - 1]
     taken = min(max(abs(speed), SPEEDS[0]), fastest)
@@ -68,7 +97,15 @@ def look_ahead(
     cosine, sine = w * w - z * z, 2.0 * z * w  # of the heading, from its quaternion
     heading = _turn(along_x, along_y, cosine, sine)
     lateral = (along_x * (pose.y - here_y) - along_y * (pose.x - here_x)) / (taken * STEP)
-    state = (body.lateral, body.yaw_rate, heading, lateral, s.arms, s.intended)
+    if abs(speed) > SPEEDS[0]:
+        besides = wheels - (c.length / speed + c.gradient * abs(speed)) * body.yaw_rate
+        sliding = (body.lateral - (c.arm - c.lag * abs(speed) * speed) * body.yaw_rate) / speed
+        settled = p.lag + p.column_lag + c.settling * abs(speed)
+        share = min(period / (p.learning * settled), 1.0)
+        s.besides = _learnt(p, s.besides, share, besides)
+        s.sliding = _learnt(p, s.sliding, share, sliding)
+    angles = (wheels - s.besides, s.arms - s.besides, s.intended - s.besides)
+    state = (body.lateral - s.sliding * speed, body.yaw_rate, heading + s.sliding, lateral, *angles)
     rate = 0.0
     for n in range(_SIZE):
         rate -= (lower * feedback[(row - 1) * _SIZE + n] + upper * feedback[row * _SIZE + n]) * state[n]
@@ -82,6 +119,12 @@ def look_ahead(
     s.intended = min(max(s.intended + period * rate, -p.max_angle), p.max_angle)
     s.arms += c.share * (s.intended - s.arms)
     return angle
+
+
+@compilable
+def _learnt(p: PreviewParameters, before: float, share: float, seen: float) -> float:
+    """Angle [rad] that is learnt after a share of the way to what is seen [rad]."""
+    return min(max(before + share * (seen - before), -p.learnt_angle), p.learnt_angle)
 
 
 @compilable

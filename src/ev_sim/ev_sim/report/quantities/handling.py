@@ -13,11 +13,11 @@ from ev_sim.plant.planar.constants import wheel_places
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import derived, motion
 from ev_sim.report.quantities.car_axes import wheel_directions
-from ev_sim.report.quantities.understeer import understeer_gradient
 from ev_sim.report.samples import channel
 from ev_sim.running.recording.recording import Recording
 from ev_sim.surfaces.table import Surface, curve_on_road, tyre_on_road
 from ev_sim.tyres.curve import peak_slip
+from ev_sim.vehicle.understeer import understeer_gradient
 
 
 def peak_sideslip(run: Recording) -> float:

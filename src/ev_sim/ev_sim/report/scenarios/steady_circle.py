@@ -20,9 +20,9 @@ from ev_sim.report.figures.panels import Curve, Panel, panel
 from ev_sim.report.figures.plan_view import plan_view
 from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.report.quantities import derived, motion
-from ev_sim.report.quantities.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 from ev_sim.report.samples import Runs, channel
 from ev_sim.running.recording.recording import Recording
+from ev_sim.vehicle.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 
 CONSTANT_RADIUS = "constant_radius_"  # how the names of the runs on a circle begin
 LINEAR = ("linear", "constant_radius_linear")

@@ -19,9 +19,9 @@ from ev_msgs_py.parameters.declaration import ParameterError, defaults, paramete
 from ev_msgs_py.parameters.values import entries_by_name
 from ev_sim.report.metric import NotMeasured
 from ev_sim.report.quantities import motion
-from ev_sim.report.quantities.understeer import understeer_gradient
 from ev_sim.report.samples import channel
 from ev_sim.running.recording.recording import Recording
+from ev_sim.vehicle.understeer import understeer_gradient
 
 if TYPE_CHECKING:
     from ev_sim.running.scenarios.scenario import Run
