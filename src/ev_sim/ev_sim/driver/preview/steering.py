@@ -17,9 +17,7 @@ from ev_sim.profiles.profile import number_until
 from ev_sim.vehicle.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 
 _SIZE = len(STATES)
-_TURNS_ALONG = (
-    0.5  # ratio of rear to front angle from which on a car goes aside more than it turns: nothing to learn
-)
+_TURNS_ALONG = 0.5  # ratio of rear to front angle from which on a car goes aside more than it turns: nothing to learn
 
 
 @dataclass(slots=True)
