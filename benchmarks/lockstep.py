@@ -163,15 +163,9 @@ def offline(steps: int) -> float:
     return steps / (time.monotonic() - start)
 
 
-def main() -> None:
-    """Print the table, and write it as JSON where asked for."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--steps", type=int, default=4000)
-    parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--json", type=Path, metavar="FILE")
-    given = parser.parse_args()
-    offline(given.steps)  # compiles what is not compiled yet
-    measures = (
+MEASURES = {
+    measure.__name__: measure
+    for measure in (
         ring_of_processes,
         raw_ring_of_processes,
         raw_pattern_of_processes,
@@ -180,21 +174,31 @@ def main() -> None:
         graph_in_one_process,
         offline,
     )
+}
+RATIOS = (
+    ("graph_of_processes", "ring_of_processes"),
+    ("graph_of_processes", "raw_ring_of_processes"),
+    ("graph_of_processes", "raw_pattern_of_processes"),
+    ("graph_in_one_process", "raw_ring_in_one_process"),
+)
+
+
+def main() -> None:
+    """Print the table, and write it as JSON where asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--steps", type=int, default=4000)
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--only", choices=MEASURES, nargs="+", metavar="MEASURE", help="by default all")
+    parser.add_argument("--json", type=Path, metavar="FILE")
+    given = parser.parse_args()
+    offline(given.steps)  # compiles what is not compiled yet
+    measures = [measure for name, measure in MEASURES.items() if not given.only or name in given.only]
     rates: dict[str, list[float]] = {measure.__name__: [] for measure in measures}
     for _ in range(given.repeats):
         for measure in measures:
             rates[measure.__name__].append(measure(given.steps))
     median = {name: statistics.median(values) for name, values in rates.items()}
-    ratio = {
-        "graph_of_processes / ring_of_processes": _ratio(rates, "graph_of_processes", "ring_of_processes"),
-        "graph_of_processes / raw_ring_of_processes": _ratio(rates, "graph_of_processes", "raw_ring_of_processes"),
-        "graph_of_processes / raw_pattern_of_processes": _ratio(
-            rates, "graph_of_processes", "raw_pattern_of_processes"
-        ),
-        "graph_in_one_process / raw_ring_in_one_process": _ratio(
-            rates, "graph_in_one_process", "raw_ring_in_one_process"
-        ),
-    }
+    ratio = {f"{of} / {to}": _ratio(rates, of, to) for of, to in RATIOS if of in rates and to in rates}
     for name, values in rates.items():
         print(f"{name:24} {median[name]:9.0f} steps/s   ({min(values):.0f} to {max(values):.0f})")
     for name, value in ratio.items():

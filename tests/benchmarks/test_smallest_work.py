@@ -18,7 +18,10 @@ BENCHMARKS = {
     "dashboard": ("--seconds", "0.1"),
     "elementary": ("--repeats", "1", "--only", "sin"),
     "lane_change": ("--cars", "audi_a2", "--speeds", "80", "--previews", "2"),
-    "lockstep": ("--steps", "20", "--repeats", "1"),
+    "lockstep": (
+        *("--steps", "20", "--repeats", "1", "--only"),
+        *("raw_pattern_of_processes", "raw_ring_in_one_process", "graph_in_one_process", "offline"),
+    ),
     "plant": ("--repeats", "1"),
     "relays": ("--help",),  # started by lockstep
     "soak": ("--steps", "40", "--one-process-steps", "0"),

@@ -28,7 +28,7 @@ def test_methods_of_all_roles_are_there():
 @pytest.mark.parametrize(("role", "name"), METHODS)
 def test_contract_is_kept(role, name):
     values = {"vehicle.driven_wheels": DRIVEN[name]} if name in DRIVEN else VALUES.get(name, {})
-    check_method(role, name, values, steps=FEWER_STEPS if name.startswith("planar") else 60, whole=False)
+    check_method(role, name, values, steps=FEWER_STEPS if name.startswith("planar") else 40, whole=False)
 
 
 @pytest.mark.parametrize(("role", "name"), METHODS)

@@ -167,9 +167,9 @@ def test_write_makes_a_checkpoint_when_the_period_is_over(tmp_path: Path):
 
 
 def test_kill_at_random_moments_keeps_every_checkpoint(tmp_path: Path):
-    """Twenty children write and save as fast as they can, so that most kills fall into a checkpoint."""
+    """Ten children write and save as fast as they can, so that most kills fall into a checkpoint."""
     delays = random.Random(2)
-    for run in range(20):
+    for run in range(10):
         directory = tmp_path / f"run{run}"
         shared = mmap.mmap(-1, 16)  # counters written and counters saved, as the child last told
 

@@ -144,7 +144,7 @@ def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, networ
                         subprocess.run([*network.inside, sys.executable, "-c", INSIDER.format(each)], check=True)
             if words == HUB and new:  # once: it stops at the first signal
                 under_way.process.send_signal(signal.SIGINT)
-            time.sleep(0.1)
+            time.sleep(0.2)
         assert under_way.process.returncode == 0, under_way.text()
     finally:
         under_way.end()
