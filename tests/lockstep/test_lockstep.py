@@ -321,6 +321,19 @@ def test_no_step_is_left_out_in_lockstep():
     assert box.complete() == 2 * PERIOD
 
 
+@pytest.mark.parametrize("times", [0.5, 2.0, 1.0 / 3.0])
+@pytest.mark.parametrize("role", REQUIRED)
+def test_a_node_with_another_period_is_found_wherever_it_stands(role, times):
+    """One with half of the graph's waited for a step that never came, and nobody said so."""
+    configurations = dict(load_scenario("double_lane_change").runs[0].configurations)
+    configurations[role] = configurations[role].changed({"control_period": 0.01 * times})
+    network = FakeNetwork(configurations, 10)
+    network.begin()
+    play(network, 100)
+    assert network.now <= PERIOD
+    assert Arrival.GAP in network.arrivals
+
+
 def test_a_joining_node_begins_with_the_newest_complete_step():
     box = inbox()
     for stamp in (30 * PERIOD, 31 * PERIOD):

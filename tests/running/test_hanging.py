@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from ev_msgs_py.nodes.master_node import MasterNode
 from ev_msgs_py.nodes.runner_line import WAITS, RunnerLine, Word
 from ev_msgs_py.nodes.waiting import Waiting
 from ev_sim.running.hanging import Hanging
@@ -57,7 +58,7 @@ def test_a_run_that_goes_on_or_rests_is_not_named_and_what_was_said_long_ago_doe
     told._take("plant", Word(WAITS, values={"whom": ["asr"]}))
     later = time.monotonic() + 5.0
     monkeypatch.setattr(time, "monotonic", lambda: later)
-    assert told.waits_for("plant", 1.0) == ()
+    assert told.waits_for("plant", 1.0) is None
 
 
 def test_a_node_says_for_whom_it_waits_once_its_steps_stand_still(monkeypatch):
@@ -73,3 +74,30 @@ def test_a_node_says_for_whom_it_waits_once_its_steps_stand_still(monkeypatch):
         now[0] += 0.1
         waiting.look(9, ("plant",))
     assert 3 <= len(said) <= 5 and said[0] == Word(WAITS, values={"whom": ["plant"]})
+
+
+def test_a_plant_that_waits_for_nothing_but_its_pace_does_not_hang(monkeypatch):
+    """At `real_time_factor` 0.004 a step takes 2.5 s: "node plant does not answer" was said at each of them."""
+    told, now = Told("/ev"), [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    plant = object.__new__(MasterNode)
+    plant.done, plant._go_on, plant._retry_period = False, lambda: None, 0.05
+    plant._granted = SimpleNamespace(rests=lambda: False)
+    plant.live = SimpleNamespace(configuration=SimpleNamespace(common=SimpleNamespace(mode="lockstep")))
+    plant.stepper = SimpleNamespace(inbox=SimpleNamespace(last=10**7, missing=lambda: ()))
+    plant.__dict__["schedule"] = SimpleNamespace(all_are_here=True, recorder_keeps_up=True)
+    plant._waiting = Waiting(SimpleNamespace(tell=lambda word: told._take("plant", word)))
+    hanging = Hanging(told, PIDS, 2.0, realtime=False)
+    told.time = 0.01
+
+    def said(seconds: float, idle: bool) -> list[str]:
+        lines = []
+        for _ in range(round(seconds / 0.05)):
+            now[0] += 0.05
+            if idle:
+                plant.idle()
+            lines.append(hanging.look())
+        return [line for line in lines if line is not None]
+
+    assert said(60.0, idle=True) == []
+    assert said(60.0, idle=False) == ["node plant does not answer, at 0.01 s of simulated time"]

@@ -79,13 +79,14 @@ class MasterNode(SteppedNode):
     def idle(self) -> None:
         """Advance if time is due, publish the state again if answers are late, and name the nodes that are silent."""
         self._go_on()
-        waits = not (self.done or self._granted.rests() or self.schedule.all_are_here)
-        if waits and self._state.silent_for >= self._retry_period:
+        if self.done or self._granted.rests():
+            return
+        super().idle()
+        if not self.schedule.all_are_here and self._state.silent_for >= self._retry_period:
             self._state.repeat(self.stepper.answer)
             if self.now:  # before that nodes are still coming up
                 self._retry_period = min(2.0 * self._retry_period, _LONGEST_RETRY)
             self.health.late_answers += 1
-            super().idle()
             self._silence.name_after(self.configuration.extra.answer_timeout, self.schedule.missing, self.now)
 
     def free_until(self) -> int:

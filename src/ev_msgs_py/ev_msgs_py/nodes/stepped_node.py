@@ -124,7 +124,7 @@ class SteppedNode(Node, Polled):
         """Called when new parameter values are taken over."""
 
     def idle(self) -> None:
-        """Tell the runner for whom the next step waits; in real time it waits for nobody."""
+        """Tell the runner for whom the next step waits, nobody if its time has not come; in real time nothing."""
         if not self.realtime:
             whom = [WRITERS.get(signal, RECORDER) for signal in self.wanted()]
             self._waiting.look(self.stepper.inbox.last, whom)

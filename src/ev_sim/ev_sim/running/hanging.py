@@ -31,7 +31,8 @@ class Hanging:
     def look(self) -> str | None:
         """One line on who does not answer, once for each time that the run stands still."""
         now = time.monotonic()
-        if self._told.time != self._time or self._told.rests:
+        waits_for_its_time = self._told.waits_for(MASTER, _HEARKEN) == []  # a step may take seconds at a slow pace
+        if self._told.time != self._time or self._told.rests or waits_for_its_time:
             self._time, self._since, self._named = self._told.time, now, False
         elif not self._named and now - self._since > (self._wait if self._time else _TO_COME_UP):
             self._named = True
@@ -49,7 +50,7 @@ class Hanging:
         if MASTER not in self._pids:
             return RECORDER
         chain = [RECORDER if self._realtime else MASTER]
-        while whom := [each for each in self._told.waits_for(chain[-1], _HEARKEN) if each in self._pids]:
+        while whom := [each for each in self._told.waits_for(chain[-1], _HEARKEN) or () if each in self._pids]:
             if whom[0] in chain:
                 break
             chain.append(whom[0])

@@ -41,7 +41,7 @@ class Told:
         self._lines: dict[str, ListeningEnd] = {}
         self._words: list[str] = []
         self._noted: dict[str, str] = {}
-        self._waits: dict[str, tuple[float, Sequence[str]]] = {}  # by node: when it said so, and for whom
+        self._waits: dict[str, tuple[float, Sequence[str] | None]] = {}  # by node: when it said so, and for whom
         self._adding: set[str] = set()  # nodes whose sums are due at the end
         self._tallies: dict[str, Mapping[str, Any]] = {}
 
@@ -75,10 +75,10 @@ class Told:
         words, self._words = tuple(self._words), []
         return words
 
-    def waits_for(self, node: str, within: float) -> Sequence[str]:
-        """The roles for which a node has said within the last seconds that it waits for them."""
-        at, whom = self._waits.get(node, (-inf, ()))
-        return whom if time.monotonic() - at <= within else ()
+    def waits_for(self, node: str, within: float) -> Sequence[str] | None:
+        """The roles for which a node has said within the last seconds that it waits; None if it has said nothing."""
+        at, whom = self._waits.get(node, (-inf, None))
+        return whom if time.monotonic() - at <= within else None
 
     def look(self) -> None:
         """Take what was said since the last look."""
