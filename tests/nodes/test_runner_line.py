@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from ev_msgs_py.nodes.runner_line import KINDS, LINE, NOTE, PROGRESS, TALLY, WARNING, RunnerLine, Word
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.told import Told
+from ev_sim.running.told import told as opened
 
 NOTHING = Recording(np.zeros(0), {})
 
@@ -61,6 +62,18 @@ def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_pro
         line.send_what_waits()
     assert told.warnings[:-1] == tuple(f"/ev/asr: {n}" for n in range(20))
     line.close()
+
+
+def test_what_was_noted_is_said_though_the_run_is_interrupted(capsys):
+    """Once, and with what came last: notes on strangers were lost with Ctrl-C."""
+    with pytest.raises(KeyboardInterrupt), opened("/ev") as words:
+        _, number = words.line("asr")
+        for what in ("first", "last"):
+            os.write(number, Word(NOTE, f"{what} stranger is refused", what).encoded())
+        raise KeyboardInterrupt
+    assert capsys.readouterr().err.splitlines() == [
+        f"note: /ev/asr: {w} stranger is refused" for w in ("first", "last")
+    ]
 
 
 def test_a_node_that_was_killed_before_it_told_its_sums_is_named():

@@ -1,9 +1,14 @@
 """What is seen to before the nodes of a run are started, each in a process of its own."""
 
+import os
+from pathlib import Path
+
 import pytest
 
 from ev_msgs_py.compiling import node_loop
+from ev_msgs_py.contract.roles import RECORDER, ROLES
 from ev_sim.running import processes
+from ev_sim.running.node_command import command
 from ev_sim.running.outcome import RunFailed
 from ev_sim.running.scenarios.scenario import load_scenario
 
@@ -23,3 +28,10 @@ def test_the_loop_of_the_nodes_is_compiled_if_nobody_has(kept, tmp_path, monkeyp
     with pytest.raises(RunFailed, match=r"^no domain$"):
         processes.run_in_processes(run, tmp_path, False, lambda _: None)
     assert compiled == ([] if kept else ["the loop"])
+
+
+@pytest.mark.parametrize("name", [*ROLES, RECORDER])
+def test_no_program_stands_between_the_runner_and_a_node(name):
+    """`ros2 run` hands no death signal on: nodes outlived a runner that was killed."""
+    (path,) = command(name)
+    assert os.access(path, os.X_OK) and Path(path).name == name
