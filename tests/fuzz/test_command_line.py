@@ -6,7 +6,7 @@ import contextlib
 import io
 
 from fuzz.fuzzing import assert_one_line, fuzzed
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from ev_msgs_py.parameters.declaration import ParameterError
@@ -44,12 +44,18 @@ def refused(call) -> None:
         else:
             assert ended.code in (0, 2), ended.code
             assert ended.code == 0 or said.getvalue().strip()
+            if ended.code:
+                assert_one_line(said.getvalue().strip().rpartition("\n")[2])
+                assert not set(said.getvalue()) & {"\x1b", "\r", "\x9b"}
     except ParameterError as error:
         assert_one_line(error)
 
 
 @fuzzed(6, 0.5)
 @given(words=_words, scenario=st.sampled_from(["shchur2019", "coast_down"]) | _texts)
+@example(["--duration", "x" * 5000], "shchur2019")
+@example(["--" + "x" * 5000], "shchur2019")
+@example(["--\x1b[2J", "\r--set"], "shchur2019")
 def test_the_words_of_a_run(words, scenario):
     def call() -> None:
         given_words = arguments([scenario, *words])

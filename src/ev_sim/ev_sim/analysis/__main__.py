@@ -17,7 +17,7 @@ from ev_msgs_py.vehicle.files import with_files
 from ev_sim.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, linearised
 from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
 from ev_sim.analysis.single_track import single_track, tangent_speed, yaw_damping, yaw_gain
-from ev_sim.commands.refusal import refuse
+from ev_sim.commands.refusal import Parser, refuse
 from ev_sim.report.figures.saving import figure_files, save_figures
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.recording.atomic import atomic_file
@@ -124,7 +124,7 @@ def rows(vehicle: Vehicle, surface: str, model: SideSlipModel, plant: Linearised
 
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="python -m ev_sim.analysis",
         description="How a vehicle steers: understeer gradient, W12, the single-track model over speed, and the planar "
         "plant linearised numerically, saved as A, B, C, D.",

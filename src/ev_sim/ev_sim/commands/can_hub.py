@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 
 from ev_msgs_py.can.socketcand_hub import HOST, SocketcandHub
 from ev_msgs_py.nodes.stop_request import StopRequest, turn_deaf
-from ev_sim.commands.refusal import refuse
+from ev_sim.commands.refusal import Parser, refuse
 
 _PATIENCE = 0.2  # s between looks whether it shall end
 
 
 def main(argv: list[str] | None = None) -> None:
     """ros2 run ev_sim can_hub --port 29536"""
-    parser = argparse.ArgumentParser(prog="can_hub", description=f"{__doc__} socketcand's raw mode over TCP on {HOST}.")
+    parser = Parser(prog="can_hub", description=f"{__doc__} socketcand's raw mode over TCP on {HOST}.")
     parser.add_argument("--port", type=int, default=29536, help="default 29536; 0 takes any free one")
     given = parser.parse_args(argv)
     with StopRequest(patient=True) as stop:

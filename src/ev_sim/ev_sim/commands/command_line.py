@@ -15,6 +15,7 @@ from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import unknown_name
+from ev_sim.commands.refusal import Parser
 from ev_sim.running.scenarios.cycle import cycle_values
 from ev_sim.running.scenarios.scenario import Overrides
 from ev_sim.running.scenarios.yaml_text import read_yaml
@@ -25,7 +26,7 @@ TRACEBACK = "--traceback"
 
 def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     """Parse the command line; argparse ends the process with status 2 for words it does not know."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="run.sh", description="Run a scenario: every node its own process over DDS, unless told otherwise."
     )
     parser.add_argument("scenario", nargs="?", help="name of a scenario, --list shows them, or path of your own")

@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 
 from ev_msgs_py.parameters.shown import quoted
-from ev_sim.commands.refusal import refuse
+from ev_sim.commands.refusal import Parser, refuse
 from ev_sim.running.children import ends_with_us
 from ev_sim.running.domain import free_domain, reserved_domains
 from ev_sim.running.outcome import RunFailed
@@ -47,7 +47,7 @@ def main(argv: list[str] | None = None) -> None:
 
 
 def _arguments(argv: list[str] | None) -> tuple[argparse.Namespace, list[str]]:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="dashboard.sh",
         usage="dashboard.sh [--port N] [--namespace /NAME] [SCENARIO [options of run.sh]]",
         description="A page on this machine with live signals, the car from above, parameters and time. Without a "

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.commands.refusal import Parser
 from ev_sim.commands.verdicts import drive_with_progress
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.verdicts.all_verdicts import SOURCES
@@ -39,7 +40,7 @@ def run_figures(argv: Sequence[str]) -> None:
 
 
 def _arguments(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="run.sh figures", description=__doc__)
+    parser = Parser(prog="run.sh figures", description=__doc__)
     parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/figures")
     parser.add_argument("--only", nargs="+", default=[], metavar="SOURCE", help="sources")
     return parser.parse_args(argv)

@@ -9,7 +9,7 @@ from pathlib import Path
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import add_overrides, overrides
-from ev_sim.commands.refusal import refuse
+from ev_sim.commands.refusal import Parser, refuse
 from ev_sim.fmu.content import Content
 from ev_sim.fmu.export import write_fmu
 from ev_sim.interface.driving import only_run
@@ -34,7 +34,7 @@ def _played(roles: Container[str]) -> list[str]:
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="ev-stack fmu", description=__doc__)
+    parser = Parser(prog="ev-stack fmu", description=__doc__)
     parser.add_argument("scenario", help="name of a scenario, or path of your own")
     parser.add_argument("--run", default="", help="of a scenario with several runs")
     parser.add_argument("--out", type=Path, required=True, metavar="NAME.fmu", help="NAME becomes that of the model")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from contextlib import suppress
@@ -15,6 +14,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from ev_msgs_py.parameters.shown import LINE, quoted, shown
 from ev_msgs_py.wire.message_classes import message_class
+from ev_sim.commands.refusal import Parser
 from ev_sim.running.domain import reserved_domains
 
 _OWN_NAME = "inspect_graph"
@@ -24,7 +24,7 @@ _ROS_OWN = ("/parameter_events", "/rosout")
 
 def main(argv: list[str] | None = None) -> None:
     """scripts/inspect.sh [--seconds S] [--echo TOPIC]"""
-    parser = argparse.ArgumentParser(prog="inspect.sh", description="Show the running graph: nodes, topics, rates.")
+    parser = Parser(prog="inspect.sh", description="Show the running graph: nodes, topics, rates.")
     parser.add_argument("--seconds", type=_positive, default=2.0, help="how long rates are measured")
     parser.add_argument("--echo", metavar="TOPIC", help="print one message of this topic and end")
     given = parser.parse_args(argv)

@@ -5,7 +5,6 @@ For who starts nodes by other means than scripts/run.sh, such as launch files (l
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from pathlib import Path
@@ -13,7 +12,7 @@ from pathlib import Path
 from ev_msgs_py.parameters.config_folders import config_folders
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.command_line import add_overrides, overrides
-from ev_sim.commands.refusal import refuse
+from ev_sim.commands.refusal import Parser, refuse
 from ev_sim.interface.driving import only_run
 from ev_sim.running.files_of_run import PARAMETERS
 from ev_sim.running.node_command import package_of
@@ -24,7 +23,7 @@ from ev_sim.running.output_folder import OutputFolder
 
 def main(argv: list[str] | None = None) -> None:
     """ev-stack parameters SCENARIO --out DIR; standard output is JSON."""
-    parser = argparse.ArgumentParser(prog="ev-stack parameters", description=__doc__)
+    parser = Parser(prog="ev-stack parameters", description=__doc__)
     parser.add_argument("scenario", help="name or path of a scenario")
     parser.add_argument("--run", default="", metavar="NAME", help="which of its runs, if it has several")
     parser.add_argument("--realtime", action="store_true", help="by the wall clock instead of in lockstep")

@@ -12,6 +12,7 @@ from ev_msgs_py.lockstep.methods import LIBRARIES, is_code, methods_of
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.shown import quoted
 from ev_sim.commands.command_line import add_changes, add_outputs, command_of, overrides
+from ev_sim.commands.refusal import Parser
 from ev_sim.replay.comparing import differences_of
 from ev_sim.replay.graph import Replay, replay_of
 from ev_sim.replay.outputs import Replayed, prepared, replay_folder
@@ -43,7 +44,7 @@ def run_replay(argv: Sequence[str]) -> None:
 
 
 def _arguments(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="run.sh replay", description=__doc__)
+    parser = Parser(prog="run.sh replay", description=__doc__)
     parser.add_argument("bag", type=Path, metavar="BAG", help="a bag, the folder of a run, or its signals.npz")
     parser.add_argument(
         "--node",

@@ -13,6 +13,7 @@ from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.shown import quoted
 from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.commands.refusal import Parser
 from ev_sim.report.page.content import Signals
 from ev_sim.report.page.writing import Page, write_page
 from ev_sim.running.files_of_run import PAGE, SIGNALS, SUMMARY
@@ -35,7 +36,7 @@ def run_report(argv: Sequence[str]) -> None:
 
 
 def _arguments(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="run.sh report", description=__doc__)
+    parser = Parser(prog="run.sh report", description=__doc__)
     parser.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="what --out of a scenario was")
     parser.add_argument("--out", type=Path, metavar="FILE", help=f"the page; default results/{PAGE}")
     return parser.parse_args(argv)

@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.validate_namespace import validate_namespace
 
-from ev_sim.commands.refusal import refuse
+from ev_sim.commands.refusal import Parser, refuse
 from ev_sim.security.permissions import permissions
 from ev_sim.security.policy_file import policy_file
 from ev_sim.security.running_graph import permissions_in_use, violations
@@ -22,7 +22,7 @@ _DISCOVERY_TIME = 2.0  # s that nodes have to answer before the graph is taken a
 
 def main(argv: list[str] | None = None) -> None:
     """ev-stack security_policies [--namespace /ev] [--check]"""
-    parser = argparse.ArgumentParser(prog="security_policies", description=__doc__)
+    parser = Parser(prog="security_policies", description=__doc__)
     parser.add_argument("--namespace", type=_namespace, default="/ev", help="of the nodes; default /ev")
     parser.add_argument(
         "--check", action="store_true", help="hold the running graph against it, status 1 if it does more"

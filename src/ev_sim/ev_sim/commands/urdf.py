@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import argparse
-
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.values import build
 from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.commands.refusal import refuse
+from ev_sim.commands.refusal import Parser, refuse
 from ev_sim.dashboard.urdf import urdf
 from ev_sim.running.scenarios.configured_file import VEHICLE, vehicle_file
 
 
 def main(argv: list[str] | None = None) -> None:
     """ev-stack urdf VEHICLE"""
-    parser = argparse.ArgumentParser(prog="ev-stack urdf", description="A car as URDF, for RViz and Foxglove.")
+    parser = Parser(prog="ev-stack urdf", description="A car as URDF, for RViz and Foxglove.")
     parser.add_argument("vehicle", help="name of a vehicle, or path of a vehicle file")
     given = parser.parse_args(argv)
     prefix = f"{VEHICLE}."

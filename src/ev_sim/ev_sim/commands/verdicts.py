@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ev_msgs_py.parameters.declaration import ParameterError
+from ev_sim.commands.refusal import Parser
 from ev_sim.report.metric_table import WIDTH_OF_A_PIPE
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.running.progress_bar import bar_of_runs
@@ -60,7 +61,7 @@ def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> l
 
 
 def _arguments(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="run.sh verdicts", description=__doc__)
+    parser = Parser(prog="run.sh verdicts", description=__doc__)
     parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/verdicts")
     parser.add_argument("--only", nargs="+", default=[], metavar="SOURCE", help="sources, ids or beginnings of ids")
     parser.add_argument("--quick", action="store_true", help="leave out what takes more than a few seconds to drive")

@@ -11,6 +11,7 @@ from pathlib import Path
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_msgs_py.parameters.shown import quoted
 from ev_sim.commands.command_line import add_outputs, add_overrides, overrides
+from ev_sim.commands.refusal import Parser
 from ev_sim.running.scenarios.parameter_file import ParameterFile
 from ev_sim.running.scenarios.scenario import Overrides, refuse_unused_values
 from ev_sim.study.case import Case, run_of
@@ -22,7 +23,7 @@ _EVERY_NODE, _FILE = "*", "file"
 def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     """Parse the command line of a study; argparse ends the process with status 2 for words it does not know."""
     study = study_named(name)
-    parser = argparse.ArgumentParser(prog=f"run.sh {name}", description=study.ABOUT)
+    parser = Parser(prog=f"run.sh {name}", description=study.ABOUT)
     parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
     parser.add_argument("--workers", type=_positive, metavar="N", help="worker processes here; default: one per core")
     parser.add_argument("--out", type=Path, metavar="DIR", help=f"output folder; default results/{name}")
