@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import json
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from ev_sim.report.table_files import write_tables
 from ev_sim.running.manifest import read_manifest, write_manifest
 from ev_sim.running.recording.recording import load, signal_hash
 from ev_sim.study import sweep
+from ev_sim.study.case import drive_case
 from ev_sim.study.command import arguments
 
 WORDS = ("shchur2019", "--vary", "electronic_differential.gamma=0:10:3", "--vary", "plant.initial_speed=2.0,4.0")
@@ -103,6 +105,19 @@ def test_words_without_sense_are_one_line(words, said):
     with pytest.raises(ParameterError) as error:
         sweep.cases(arguments("sweep", ["shchur2019", *words]))
     assert str(error.value) == said
+
+
+def test_runs_too_short_for_any_metric_are_said_to_be_that():
+    """The table had the varied values alone, and no word why. A coast-down takes 10 s to be one."""
+    given = arguments("sweep", ["coast_down", "--vary", "plant.initial_speed=15.00001,15.00002"])
+    short = [dataclasses.replace(case, duration=0.1) for case in sweep.cases(given)]
+    table = sweep.tables(given, {case.name: drive_case(case, sweep.measure) for case in short})
+    assert table.splitlines()[2:] == [
+        "           15.00001",
+        "           15.00002",
+        "",
+        "no metric was measured: scripts/run.sh coast_down says why",
+    ]
 
 
 def test_values_are_numbers_texts_and_units():
