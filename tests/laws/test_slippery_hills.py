@@ -57,7 +57,7 @@ def climbed_from_the_brake(law: str, pressed: float) -> float:
 
 @pytest.mark.parametrize("law", SLIP_LAWS)
 def test_they_start_from_the_brake(law):
-    """As `hill_start` does: torque for the slope before the brake is released, and then the pedal down. 6.8 m and more."""
+    """As `hill_start` does: torque for the slope before the brake is released, then the pedal down. 6.8 m and more."""
     assert climbed_from_the_brake(law, 1500.0) > 6.0
 
 

@@ -111,7 +111,18 @@ def test_a_run_that_ends_early_has_gaps_and_no_error():
 
 def test_the_shortest_study_has_its_page(tmp_path, capsys):
     """`--duration 1`, half a second of torque: what has not happened yet is a gap. It crashed behind the driving."""
-    words = ["--roads", "snow", "--controls", "off", "--duration", "1", "--workers", "1", "--out", str(tmp_path / "out")]
+    words = [
+        "--roads",
+        "snow",
+        "--controls",
+        "off",
+        "--duration",
+        "1",
+        "--workers",
+        "1",
+        "--out",
+        str(tmp_path / "out"),
+    ]
     main(["asr_shootout", *words])
     row = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("snow  off"))
     assert row.split()[2] == row.split()[-1] == "–"

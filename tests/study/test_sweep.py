@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import ev_sim
+from ev_msgs_py.parameters.csv_file import find_file
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.report.table_files import write_tables
@@ -91,6 +92,23 @@ def test_signals_are_kept_where_they_are_asked_for(folder):
     sweep_into(folder, "--signals")
     cases = json.loads((folder / "summary.json").read_text())["cases"]
     assert {name: signal_hash(load(folder / case["signals"])) for name, case in cases.items()} == hashes
+
+
+@pytest.mark.slow
+def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, capsys):
+    """A car that the user's scenario names: with 3000 kg instead of 1600 the rows and signals of before came back."""
+    car, own = (find_file(f"{name}.yaml").read_text() for name in ("vehicles/compact_ev", "scenarios/coast_down"))
+    (tmp_path / "own.yaml").write_text(own.replace("vehicle: audi_a2", f"vehicle: {tmp_path / 'car.yaml'}"))
+    words = ["--vary", "plant.initial_speed=20.0,25.0", "--duration", "0.1", "--workers", "1", "--no-report"]
+    found = []
+    for mass in ("1600.0", "3000.0"):
+        (tmp_path / "car.yaml").write_text(car.replace("mass: 1600.0", f"mass: {mass}"))
+        main(["sweep", str(tmp_path / "own.yaml"), *words, "--signals", "--out", str(tmp_path / "out")])
+        cases = json.loads((tmp_path / "out" / "summary.json").read_text())["cases"].values()
+        found += [each["signal_hash"] for each in cases]
+        assert [signal_hash(load(tmp_path / "out" / each["signals"])) for each in cases] == found[-2:]
+    assert len(set(found)) == 4
+    assert "driven before" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ from ev_sim.running.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
 
 _SPEED_PROFILE = "speed_profile."
 
+
 @dataclass(frozen=True)
 class Run:
     """One configured graph, the namespace of its nodes, and by which report and metrics of its file it is measured."""
