@@ -44,6 +44,29 @@ def test_they_start_backwards_as_well(law):
     assert climbed(law, 0.10, -1.0) > 4.0
 
 
+def climbed_from_the_brake(law: str, pressed: float) -> float:
+    """Distance [m] up 10 % in 7 s: pressed [N m] onto the brake, which is released at 0.9 s, 3000 N m from 1.5 s on."""
+    pedals = {
+        "time": (0.0, 0.5, 0.9, 1.0, 1.5),
+        "drive_torque": (0.0, 0.0, pressed, pressed, 3000.0),
+        "brake_torque": (3000.0, 3000.0, 3000.0, 0.0, 0.0),
+    }
+    more = (("plant", "road.grade", (0.10,)), *(("driver", f"pedals.{name}", of) for name, of in pedals.items()))
+    return float(launch(law, SNOW, 3000.0, 1.0, 7.0, more=more)["pose.x"][-1])
+
+
+@pytest.mark.parametrize("law", SLIP_LAWS)
+def test_they_start_from_the_brake(law):
+    """As `hill_start` does: torque for the slope before the brake is released, then the pedal down. 6.8 m and more."""
+    assert climbed_from_the_brake(law, 1500.0) > 6.0
+
+
+@pytest.mark.parametrize("law", ["expected_signal", "slip_window"])
+def test_more_than_the_grip_on_the_brake_leaves_two_laws_standing(law):
+    """docs/asr.md: under a brake all torque passes, so that the wheels spin up as it is released, and stay so."""
+    assert abs(climbed_from_the_brake(law, 3000.0)) < 0.5
+
+
 @pytest.mark.parametrize(("law", "grade"), [("acceleration_ratio", 0.12), ("maximum_transmissible_torque", 0.10)])
 def test_laws_that_know_accelerations_alone_stand(law, grade):
     """A tread that slides evenly on a car that stands accelerates no more than the car: to them it grips.

@@ -13,7 +13,7 @@ from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.report.metric import NOT_JUDGED, NotMeasured
 from ev_sim.report.quantities import handling, motion
 from ev_sim.report.result import Result
-from ev_sim.report.scenarios import sine_with_dwell
+from ev_sim.report.scenarios import sine_with_dwell, steady_circle
 from ev_sim.running.recording.recording import Recording
 from ev_sim.running.scenarios import scenario as scenarios
 from ev_sim.running.scenarios.cycle import cycle_values
@@ -193,6 +193,17 @@ def test_sideslip_and_curvature_on_a_circle_are_the_same_in_reverse():
         )
         assert motion.sideslip_angle(run) == pytest.approx(beta)
         assert motion.radius_of_path(run) == pytest.approx(math.hypot(20.0, 1.0))
+
+
+@pytest.mark.parametrize("period", [0.01, 0.0025])
+def test_a_circle_is_steady_a_second_after_its_steering_wheel_is_held(period):
+    """It was 100 samples, whatever they take. The wheel is held from 2 s on."""
+    time = np.arange(round(6.0 / period) + 1) * period
+    angle, acceleration = np.minimum(time, 2.0), 0.1 * time
+    named = {motion.STEERING_WHEEL_ANGLE: angle, "imu.lateral_acceleration": acceleration}
+    named |= {"imu.longitudinal_acceleration": 0.0 * time, "twist.longitudinal": 0.0 * time + 5.0}
+    named |= {"twist.lateral": 0.0 * time, "imu.yaw_rate": 0.0 * time + 0.1}
+    assert time[steady_circle.steady(Recording(time, named)).start] == pytest.approx(3.0, abs=1e-9)
 
 
 def test_the_circle_to_the_right_is_measured():

@@ -261,6 +261,24 @@ def test_what_the_command_line_says_belongs_to_the_chosen_methods(scenario, valu
         load_scenario("test", overrides(arguments(["test", *words])))
 
 
+@pytest.mark.parametrize("name", scenario_names())
+def test_another_cycle_changes_what_is_driven_or_is_refused(name, tmp_path):
+    """Who goes by the pedals from the start on never follows it: `hill_start` took `--cycle` without a word."""
+    cycle = tmp_path / "cycle.csv"
+    cycle.write_text("t_s,v_mps\n0,3\n2,4\n4,1\n")
+    run = load_scenario(name).runs[0].name
+    given = {"runs": [run] if load_scenario(name).parameters.runs else (), "duration": 4.0}
+    try:
+        other = ev_sim.run(name, cycle=cycle, **given)
+    except ParameterError as error:
+        said = "is refused: the driver goes by the pedals from the start on, allowed with driver.pedals.begin=false"
+        assert str(error) == f"driver.speed_profile.file {said}"
+        with pytest.raises(ParameterError, match=f"^driver.speed_profile.time {said}$"):
+            ev_sim.run(name, set={"driver.speed_profile.time": [0.0, 1.0, 2.0, 3.0]}, **given)
+    else:
+        assert other.hash != ev_sim.run(name, **given).hash
+
+
 def test_a_value_is_used_if_one_of_the_runs_uses_it(scenario):
     """Of several runs each has its own method."""
     text = HEAD.replace("about", "runs: [first, second], about")

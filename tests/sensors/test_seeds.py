@@ -122,6 +122,20 @@ def test_batches_are_the_runs_one_by_one_whatever_is_random():
         assert found[seed].tobytes() == next(iter(alone.runs.values())).channels[channel].tobytes()
 
 
+def test_a_random_fault_alone_differs_by_seed_in_a_batch():
+    """A graph without noise counted as one that no seed moves: three equal runs. A third of the messages is lost."""
+    channel = "wheel_states.velocity.front_left"
+    found = ev_sim.batch(
+        "double_lane_change",
+        {"*.seed": [0, 1, 2]},
+        set={"plant.faults": ["lost wheel_states 0.333 from 0.1"]},
+        signals=(channel,),
+        duration=1.0,
+    ).signals[channel]
+    for one, other in combinations(found, 2):
+        assert np.sum(one != other) > 20  # of 90 samples; the last ones of two seeds may be equal
+
+
 def test_episodes_of_a_learner_have_other_roads_by_seed_however_large():
     """Gymnasium's seeds are any whole numbers from 0 on."""
     environment = Environment("step_steer", run="left", record=True, set={"plant.road.pattern": "random"}, duration=0.2)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from traction import METHODS, SPEED_MODE
 
+from ev_sim.commands.run_scenario import main
 from ev_sim.report.metric import Metric
 from ev_sim.running.offline import run_offline
 from ev_sim.running.recording.recording import Recording
@@ -106,6 +107,26 @@ def test_a_run_that_ends_early_has_gaps_and_no_error():
         "0",
         "–",
     )
+
+
+def test_the_shortest_study_has_its_page(tmp_path, capsys):
+    """`--duration 1`, half a second of torque: what has not happened yet is a gap. It crashed behind the driving."""
+    words = [
+        "--roads",
+        "snow",
+        "--controls",
+        "off",
+        "--duration",
+        "1",
+        "--workers",
+        "1",
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    main(["asr_shootout", *words])
+    row = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("snow  off"))
+    assert row.split()[2] == row.split()[-1] == "–"
+    assert (tmp_path / "out" / "report.html").is_file()
 
 
 def test_table_and_metrics(results):

@@ -61,6 +61,9 @@ def cases_of(name: str, *words: str) -> list[Case]:
         ("sweep coast_down --vary plant.road.left=[ice", "--vary 'plant.road.left=[ice' is refused, allowed is x,y,z"),
         ("faults --duration 4", "--duration 4 is refused: what this study measures comes later, allowed is 5 s"),
         ("bench_difference --duration 1", "--duration 1 is refused: what this study measures comes later"),
+        ("bench_convergence --duration 1", "--duration 1 is refused: what this study measures comes later"),
+        ("bench_faults --duration 1", "--duration 1 is refused: what this study measures comes later"),
+        ("asr_shootout --duration 0.9", "--duration 0.9 is refused: what this study measures comes later"),
     ],
 )
 def test_what_a_case_sets_itself_is_refused_in_one_line(words, said):

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import json
 from pathlib import Path
 
 import pytest
 
 import ev_sim
+from ev_msgs_py.parameters.csv_file import find_file
 from ev_msgs_py.parameters.declaration import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.report.table_files import write_tables
 from ev_sim.running.manifest import read_manifest, write_manifest
 from ev_sim.running.recording.recording import load, signal_hash
 from ev_sim.study import sweep
+from ev_sim.study.case import drive_case
 from ev_sim.study.command import arguments
 
 WORDS = ("shchur2019", "--vary", "electronic_differential.gamma=0:10:3", "--vary", "plant.initial_speed=2.0,4.0")
@@ -91,6 +94,23 @@ def test_signals_are_kept_where_they_are_asked_for(folder):
     assert {name: signal_hash(load(folder / case["signals"])) for name, case in cases.items()} == hashes
 
 
+@pytest.mark.slow
+def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, capsys):
+    """A car that the user's scenario names: with 3000 kg instead of 1600 the rows and signals of before came back."""
+    car, own = (find_file(f"{name}.yaml").read_text() for name in ("vehicles/compact_ev", "scenarios/coast_down"))
+    (tmp_path / "own.yaml").write_text(own.replace("vehicle: audi_a2", f"vehicle: {tmp_path / 'car.yaml'}"))
+    words = ["--vary", "plant.initial_speed=20.0,25.0", "--duration", "0.1", "--workers", "1", "--no-report"]
+    found = []
+    for mass in ("1600.0", "3000.0"):
+        (tmp_path / "car.yaml").write_text(car.replace("mass: 1600.0", f"mass: {mass}"))
+        main(["sweep", str(tmp_path / "own.yaml"), *words, "--signals", "--out", str(tmp_path / "out")])
+        cases = json.loads((tmp_path / "out" / "summary.json").read_text())["cases"].values()
+        found += [each["signal_hash"] for each in cases]
+        assert [signal_hash(load(tmp_path / "out" / each["signals"])) for each in cases] == found[-2:]
+    assert len(set(found)) == 4
+    assert "driven before" not in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -103,6 +123,19 @@ def test_words_without_sense_are_one_line(words, said):
     with pytest.raises(ParameterError) as error:
         sweep.cases(arguments("sweep", ["shchur2019", *words]))
     assert str(error.value) == said
+
+
+def test_runs_too_short_for_any_metric_are_said_to_be_that():
+    """The table had the varied values alone, and no word why. A coast-down takes 10 s to be one."""
+    given = arguments("sweep", ["coast_down", "--vary", "plant.initial_speed=15.00001,15.00002"])
+    short = [dataclasses.replace(case, duration=0.1) for case in sweep.cases(given)]
+    table = sweep.tables(given, {case.name: drive_case(case, sweep.measure) for case in short})
+    assert table.splitlines()[2:] == [
+        "           15.00001",
+        "           15.00002",
+        "",
+        "no metric was measured: scripts/run.sh coast_down says why",
+    ]
 
 
 def test_values_are_numbers_texts_and_units():

@@ -145,11 +145,12 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
+    """The rows as aligned text, and a line if there is no metric in them."""
     columns, rows = table(given, results)
     given_ones = len(variations(given))
     texts = [[*map(_shown_value, row[:given_ones]), *map(cell, row[given_ones:])] for row in rows]
-    return text_table(columns, texts, left=())
+    said = "" if _shown(given, results) else f"\n\nno metric was measured: scripts/run.sh {given.scenario} says why"
+    return text_table(columns, texts, left=()) + said
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

@@ -22,6 +22,8 @@ from ev_sim.running.scenarios.configured_file import VEHICLE, configured_file, v
 from ev_sim.running.scenarios.parameter_file import ParameterFile, matches
 from ev_sim.running.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
 
+_SPEED_PROFILE = "speed_profile."
+
 
 @dataclass(frozen=True)
 class Run:
@@ -122,6 +124,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
             notes += [note] if note else []
         runs.append(replace(run, report=about.report or name, metrics=about.metrics))
     refuse_unused_values(overrides.values, runs)
+    _refuse_unfollowed_speed(overrides.told, runs)
     notes += [] if only else _unused_in(files, runs, overrides)
     notes += [note for run in runs for note in _late_faults(run)]
     return Scenario(name, about, tuple(runs), own.path, tuple(notes))
@@ -173,6 +176,22 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
                 refuse_unused(key, [each for each in played if each.role == played[0].role])
             except ParameterError as error:
                 raise ParameterError(f"{node}: {error}", key) from None
+
+
+def _refuse_unfollowed_speed(told: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
+    """ParameterError for a speed over time, or a cycle, that is told where nobody ever follows one."""
+    names = [key for node, key, _ in told if node in ("*", "driver") and key.startswith(_SPEED_PROFILE)]
+    if names and not any(map(_follows_a_speed, runs)):
+        raise ParameterError(
+            f"driver.{names[0]} is refused: the driver goes by the pedals from the start on, "
+            "allowed with driver.pedals.begin=false"
+        )
+
+
+def _follows_a_speed(run: Run) -> bool:
+    said = run.configurations["driver"].values()
+    pressed = said.get("pedals.begin", False) and said["pedals.begin_time"] == said["pedals.begin_speed"] == 0.0
+    return not pressed or run.configurations[MASTER].values().get("speed") == "imposed"
 
 
 def _unused_in(files: Sequence[ParameterFile], runs: Sequence[Run], overrides: Overrides) -> list[str]:
