@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import mmap
 import os
 import random
@@ -10,6 +11,7 @@ import signal
 import struct
 import sys
 import time
+import traceback
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,6 +21,7 @@ from rosbags.interfaces import Connection, QosDurability, QosHistory, QosReliabi
 from rosbags.rosbag2 import Reader, ReaderError
 
 from ev_sim.running.recording.durable_bag import DurableBag
+from ev_sim.running.recording.twin_writer import TwinStorage
 
 pytestmark = pytest.mark.slow
 
@@ -333,3 +336,19 @@ def test_failed_exchange_of_metadata_is_made_good_later(tmp_path: Path):
         bag.checkpoint()
         assert read_counters(tmp_path / "bag") == list(range(30))
     assert read_counters(tmp_path / "bag") == list(range(30))
+
+
+def test_a_bag_that_cannot_begin_leaves_nothing_that_is_written_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The library asks for its own version when the file is open: with no descriptor left the file outlived the error."""
+
+    def no_descriptor(_name: str) -> str:
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    monkeypatch.setattr("rosbags.rosbag2.storage_mcap.version", no_descriptor)
+    kept = []
+    with pytest.raises(OSError, match="Too many open files") as error:
+        DurableBag(tmp_path / "bag")
+    for frame, _ in traceback.walk_tb(error.tb):
+        kept += [each for each in frame.f_locals.values() if isinstance(each, TwinStorage)]
+    assert not (tmp_path / "bag").exists()
+    assert kept and all(each.bio.closed for each in kept)

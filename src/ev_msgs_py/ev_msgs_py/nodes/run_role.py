@@ -18,6 +18,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
+from rosidl_generator_py.import_type_support_impl import UnsupportedTypeSupport
 
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.lockstep.methods import NODES
@@ -30,6 +31,9 @@ from ev_msgs_py.nodes.stepped_node import SteppedNode
 from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_msgs_py.nodes.time_of_day import refuse_late_time_of_day, too_late
 from ev_msgs_py.parameters.shown import LINE, quoted, shown
+
+# What rclpy raises where the middleware cannot do something, or a library of messages cannot be loaded.
+OF_ROS = (RuntimeError, UnsupportedTypeSupport)
 
 
 def make_node(role: str, **node_arguments: Any) -> SteppedNode:
@@ -86,7 +90,7 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
             finally:
                 node.close()
             stop_listening(node)
-        except (ValueError, RuntimeError, OSError, ParameterException) as error:
+        except (ValueError, OSError, ParameterException, *OF_ROS) as error:
             leave(f"{name}: {one_line(error)}")
         except KeyboardInterrupt:
             leave()
@@ -108,6 +112,7 @@ def one_line(error: Exception) -> str:
     """
     if isinstance(error, rclpy_implementation.UnknownROSArgsError):
         return f"unknown ROS arguments {error}"
-    text = " ".join(re.sub(r", at /\S+:\d+", "", str(error)).split())
+    said = error.__context__ or error if isinstance(error, UnsupportedTypeSupport) else error
+    text = " ".join(re.sub(r", at /\S+:\d+", "", str(said)).split())
     trouble = too_late() if isinstance(error, rclpy_implementation.RCLError) else None
     return shown(text if trouble is None else f"{text}; {trouble}", LINE)

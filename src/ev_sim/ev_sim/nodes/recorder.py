@@ -11,7 +11,7 @@ from rclpy.node import Node
 
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import MASTER, RECORDER, RECORDER_WRITES, ROLES
-from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.nodes import ros_parameters
 from ev_msgs_py.nodes.last_words import wait_until_heard
 from ev_msgs_py.nodes.reports import Reports
@@ -43,6 +43,13 @@ class RecorderNode(Node):
         ros_parameters.declare(self, entries(p))
         topics = [topic for topic in TOPICS.values() if topic.name in p.topics]
         self._output = OutputOfRun(p, topics, [self.resolve_topic_name(topic.name) for topic in topics])
+        try:
+            self._begin(p, topics)
+        except BaseException:  # nobody has this node, to close it: its bag would be written on after the last word
+            self._output.write()
+            raise
+
+    def _begin(self, p: RecorderParameters, topics: list[Topic]) -> None:
         self._reports = Reports(self, RECORDER)
         self._waiting = Waiting(self._reports.runner)
         self._input = RecorderInput(self, topics, self._output.recorder, p.bag, self._reports)

@@ -13,7 +13,7 @@ import rclpy
 from rclpy.parameter import Parameter
 
 from ev_msgs_py.contract.roles import RECORDER
-from ev_msgs_py.nodes.run_role import node_maker, one_line
+from ev_msgs_py.nodes.run_role import OF_ROS, node_maker, one_line
 from ev_msgs_py.nodes.runner_line import LINE
 from ev_msgs_py.nodes.security import security_is_asked_for
 from ev_msgs_py.nodes.spinning import spin
@@ -70,14 +70,13 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
                 return recorder.done or stop.received
 
             start = time.monotonic()
-            try:
-                spin(nodes, finished)
-            except RuntimeError as error:  # what ends a node that is a process of its own
-                raise RunFailed(one_line(error)) from None
+            spin(nodes, finished)
             wall_time = time.monotonic() - start
             if not recorder.done:
                 raise KeyboardInterrupt
             progress(run.duration)
+        except OF_ROS as error:  # what ends a node that is a process of its own
+            raise RunFailed(one_line(error)) from None
         finally:
             for node in nodes:
                 node.close()

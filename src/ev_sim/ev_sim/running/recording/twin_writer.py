@@ -31,8 +31,11 @@ class TwinStorage(McapWriter):
     """
 
     def __init__(self, directory: Path, compression: CompressionMode) -> None:
-        super().__init__(directory, compression)
-        self.bio.close()
+        try:
+            super().__init__(directory, compression)
+        finally:  # what it could not begin would be written on whenever Python forgets it
+            if hasattr(self, "bio"):
+                self.bio.close()
         self.final = self.path
         self.spare = self.final.with_suffix(".mcap.spare")
         self.bio = _PositionedBuffer(start=0)
