@@ -339,7 +339,7 @@ def test_failed_exchange_of_metadata_is_made_good_later(tmp_path: Path):
 
 
 def test_a_bag_that_cannot_begin_leaves_nothing_that_is_written_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """The library asks for its own version when the file is open: with no descriptor left the file outlived the error."""
+    """The library asks for its version when the file is open; without a descriptor the file outlived the error."""
 
     def no_descriptor(_name: str) -> str:
         raise OSError(errno.EMFILE, "Too many open files")
