@@ -148,6 +148,6 @@ def test_the_check_refuses_what_another_c_library_rounds_otherwise(tmp_path):
             ContractError, match=rf"{file}, line 23: {name} is rounded otherwise elsewhere, take it from"
         ):
             check_method("asr", str(file))
-    file = law_file(tmp_path, share="math.sqrt(p.share)")
-    file.write_text(f"import math\n{file.read_text()}")
+    file = law_file(tmp_path, share="math.sqrt(TABLE[0] * p.share)")
+    file.write_text(f"import math\nimport numpy as np\nTABLE = np.array([1.0, 2.0])\n{file.read_text()}")
     check_method("asr", str(file))

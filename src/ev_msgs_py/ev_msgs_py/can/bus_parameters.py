@@ -58,7 +58,6 @@ class BusInterface:
                 f"address: {quoted(str(self.address))} is refused, allowed from a file is {LOOPBACK}; another network "
                 "is named on the command line: --set NODE.bus.address=ADDRESS, for a node -p bus.address:=ADDRESS"
             )
-
         if isinstance(self.database, TextOfFile):
             try:
                 find_file(self.database)

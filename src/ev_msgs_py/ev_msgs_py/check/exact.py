@@ -41,7 +41,7 @@ def _used(function: FunctionType) -> Iterator[tuple[int, str]]:
         line = each.positions.lineno or line if each.positions else line
         if each.opname == "LOAD_GLOBAL":
             found = function.__globals__.get(each.argval)
-            module = found if found in (math, np) else None
+            module = found if found is math or found is np else None  # an array is equal to nothing as a whole
             own = getattr(found, "__name__", "")
             if own in _ROUNDED and (isinstance(found, np.ufunc) or getattr(found, "__module__", "") == "math"):
                 yield line, own

@@ -74,7 +74,7 @@ def _in_python(law: Law, method: Method, made: LawObject) -> tuple[str, int, str
         return None
     function = law.outputs or law.function
     names = [" and ".join(each.__name__ for each in kinds) for kinds in (map(type, wrote), method.writes)]
-    return inspect.getsourcefile(function) or "", _first_line(function), f"it returns {names[0]}, allowed is {names[1]}"
+    return *_beginning(function), f"it returns {names[0]}, allowed is {names[1]}"
 
 
 def _in_words(error: Exception) -> str:
@@ -98,7 +98,7 @@ def _of_compiler(law: Law, error: BaseException) -> tuple[str, int, str]:
         causes = _CAUSE.findall(text) or [line for line in text.splitlines() if line.strip()] or [type(error).__name__]
         what = f"{called[-1]} is not compiled for what it is given here" if called else causes[-1]
     if not places:
-        return inspect.getsourcefile(law.function) or "", _first_line(law.function), what
+        return *_beginning(law.function), what
     place = places[-1]
     return str(Path(place["file"] or place["path"]).resolve()), int(place["line"] or place["at"]), what
 
@@ -107,6 +107,7 @@ def _is_theirs(file: str) -> bool:
     return _OTHERS not in file and not file.startswith(("<", "numba/"))
 
 
-def _first_line(function: Any) -> int:
-    line: int = inspect.unwrap(function).__code__.co_firstlineno
-    return line
+def _beginning(function: Any) -> tuple[str, int]:
+    """File and line in which the text of a function begins."""
+    code = inspect.unwrap(function).__code__
+    return code.co_filename, code.co_firstlineno

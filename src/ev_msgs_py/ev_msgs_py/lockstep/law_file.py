@@ -19,17 +19,13 @@ from ev_msgs_py.parameters.shown import quoted
 _registered: dict[tuple[Path, bytes], dict[str, dict[str, Method]]] = {}  # by file and its text
 
 
-def file_of(name: str) -> Path:
-    """The whole path of the file that a method's name means now."""
-    return find_file(name.partition(f"{LAW_FILE}:")[0].removesuffix(LAW_FILE) + LAW_FILE).absolute()
-
-
 def method_of_file(role: str, name: str) -> Method:
     """The method of a role in a file; ParameterError, in one line, if there is none, or if the file cannot be run.
 
     A file is run once for each text that it has.
     """
-    who, path, chosen = f"{role} method {name}", file_of(name), name.partition(f"{LAW_FILE}:")[2]
+    who, (file, _, chosen) = f"{role} method {name}", name.partition(f"{LAW_FILE}:")
+    path = find_file(file.removesuffix(LAW_FILE) + LAW_FILE).absolute()
     try:
         text = read_data(path, TEXT)
     except OSError as error:
@@ -55,10 +51,10 @@ def _run(who: str, path: Path, text: bytes) -> dict[str, dict[str, Method]]:
     try:
         return registered_by(name, lambda: exec(compile(text, path, "exec"), vars(module)))
     except Exception as error:  # whatever somebody's file raises
-        raise ParameterError(f"{who}: {line_of(error, path)}{type(error).__name__}: {error}", "method") from error
+        raise ParameterError(f"{who}: {_line_of(error, path)}{type(error).__name__}: {error}", "method") from error
 
 
-def line_of(error: BaseException, path: Path) -> str:
+def _line_of(error: BaseException, path: Path) -> str:
     """The line of a file in which an error was raised, or whose text is no Python; empty if it is of no line of it."""
     if isinstance(error, SyntaxError) and error.filename == str(path):
         return f"line {error.lineno}: "

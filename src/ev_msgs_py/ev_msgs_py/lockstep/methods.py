@@ -226,11 +226,9 @@ def find_method(role: str, name: str) -> Method:
         tell(find_file(name))
         return found
     if isinstance(name, str) and is_code(name):
-        from ev_msgs_py.lockstep.law_file import file_of, method_of_file
+        from ev_msgs_py.lockstep.law_file import method_of_file
 
-        found = method_of_file(role, name)
-        tell(file_of(name))
-        return found
+        return method_of_file(role, name)
     if isinstance(name, str) and name.endswith(RECORDINGS):
         from ev_msgs_py.playback.method import playback_method
 

@@ -56,7 +56,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
         announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         try:
             for name, values in parameters.items():
-                with _line(words, name, not run.realtime and name != RECORDER):
+                with _line(words, name, not run.realtime):
                     nodes.append(_node(name, run.namespace, values, observer.context))
             recorder = nodes[-1]
             next_look = 0.0

@@ -11,7 +11,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.lockstep.methods import is_code
 from ev_msgs_py.nodes.leaving import SILENTLY
 from ev_msgs_py.nodes.runner_line import LINE
@@ -77,7 +76,7 @@ def start_node(
     log = logs / f"{name}.log"
     arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
     arguments += [*_said_by_us(name, run, parameters.parent), *enclave(name, run.namespace)]
-    line, inherited = told.line(name, ours and not run.realtime and name != RECORDER)
+    line, inherited = told.line(name, ours and not run.realtime)
     environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain), SILENTLY: "1", LINE: line}
     with log.open("wb") as output:
         try:

@@ -48,9 +48,9 @@ class Told:
     def line(self, node: str, adds_up: bool = False) -> tuple[str, int]:
         """For the environment of a node, by which it finds its end, and the descriptor that it has to inherit.
 
-        One that `adds_up` has to tell its sums at its end.
+        One that `adds_up` has to tell its sums at its end; those of the recorder are those of the recording.
         """
-        if adds_up:
+        if adds_up and node != RECORDER:
             self._adding.add(node)
         end = self._lines[node] = ListeningEnd()
         return end.address(self._key), end.theirs.fileno()

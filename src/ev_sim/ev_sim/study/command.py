@@ -63,7 +63,7 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
     cases = [
         replace(
             case,
-            values=(*case.values, *common.prepared, *common.values),
+            values=(*case.values, *common.told),
             files=(*case.files, *common.files),
             duration=case.duration if common.duration is None else common.duration,
             vehicle=common.vehicle or case.vehicle,
@@ -102,7 +102,7 @@ def _told(common: Overrides) -> list[tuple[str, str]]:
     """Node and name of each parameter that goes before those of the cases; a file of parameters only names files so."""
     in_files = (name for file in common.files for name in ParameterFile(file).names())
     files = [(_EVERY_NODE, name) for name in in_files if name.endswith(_FILE)]
-    return [*((node, name) for node, name, _ in (*common.prepared, *common.values)), *files]
+    return [*((node, name) for node, name, _ in common.told), *files]
 
 
 def _refuse_what_it_sets(case: Case, told: Iterable[tuple[str, str]]) -> None:

@@ -149,7 +149,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     columns, rows = table(given, results)
     given_ones = len(variations(given))
     texts = [[*map(_shown_value, row[:given_ones]), *map(cell, row[given_ones:])] for row in rows]
-    said = "" if _shown(given, results) else f"\n\nno metric was measured: scripts/run.sh {given.scenario} says why"
+    said = "" if columns[given_ones:] else f"\n\nno metric was measured: scripts/run.sh {given.scenario} says why"
     return text_table(columns, texts, left=()) + said
 
 
