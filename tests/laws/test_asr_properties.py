@@ -103,24 +103,28 @@ def test_reverse_mirrors_forward_to_the_bit(name, sequence, car):
 @given(sequence=sequences)
 @pytest.mark.parametrize("name", METHODS)
 def test_braking_passes(name, sequence):
-    """Whatever was before: with a brake on, and for regeneration at speed."""
+    """Whatever was before: with a brake on and for regeneration, at speed."""
     law = Control(name)
     for m in sequence:
         law.step(m)
-    braked = dataclasses.replace(sequence[-1], brake=Wheels.front(200.0, 200.0))
+    braked = dataclasses.replace(sequence[-1], speed=Wheels(25.0, 30.0, 20.0, 20.0), brake=Wheels.front(200.0, 200.0))
     assert law.step(braked) == braked.drive
     regenerates = Measured(Wheels.front(-800.0, -800.0), speed=Wheels(5.0, 8.0, 20.0, 20.0))
     assert law.step(regenerates) == regenerates.drive
 
 
 @settings(max_examples=20)
-@given(noise=st.lists(per_wheel(-0.06, 0.06), min_size=60, max_size=60), torque=st.floats(-1000.0, 1000.0))
+@given(
+    noise=st.lists(per_wheel(-0.06, 0.06), min_size=60, max_size=60),
+    torque=st.floats(-1000.0, 1000.0),
+    brake=st.sampled_from([0.0, 1000.0]),
+)
 @pytest.mark.parametrize("name", METHODS)
-def test_at_rest_nothing_happens(name, noise, torque):
+def test_at_rest_nothing_happens(name, noise, torque, brake):
     """A car that is held by its brakes or its weight: 0.06 rad/s of noise, twice its usual standard deviation."""
     law, drive = Control(name), Wheels.front(torque, torque)
     for speed in noise:
-        assert law.step(Measured(drive, speed=speed, torque=drive)) == drive
+        assert law.step(Measured(drive, brake=Wheels.all(brake), speed=speed, torque=drive)) == drive
 
 
 @pytest.mark.parametrize("name", CONTROLS)

@@ -25,8 +25,10 @@ from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.elementary import copysign
 from ev_msgs_py.vehicle.car import Car
 
-# Slower than this against the request, a car is not braked by its drives but about to pull away, perhaps on a hill.
+# Slower than this a car is about to pull away, perhaps on a hill: its drives, told ahead, do not brake it as it rolls
+# back, and a brake that is still pressed is about to be released.
 PULLING_AWAY = 0.3  # [m/s]
+STANDING = 0.1  # tread of a wheel that its brake still holds; far above the noise of wheel speeds [m/s]
 
 
 @dataclass(slots=True)
@@ -64,11 +66,13 @@ def controlled(
 ) -> WheelTorqueCommand:
     """The requested torques [N m], those of slipping wheels limited: never more, and never of the other sign.
 
-    Torques pass unchanged, and the law forgets the wheel, where nothing is asked for, where any wheel is braked, and
-    where a torque works against the travel of the car (regeneration). Everything is counted in the direction of the
-    request, so reverse mirrors forward. A measurement that is not finite or absurd changes nothing: the last limits
-    stay. A driven wheel whose speed sensor is lost (`reference.trust`) gets at most the least limit of the others;
-    where all are lost, torques pass. With `limp.watch` the partner of a lost motor mirrors it, within its own limit.
+    Torques pass unchanged, and the law forgets the wheel, where nothing is asked for, where any wheel of a car that
+    moves is braked, and where a torque works against the travel of the car (regeneration). About rest, under a brake,
+    a wheel that its brake holds keeps its limit, and one that turns is limited: it spins as the brake is released.
+    Everything is counted in the direction of the request, so reverse mirrors forward. A measurement that is not finite
+    or absurd changes nothing: the last limits stay. A driven wheel whose speed sensor is lost (`reference.trust`) gets
+    at most the least limit of the others; where all are lost, torques pass. With `limp.watch` the partner of a lost
+    motor mirrors it, within its own limit.
 
     The state has `control`, a TractionControlState, and `wheels`, each of which has what a LimitedWheel has.
     `limit_of(p, car, wheel, period, motion, wanted)` goes on with the state of a wheel of which `wanted` [N m], above
@@ -117,19 +121,21 @@ def watch(
         if car.driven[i] == 0.0:
             continue
         ahead = sign(drive[i])
-        if is_braked or ahead * known.reference.speed < -PULLING_AWAY:
+        against = -abs(known.reference.speed) if is_braked else ahead * known.reference.speed
+        if against < -PULLING_AWAY:
             ahead = 0.0
         wheel = s.wheels[i]
         if ahead != known.direction[i]:
             known.direction[i] = ahead
             forget(p, wheel)
-        if ahead != 0.0:
+        is_held = is_braked and ahead * velocity[i] * car.wheel_radius < STANDING
+        if ahead != 0.0 and not is_held:
             before = known.velocity[i] if known.measured == 1.0 else velocity[i]
             motion = WheelMotion(
                 ahead * velocity[i],
                 ahead * rolling[i],
                 ahead * (velocity[i] - before) / period,
-                ahead * effort[i],
+                ahead * effort[i] - request.brake[i],
                 ahead * imu.longitudinal_acceleration,
                 imu.longitudinal_acceleration,
                 imu.lateral_acceleration,
