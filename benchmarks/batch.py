@@ -25,15 +25,15 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_msgs_py.compiling.loop import call_part
-from ev_msgs_py.compiling.part import CompiledPart
+from ev_core.compiled.loop import call_part
+from ev_core.compiled.part import CompiledPart
+from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
-from ev_msgs_py.lockstep.configuration import Configuration
 from ev_sim.batches.batch import batch
-from ev_sim.batches.reductions import largest_magnitude, root_mean_square
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.batches.observer import largest_magnitude, root_mean_square
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 DURATION = 10.0  # [s]
 FUSED_STEPS, FUSED_SECONDS = 3000, 1.0

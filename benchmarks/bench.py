@@ -14,9 +14,9 @@ import platform
 import time
 from pathlib import Path
 
+from ev_core.lockstep.run import GraphRun
 from ev_msgs_py.contract import stamps
-from ev_msgs_py.lockstep.run import GraphRun
-from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 DURATION = 24.0  # [s]
 VIRTUAL = "virtual run"

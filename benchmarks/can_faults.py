@@ -22,13 +22,13 @@ from typing import NamedTuple
 from ev_control.inverter_gateway.diagnosis import diagnosis
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.station import GatewayStation
-from ev_msgs_py.can.channel import Frame
-from ev_msgs_py.can.conventions import TORQUE_MODE
-from ev_msgs_py.can.database import Database, load_database
+from ev_core.bus.channel import Frame
+from ev_core.bus.database_file import load_database
+from ev_core.parameters.record import fill, numbers
+from ev_core.parameters.values import build
+from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
-from ev_msgs_py.can.frames import DRIVES
-from ev_msgs_py.contract.record import fill, numbers
-from ev_msgs_py.parameters.values import build
+from ev_msgs_py.can.frames import DRIVES, TORQUE_MODE
 from ev_sim.inverter.parameters import CircuitParameters
 from ev_sim.inverter.state import Injected, Inverter
 from ev_sim.inverter.station import CircuitStation

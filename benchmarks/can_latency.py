@@ -24,11 +24,11 @@ from typing import Any, NamedTuple
 
 import can
 
-from ev_msgs_py.can.channel import Channel, Frame
-from ev_msgs_py.can.checking import INITIAL, TOLERANCES, CheckState, check, is_valid
-from ev_msgs_py.can.database import load_database
+from ev_core.bus.channel import Channel, Frame
+from ev_core.bus.checking import INITIAL, TOLERANCES, CheckState, check, is_valid
+from ev_core.bus.database_file import load_database
+from ev_core.bus.opening import open_channel
 from ev_msgs_py.can.frame_layout import FrameLayout
-from ev_msgs_py.can.opening import open_channel
 from ev_msgs_py.can.protection import next_counter
 
 PERIOD = 0.001  # s

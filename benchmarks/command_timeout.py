@@ -19,12 +19,12 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from ev_core.nodes.signal_io import QUALITY
+from ev_core.nodes.spinning import spin
+from ev_core.run_role import make_node
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.nodes.run_role import make_node
-from ev_msgs_py.nodes.signal_io import QUALITY
-from ev_msgs_py.nodes.spinning import spin
 from ev_msgs_py.wire.message_format import format_of
 from ev_sim.running.domain import free_domain
 

@@ -21,8 +21,8 @@ import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
-from ev_msgs_py import elementary
-from ev_msgs_py.compiling.compilable import FUNCTIONS
+from ev_core import elementary
+from ev_msgs_py.compilable import FUNCTIONS
 
 COUNT = 10_000
 # Ranges of the arguments: those of steering angles and slips, of headings, of what a law may get by mistake.

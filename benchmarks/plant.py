@@ -23,11 +23,11 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from ev_msgs_py.compiling.object import CompiledObject
+from ev_core.compiled.loop import CompiledObject
+from ev_core.lockstep.finding import find_method
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.analysis.__main__ import load_vehicle
 from ev_sim.plant.planar.equations import Equations
 from ev_sim.plant.planar.parameters import PlanarParameters

@@ -20,6 +20,8 @@ from rclpy.publisher import Publisher
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
+from ev_core.lockstep.stepper import arrival_place
+from ev_core.nodes.signal_io import QUALITY
 from ev_msgs_py.contract.roles import INTEGRATED, ROLES, RoleKind
 from ev_msgs_py.contract.signals import (
     BodyVelocity,
@@ -28,10 +30,8 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
-from ev_msgs_py.lockstep.stepper import arrival_place
-from ev_msgs_py.nodes.signal_io import QUALITY
 from ev_msgs_py.wire.message_format import format_of
-from ev_sim.running.scenarios.scenario import load_scenario
+from ev_sim.scenarios.scenario import load_scenario
 
 SCENARIO = "shchur2019"
 CHAIN = (BodyVelocity, DriverCommand, WheelTorqueRequest, WheelTorqueCommand, SteeringColumnState)

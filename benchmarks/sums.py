@@ -18,7 +18,7 @@ from unittest import mock
 from ev_sim.running import told
 from ev_sim.running.in_process import run_in_process
 from ev_sim.running.processes import run_in_processes
-from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 
 def rate(run: Run, sums: bool, in_process: bool) -> float:

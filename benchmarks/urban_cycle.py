@@ -21,19 +21,19 @@ from pathlib import Path
 
 import numpy as np
 
+from ev_core.lockstep.run import GraphRun, said_again
 from ev_msgs_py.contract import stamps
-from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
+from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.frame import PLACES, SIZE
+from ev_msgs_py.contract.optional_signals import WheelSpeedCommand
 from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.run import GraphRun, said_again
-from ev_sim.running.offline import load_compiled
-from ev_sim.running.scenarios.scenario import Run, load_scenario
-from ev_sim.study.asr_controls import controls, values_of
+from ev_papers.dissertation.measures.urban_cases import FIVE, METHODS, SCENARIO, case
+from ev_sim.recording.offline import load_compiled
+from ev_sim.scenarios.scenario import Run, load_scenario
+from ev_sim.study.asr_cases import controls, values_of
 from ev_sim.study.case import Case, run_of
-from ev_sim.study.urban_cases import FIVE, METHODS, SCENARIO, case
 
 DRIVER, SEED = "pulse", 1
 # What the plant alone is told; one in speed mode gets a set-point out of reach, with which it is in torque mode.

@@ -8,7 +8,7 @@ wheel=(python3 -m pip wheel)
 [[ ! -x "$root/.venv/bin/python" ]] || wheel=("$root/.venv/bin/python" -m pip wheel --no-build-isolation)
 copy="$(mktemp -d)"
 trap 'rm -rf "$copy"' EXIT
-for package in ev_msgs_py ev_control ev_sim; do # of copies: a build leaves its traces beside the sources
+for package in ev_msgs_py ev_core ev_control ev_sim ev_papers; do # of copies: a build leaves its traces beside the sources
     mkdir "$copy/$package"
     (cd "$root/src/$package" && tar --dereference --exclude=__pycache__ --exclude='*.egg-info' -cf - .) | tar -xf - -C "$copy/$package"
 done

@@ -135,7 +135,7 @@ record_environment() {
 record_paths() {
     local packages
     packages="$(.venv/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')"
-    printf '%s\n' "$root"/build/{ev_msgs_py,ev_control,ev_sim} >"$packages/ev_stack.pth"
+    printf '%s\n' "$root"/build/{ev_msgs_py,ev_core,ev_control,ev_sim,ev_papers} >"$packages/ev_stack.pth"
 }
 
 source_fingerprint() {

@@ -14,24 +14,22 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.compiling.function import bound, one_record
-from ev_msgs_py.compiling.object import CompiledObject
-from ev_msgs_py.contract.shape import shape_of
+from ev_core.compiled.function import bound, one_record
+from ev_core.compiled.loop import CompiledObject
+from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.law import Given
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.law import Given
 from ev_sim.plant.commands import GuardState, guarded_steering, guarded_torques
-from ev_sim.plant.planar.body import rates
+from ev_sim.plant.planar.body import rates, steer
+from ev_sim.plant.planar.contact import find_road
 from ev_sim.plant.planar.drive_torques import Lags, apply_drives
 from ev_sim.plant.planar.energy import account
-from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.prepare import prepare
-from ev_sim.plant.planar.road_under_wheels import find_road
-from ev_sim.plant.planar.state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, index
-from ev_sim.plant.planar.steering import steer
-from ev_sim.running.recording.recording import Recording
+from ev_sim.plant.planar.state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, Step, index
+from ev_sim.recording.recording import Recording
 
 SIZE = index("drives.front_left.torque")  # what comes before is advanced by differential equations
 X, Y = index("x"), index("y")

@@ -7,7 +7,11 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from ev_msgs_py.contract.record import names
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.register import create, refuse_layout
+from ev_core.parameters.record import names
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
@@ -18,9 +22,6 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
-from ev_msgs_py.lockstep.methods import create, find_method, refuse_layout
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.motor import Motor
 
 ROLE = "electronic_differential"
 FRONT, REAR = ("front_left", "front_right"), ("rear_left", "rear_right")

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ev_msgs_py.contract.record import names
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.register import create
+from ev_core.parameters.record import names
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
-from ev_msgs_py.lockstep.methods import create, find_method
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
 
 CAR = Vehicle()
 PERIOD = 0.01

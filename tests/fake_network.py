@@ -11,13 +11,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ev_core.lockstep.configuration import Configuration
+from ev_core.lockstep.inbox import Arrival
+from ev_core.lockstep.parts import part_of
+from ev_core.lockstep.stepper import Answer, Stepper
 from ev_msgs_py.contract.frame import PLACES, Frame
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.inbox import Arrival
-from ev_msgs_py.lockstep.parts import part_of
-from ev_msgs_py.lockstep.stepper import Answer, Stepper
 
 
 class WatchedStepper(Stepper):

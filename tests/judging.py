@@ -7,12 +7,11 @@ from dataclasses import replace
 from functools import cache
 
 from ev_sim.study.case import Case, CaseResult, Measure, drive_case
-from ev_sim.verdicts.all_verdicts import SOURCES, declarations
+from ev_sim.verdicts.all_verdicts import declarations
 from ev_sim.verdicts.declaration import Declaration
-from ev_sim.verdicts.driving import drive
-from ev_sim.verdicts.kept import Kept, kept_by_user
+from ev_sim.verdicts.driving import Kept, drive, kept_by_user
 from ev_sim.verdicts.need import Driven, Need, ScenarioNeed, Value
-from ev_sim.verdicts.published import published
+from ev_sim.verdicts.sources import published, sources
 from ev_sim.verdicts.verdict import Verdict, verdict
 
 
@@ -40,7 +39,7 @@ def drive_here(cases: Sequence[Case], measures: Sequence[Measure]) -> list[CaseR
 
 
 def _find(id: str) -> tuple[str, Declaration]:
-    return next((source, declarations(source)[id]) for source in SOURCES if id in declarations(source))
+    return next((source, declarations(source)[id]) for source in sources() if id in declarations(source))
 
 
 def _with(need: Need, changed: Sequence[Value]) -> Need:

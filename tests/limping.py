@@ -8,12 +8,13 @@ import random
 from collections.abc import Callable
 from typing import Any
 
-from ev_msgs_py.contract.record import names
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.register import create
+from ev_core.parameters.record import names
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.methods import create, find_method
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
 
 PERIOD = 0.01
 CAR = Vehicle(driven_wheels=("front_left", "front_right"))  # the Audi A2: 150 N m for ever, behind a gear of 2.65

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.metric import Metric, Reference, within
+from ev_sim.measures.metric import Metric, Reference, within
+from ev_sim.recording.files_of_run import PAGE
+from ev_sim.recording.recording import Recording
 from ev_sim.report.page.writing import Image, Page, Signals, write_page
 from ev_sim.report.summary import Summary
-from ev_sim.running.files_of_run import PAGE
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios.differences import Difference
+from ev_sim.scenarios.differences import Difference
 
 CAR = Vehicle()
 DURATION, PERIOD, RADIUS = 10.0, 0.01, 20.0

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
 
-from ev_sim.report.papers import ge_ni2005 as paper
+from ev_papers.ge_ni2005 import paper
 
 YAW_INERTIA, WHEEL_INERTIA = 450.0, 13.7  # [kg m^2]
 SIDES = (-1.0, 1.0, -1.0, 1.0)

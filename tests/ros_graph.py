@@ -19,25 +19,25 @@ from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
+from ev_core.lockstep.stepper import WRITERS
+from ev_core.nodes.master.time_services import TIME
+from ev_core.nodes.reports import HEALTH
+from ev_core.nodes.signal_io import QUALITY
+from ev_core.nodes.spinning import spin
+from ev_core.run_role import make_node
+from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
-from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_msgs_py.lockstep.stepper import WRITERS
-from ev_msgs_py.nodes.health import HEALTH
-from ev_msgs_py.nodes.run_role import make_node
-from ev_msgs_py.nodes.signal_io import QUALITY
-from ev_msgs_py.nodes.spinning import spin
-from ev_msgs_py.nodes.time_services import TIME
-from ev_msgs_py.wire.message_classes import message_class
+from ev_msgs_py.wire.layout import message_class
 from ev_msgs_py.wire.message_format import format_of
 from ev_sim.nodes.recorder import RecorderNode
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import load, signal_hash
 from ev_sim.running.domain import free_domain
 from ev_sim.running.node_parameters import RECORDER, node_parameters
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import load, signal_hash
-from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 NAMESPACE = "/ev"
 NODES = (*REQUIRED, RECORDER)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_sim.running.scenarios.scenario import load_scenario
+from ev_core.lockstep.configuration import Configuration
+from ev_sim.scenarios.scenario import load_scenario
 
 
 def configurations_in(scenario: str, role: str) -> list[Configuration]:

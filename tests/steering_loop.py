@@ -7,10 +7,11 @@ import dataclasses
 import numpy as np
 from differentials import SHCHUR, Differential
 
-from ev_msgs_py.contract.record import names
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.register import create
+from ev_core.parameters.record import names
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.methods import create, find_method
 
 PERIOD = 0.001
 LEVER = 1.462 / (2 * 0.294)  # d/(2 r_k)

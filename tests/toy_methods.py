@@ -10,12 +10,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.register import Method
+from ev_core.parameters.values import build
+from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.roles import ROLES, RoleKind
-from ev_msgs_py.contract.shape import shape_of
-from ev_msgs_py.lockstep.common_parameters import CommonParameters
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.methods import Method
-from ev_msgs_py.parameters.values import build
 
 
 @dataclass(frozen=True, slots=True)

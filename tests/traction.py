@@ -9,7 +9,16 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from ev_msgs_py.contract.record import names
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.law import namespace
+from ev_core.methods.register import create, methods_of
+from ev_core.parameters.declaration import number_tree
+from ev_core.parameters.record import names
+from ev_core.parameters.values import build
+from ev_core.vehicle.car import car_numbers
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,
@@ -18,14 +27,6 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.lockstep.methods import create, find_method, methods_of
-from ev_msgs_py.parameters.declaration import number_tree
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.car import car_numbers
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.motor import Motor
 
 ROLE = "asr"
 PERIOD = 0.005

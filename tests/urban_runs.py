@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.quantities import traction_windows as cycle
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios.scenario import Overrides, Scenario, load_scenario
+from ev_core.vehicle.description import Vehicle
+from ev_papers.dissertation.measures import traction_windows as cycle
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
 
 DURATION = 95.0  # s: stands, drives, slows down, stands, drives
 

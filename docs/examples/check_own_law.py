@@ -4,7 +4,7 @@ import own_law
 import own_method
 import yaw_moment
 
-from ev_msgs_py.check.method import check_method
+from ev_core.check.method import check_method
 
 REAR = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}
 

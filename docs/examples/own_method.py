@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import parameter
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import parameter
-from ev_msgs_py.vehicle.description import Vehicle
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 
 from ev_control.shared.torque_split import BrakeSplitParameters, split_brake
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import entry
+from ev_core.vehicle.car import GRAVITY, Car
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, SteeringColumnState, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_msgs_py.vehicle.car import GRAVITY, Car
 
 SLIDING_MODE = 1
 

@@ -25,7 +25,7 @@ setup(
         ("share/ev_control", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=["ev_msgs_py==0.1.0", "numpy>=1.26.4"],
+    install_requires=["ev_core==0.1.0", "numpy>=1.26.4"],
     zip_safe=True,
     entry_points={
         "console_scripts": NODES if IS_COLCON else [],

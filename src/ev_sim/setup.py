@@ -16,6 +16,18 @@ NODES = [
     "inverter = ev_sim.nodes.inverter:main",
     "can_hub = ev_sim.commands.can_hub:main",
 ]
+MANOEUVRES = (
+    "coast_down",
+    "double_lane_change",
+    "hill_start",
+    "launch_split_mu",
+    "obstacle_avoidance",
+    "sine_with_dwell",
+    "steady_circle",
+    "step_steer",
+    "straight_brake_split_mu",
+)
+STUDIES = ("asr_shootout", "bench_faults", "compare", "faults", "sweep")
 IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)
 
 # ev_sim/config is a link to the folder at the top of the repository.
@@ -38,7 +50,7 @@ setup(
     python_requires=">=3.11",
     install_requires=[
         "ev_control==0.1.0",
-        "ev_msgs_py==0.1.0",
+        "ev_core==0.1.0",
         "Jinja2>=3.1",
         "matplotlib>=3.9",
         "numpy>=1.26.4",
@@ -48,7 +60,7 @@ setup(
     ],
     extras_require={
         "bag": ["rosbags==0.11.*"],
-        "can": ["ev_msgs_py[can]==0.1.0"],
+        "can": ["ev_core[can]==0.1.0"],
         "cluster": ["dask", "distributed"],
         "dashboard": ["tornado>=6.4"],
         "fmu": ["pythonfmu==0.7.*"],
@@ -61,6 +73,8 @@ setup(
         "console_scripts": ["ev-stack = ev_sim.commands.ev_stack:main", *(NODES if IS_COLCON else [])],
         "ev_stack.nodes": NODES,
         "ev_stack.config": ["ev_sim = ev_sim"],
+        "ev_stack.reports": [f"{name} = ev_sim.manoeuvres.{name}" for name in MANOEUVRES],
+        "ev_stack.studies": [f"{name} = ev_sim.study.{name}" for name in STUDIES],
         "ev_stack.methods": [
             "plant = ev_sim.methods.plant",
             "steering_column = ev_sim.methods.steering_column",

@@ -12,25 +12,25 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lsim
 
-from ev_msgs_py.compiling.object import CompiledObject
+from ev_core.compiled.loop import CompiledObject
+from ev_core.lockstep.finding import find_method
+from ev_core.vehicle.battery import Battery
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.motor import Motor
+from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.vehicle.battery import Battery
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.motor import Motor
-from ev_msgs_py.vehicle.tyre import Tyre
 from ev_sim.analysis.__main__ import main as analyse
+from ev_sim.analysis.linear_models import SideSlipModel
 from ev_sim.analysis.linearised_plant import OperatingPoint, linearised
-from ev_sim.analysis.side_slip_model import SideSlipModel
-from ev_sim.plant.planar.parameters import PlanarParameters
-from ev_sim.plant.planar.state import VY, YAW_RATE
-from ev_sim.vehicle.understeer import (
+from ev_sim.measures.understeer import (
     axle_cornering_stiffnesses,
     characteristic_speed,
     critical_speed,
     understeer_gradient,
 )
+from ev_sim.plant.planar.parameters import PlanarParameters
+from ev_sim.plant.planar.state import VY, YAW_RATE
 
 CAR = SideSlipModel(wheelbase=2.7, mass=2400.0, yaw_inertia=4200.0, axle_cornering_stiffness=120e3, speed=7.0)
 GE_NI = Vehicle(

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_core.lockstep.configuration import Configuration
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 DURATION = 3.0
 RUNS = 5

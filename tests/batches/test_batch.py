@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from batches.batches import DURATION, RUNS, alone, lane_change, vary
 
-from ev_msgs_py.lockstep.parts import method_part
+from ev_core.lockstep.parts import method_part
 from ev_sim.batches import runs
 from ev_sim.batches.batch import batch
-from ev_sim.batches.reductions import largest_magnitude, last, maximum, mean, minimum, root_mean_square
-from ev_sim.running.offline import run_offline
+from ev_sim.batches.observer import largest_magnitude, last, maximum, mean, minimum, root_mean_square
+from ev_sim.recording.offline import run_offline
 
 SIGNALS = ("imu.yaw_rate", "wheel_states.velocity.rear_left", "pose.orientation_z", "driver.command.hand_torque")
 METRICS = {

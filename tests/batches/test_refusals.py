@@ -7,10 +7,10 @@ import pytest
 from batches.batches import lane_change
 from toy_methods import toy_graph
 
-from ev_msgs_py.lockstep.parts import method_part
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_core.lockstep.parts import method_part
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.batches.batch import batch
-from ev_sim.batches.reductions import mean
+from ev_sim.batches.observer import mean
 
 
 @pytest.mark.parametrize(

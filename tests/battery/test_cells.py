@@ -6,12 +6,10 @@ import math
 
 import pytest
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.battery import Battery
-from ev_msgs_py.vehicle.cells import Cells
-from ev_sim.battery.cells import cell_power_limits, relaxed, temperature_share
-from ev_sim.battery.resistive import current_at_power
+from ev_core.parameters.values import build
+from ev_core.vehicle.battery import Battery, Cells
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.drives.battery import cell_power_limits, current_at_power, relaxed, temperature_share
 
 CORNERS = (0.0, 10.0, 45.0, 60.0)
 

@@ -9,7 +9,7 @@ from can_bus.databases import ours
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py.can.bus_model import (
+from ev_core.bus.model import (
     PLACES,
     SENT,
     BusModelParameters,
@@ -19,15 +19,15 @@ from ev_msgs_py.can.bus_model import (
     channel_frames,
     next_period,
     next_tick,
+    of_layouts,
     release,
     take,
 )
-from ev_msgs_py.can.payload_words import NO_FRAME, joined, words
-from ev_msgs_py.can.response_time import of_layouts
-from ev_msgs_py.can.wire_time import wire_bits
-from ev_msgs_py.compiling.function import compiled, in_memory
-from ev_msgs_py.contract.record import numbers
-from ev_msgs_py.parameters.declaration import number_tree
+from ev_core.compiled.function import compiled, in_memory
+from ev_core.parameters.declaration import number_tree
+from ev_core.parameters.record import numbers
+from ev_msgs_py.can.frame_length import wire_bits
+from ev_msgs_py.can.payload import NO_FRAME, joined, words
 
 LAYOUTS = sorted((f for f in ours() if "11" in f.name or "Ecu" in f.name), key=lambda f: f.identifier)
 FRAMES = channel_frames(LAYOUTS)

@@ -19,12 +19,12 @@ from sensor_msgs.msg import BatteryState, JointState
 from std_srvs.srv import SetBool, Trigger
 
 from ev_control.nodes.inverter_gateway import InverterGatewayNode
-from ev_msgs_py.can.channel import Channel
+from ev_core.bus.channel import Channel
+from ev_core.nodes.spinning import spin
 from ev_msgs_py.can.drive_states import ENABLE_COMMAND, FAULT, FAULT_REACTION_ACTIVE, OPERATION_ENABLED
-from ev_msgs_py.nodes.spinning import spin
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.nodes.inverter import InverterNode
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 PATIENCE = 20.0  # s of wall time
 QUICK_CHARGE = {f"{machine}.dc_link.precharge_resistance": 10.0 for machine in ("drive", "load")}
@@ -363,7 +363,7 @@ def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_i
         for _ in range(50):
             send()
         now = time.monotonic()
-        monkeypatch.setattr("ev_msgs_py.nodes.ticks.time.monotonic", lambda: now + 0.05)
+        monkeypatch.setattr("ev_core.nodes.on_bus.cycles.time.monotonic", lambda: now + 0.05)
         node.poll()
         assert drive.torque == 0.0
         assert drive.state in (FAULT, FAULT_REACTION_ACTIVE)

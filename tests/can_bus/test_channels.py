@@ -21,13 +21,11 @@ from fuzz.fuzzing import fuzzed
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from ev_msgs_py.can import channel as channel_module
-from ev_msgs_py.can.bus_log import BusLog
-from ev_msgs_py.can.bus_meter import BusMeter
-from ev_msgs_py.can.bus_parameters import DEFAULT_CHANNELS, INTERFACES, BusParameters
-from ev_msgs_py.can.channel import Channel, Frame
-from ev_msgs_py.can.opening import BusError, open_channel
-from ev_msgs_py.can.socketcand_hub import HOST, SocketcandHub
+from ev_core.bus import channel as channel_module
+from ev_core.bus.channel import BusLog, BusMeter, Channel, Frame
+from ev_core.bus.opening import BusError, open_channel
+from ev_core.bus.parameters import DEFAULT_CHANNELS, INTERFACES, BusParameters
+from ev_core.bus.socketcand_hub import HOST, SocketcandHub
 
 FRAMES = [Frame(0x20B, bytes(range(8))), Frame(0x701, b"\x01\x02\x03\x04"), Frame(0x18B, b"")]
 PATIENCE = 5.0  # s

@@ -12,10 +12,10 @@ from can_bus.databases import ours
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py.can.codec import BitField, byte_of, extracted, inserted, quantised
+from ev_core.compiled.function import compiled, in_memory
 from ev_msgs_py.can.database import _field
-from ev_msgs_py.compiling.function import compiled, in_memory
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.can.payload import BitField, byte_of, extracted, inserted, quantised
+from ev_msgs_py.refusal import ParameterError
 
 TORQUE = BitField(24.0, 16.0, 1.0, 0.03125, 32.0, 0.0, -1000.0, 1000.0)
 TEMPERATURE = BitField(12.0, 9.0, 0.0, 0.5, 2.0, -40.0, -40.0, 215.0)

@@ -11,9 +11,9 @@ from fuzz.fuzzing import assert_one_line, fuzzed
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from ev_msgs_py.can.codec import extracted, inserted
-from ev_msgs_py.can.database import load_database
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_core.bus.database_file import load_database
+from ev_msgs_py.can.payload import extracted, inserted
+from ev_msgs_py.refusal import ParameterError
 
 TEXT = FILE.read_text()
 

@@ -6,6 +6,7 @@ import itertools
 
 import pytest
 
+from ev_core.compiled.function import compiled
 from ev_msgs_py.can.drive_states import (
     DISABLE_VOLTAGE,
     ENABLE_COMMAND,
@@ -27,7 +28,6 @@ from ev_msgs_py.can.drive_states import (
     next_state,
     state_of,
 )
-from ev_msgs_py.compiling.function import compiled
 
 STATES = range(len(STATE_NAMES))
 # CiA 402, table of the statusword: bit patterns xxxx xxxx xBBx BBBB, x stands for anything.

@@ -7,8 +7,8 @@ import random
 import pytest
 from can_bus.databases import by_canmatrix, by_cantools, ours
 
-from ev_msgs_py.can.faults import FAULTS, WARNINGS
-from ev_msgs_py.can.response_time import bus_load, of_layouts
+from ev_core.bus.model import bus_load, of_layouts
+from ev_msgs_py.can.frames import FAULTS, WARNINGS
 
 NAMES = sorted(frame.name for frame in ours())
 DEVICES = {"Drive11": 11, "Drive12": 12, "Load11": 21, "Load12": 22}

@@ -10,8 +10,8 @@ from can_bus.databases import ours
 from ev_control.inverter_gateway.diagnosis import FAULTY, GOOD, SILENT, WARNED, diagnosis
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.station import GatewayStation
-from ev_msgs_py.can.channel import Frame
-from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
+from ev_core.bus.channel import Frame
+from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import (
     ENABLE_COMMAND,
     FAULT,
@@ -25,10 +25,9 @@ from ev_msgs_py.can.drive_states import (
     SWITCH_ON_DISABLED,
     SWITCHED_ON,
 )
-from ev_msgs_py.can.frames import DEVICES
+from ev_msgs_py.can.frames import DEVICES, SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.protection import checksum, counter_of, next_counter
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import build
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.inverter.parameters import CircuitParameters
 from ev_sim.inverter.station import CircuitStation
 

@@ -9,7 +9,11 @@ import pytest
 from can_bus.benches import NOTHING, SPEED, TICK, TORQUE, Bench
 from can_bus.databases import ours
 
-from ev_msgs_py.can.channel import Frame
+from ev_core.bus.channel import Frame
+from ev_core.compiled.function import compiled, in_memory
+from ev_core.methods.law import namespace
+from ev_core.parameters.declaration import number_tree
+from ev_core.parameters.record import numbers
 from ev_msgs_py.can.drive_states import (
     ENABLE_COMMAND,
     FAULT,
@@ -24,14 +28,10 @@ from ev_msgs_py.can.drive_states import (
 )
 from ev_msgs_py.can.frames import bench_frames
 from ev_msgs_py.can.protection import protected
-from ev_msgs_py.compiling.function import compiled, in_memory
-from ev_msgs_py.contract.record import numbers
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.parameters.declaration import number_tree
-from ev_sim.inverter.circuit import advance_circuit
 from ev_sim.inverter.parameters import CircuitParameters
 from ev_sim.inverter.set_points import receive_set_point
 from ev_sim.inverter.state import Circuit
+from ev_sim.inverter.station import advance_circuit
 
 RUN = TORQUE | {"Controlword": float(ENABLE_COMMAND)}
 RPM = math.pi / 30.0

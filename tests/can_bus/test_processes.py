@@ -19,11 +19,11 @@ from ros_graph import NAMESPACE, ros_domain
 
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.station import GatewayStation
-from ev_msgs_py.can.channel import Channel
-from ev_msgs_py.can.conventions import TORQUE_MODE
+from ev_core.bus.channel import Channel
+from ev_core.nodes.on_bus.cycles import Ticks
+from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import FAULT, OPERATION_ENABLED, SWITCH_ON_DISABLED
-from ev_msgs_py.nodes.ticks import Ticks
-from ev_msgs_py.parameters.values import build
+from ev_msgs_py.can.frames import TORQUE_MODE
 from ev_sim.commands import can_hub
 
 pytestmark = pytest.mark.slow

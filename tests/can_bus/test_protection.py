@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from ev_msgs_py.can.checking import (
+from ev_core.bus.checking import (
     INITIAL,
     NO_NEW_DATA,
     OK,
@@ -21,9 +21,9 @@ from ev_msgs_py.can.checking import (
     is_valid,
     no_new_data,
 )
+from ev_core.compiled.function import compiled, in_memory
+from ev_core.parameters.record import numbers
 from ev_msgs_py.can.protection import checksum, counter_of, next_counter, protected
-from ev_msgs_py.compiling.function import compiled, in_memory
-from ev_msgs_py.contract.record import numbers
 
 LENGTH, DATA_ID = 8, 0x123
 

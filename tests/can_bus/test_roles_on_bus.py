@@ -15,16 +15,15 @@ from can_bus.test_channels import FRAMES, received
 from run_script import ENVIRONMENT, RUN
 
 from ev_control.inverter_gateway.on_bus import GatewayOnBus
-from ev_msgs_py.can.bus_meter import BusMeter
-from ev_msgs_py.can.bus_parameters import BusParameters
-from ev_msgs_py.can.channel import Channel
+from ev_core.bus.channel import BusMeter, Channel
+from ev_core.bus.parameters import BusParameters
 from ev_msgs_py.can.frame_length import exact_frame
-from ev_msgs_py.can.payload_words import joined
-from ev_msgs_py.contract.bench_signals import LoadCommand
+from ev_msgs_py.can.payload import joined
+from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_sim.running import real_bus
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.test_bench.on_bus import BenchOnBus, meters_of
 
 TICKS = 5  # of 1 ms in a control period

@@ -7,9 +7,8 @@ import random
 import pytest
 from can_bus.databases import ours
 
-from ev_msgs_py.can.frame_length import crc15, exact_frame, frame_bits, longest_frame, stuff_bits
-from ev_msgs_py.can.response_time import Cyclic, bus_load, response_times
-from ev_msgs_py.can.wire_time import header, wire_bits
+from ev_core.bus.model import Cyclic, bus_load, response_times
+from ev_msgs_py.can.frame_length import crc15, exact_frame, frame_bits, header, longest_frame, stuff_bits, wire_bits
 
 
 @pytest.mark.parametrize(("length", "bits"), [(0, 55), (1, 65), (8, 135)])

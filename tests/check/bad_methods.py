@@ -7,15 +7,15 @@ import random
 from dataclasses import dataclass
 from typing import Any
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry
+from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.law import Law
+from ev_core.methods.register import Method
+from ev_core.parameters.declaration import parameter
+from ev_core.parameters.record import entry
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.common_parameters import CommonParameters
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.law import Law
-from ev_msgs_py.lockstep.methods import Method
-from ev_msgs_py.parameters.declaration import parameter
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from documentation.own_methods import own_methods
-from ev_msgs_py.check.method import check_method
+from ev_core.check.method import check_method
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 

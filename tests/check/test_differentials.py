@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 from differentials import REAR, ROLE
 
-from ev_msgs_py.check.method import check_configuration
-from ev_msgs_py.check.reached import reached
-from ev_msgs_py.check.stepping import Subject
+from ev_core.check.method import check_configuration
+from ev_core.check.reached import reached
+from ev_core.check.stepping import Subject
+from ev_core.lockstep.configuration import configure
+from ev_core.methods.register import methods_of
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.methods import methods_of
 
 pytestmark = pytest.mark.slow
 

@@ -7,9 +7,9 @@ import dataclasses
 import pytest
 from scenario_roles import configurations_in
 
-from ev_msgs_py.check.method import check_configuration
-from ev_msgs_py.lockstep.configuration import Configuration, configure
-from ev_sim.running.scenarios.scenario import scenario_names
+from ev_core.check.method import check_configuration
+from ev_core.lockstep.configuration import Configuration, configure
+from ev_sim.scenarios.scenario import scenario_names
 
 pytestmark = pytest.mark.slow
 

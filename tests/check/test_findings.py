@@ -9,10 +9,12 @@ from dataclasses import dataclass
 import pytest
 from check.bad_methods import FINDINGS, WRAPPING, AnsweringNan, Good, Hiding, Leaning, Sleeping, configuration_of
 
-from ev_msgs_py.check.inputs import ExtremeInputs, RandomInputs
-from ev_msgs_py.check.method import ContractError, check_configuration, check_method
-from ev_msgs_py.check.mirror import mirrored_configuration, mirrored_numbers
-from ev_msgs_py.contract.shape import shape_of
+from ev_core.check.inputs import ExtremeInputs, RandomInputs
+from ev_core.check.method import ContractError, check_configuration, check_method
+from ev_core.check.mirror import mirrored_configuration, mirrored_numbers
+from ev_core.lockstep.configuration import configure
+from ev_core.parameters.declaration import parameter
+from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
@@ -23,8 +25,7 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_msgs_py.refusal import ParameterError
 
 pytestmark = pytest.mark.slow
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ev_msgs_py.check.method import check_configuration
-from ev_msgs_py.lockstep.configuration import configure
+from ev_core.check.method import check_configuration
+from ev_core.lockstep.configuration import configure
 from ev_sim.drives.drive import DRIVES
 
 pytestmark = pytest.mark.slow

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from ev_msgs_py.check.method import check_configuration
+from ev_core.check.method import check_configuration
+from ev_core.lockstep.configuration import configure
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.lockstep.configuration import configure
-from ev_sim.running.scenarios.configured_file import vehicle_file
+from ev_sim.scenarios.about import vehicle_file
 
 pytestmark = pytest.mark.slow
 

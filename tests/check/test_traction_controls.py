@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 from traction import FASTEST, METHODS, SPEED_MODE, configured
 
-from ev_msgs_py.check.inputs import RandomInputs
-from ev_msgs_py.check.method import check_configuration
-from ev_msgs_py.check.reached import reached
-from ev_msgs_py.check.stepping import Subject
+from ev_core.check.inputs import RandomInputs
+from ev_core.check.method import check_configuration
+from ev_core.check.reached import reached
+from ev_core.check.stepping import Subject
+from ev_core.methods.register import create
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.lockstep.methods import create
 
 pytestmark = pytest.mark.slow
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from ev_msgs_py.compiling.object import CompiledObject
+from ev_core.compiled.loop import CompiledObject
+from ev_core.lockstep.finding import find_method
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.vehicle.description import Vehicle
 
 CAR = Vehicle()
 J, B, K = 2.8, 7.5, 65.0

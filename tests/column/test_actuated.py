@@ -7,12 +7,13 @@ import math
 import pytest
 from column.columns import CAR, LEVER, RATIO, K, wheels_with
 
-from ev_msgs_py.contract.record import names
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.register import create
+from ev_core.parameters.record import names
+from ev_core.parameters.values import build
 from ev_msgs_py.contract.signals import DriverCommand
-from ev_msgs_py.lockstep.methods import create, find_method
-from ev_msgs_py.parameters.values import build
-from ev_sim.running.offline import run_offline
-from ev_sim.running.scenarios.scenario import load_scenario
+from ev_sim.recording.offline import run_offline
+from ev_sim.scenarios.scenario import load_scenario
 
 PERIOD = 0.005
 METHOD = find_method("steering_column", "actuated")

@@ -9,8 +9,8 @@ from column.columns import CAR, RATIO, B, Column, J, K, wheels_with
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ev_core.lockstep.finding import find_method
 from ev_msgs_py.contract.signals import SteeringColumnState
-from ev_msgs_py.lockstep.methods import find_method
 
 
 @pytest.mark.parametrize("name", ["manual", "powered", "by_wire"])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from column.columns import RATIO, B, Column, J, K
 
-from ev_sim.steering_column.friction_oscillator import oscillated, oscillator
+from ev_sim.steering.friction_oscillator import oscillated, oscillator
 
 
 def test_object_reaches_the_values_that_follow_from_the_paper():

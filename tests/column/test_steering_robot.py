@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.register import create
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import Instant
-from ev_msgs_py.lockstep.methods import create, find_method
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
 
 PERIOD = 0.01
 

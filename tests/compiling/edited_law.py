@@ -6,12 +6,12 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from ev_msgs_py.compiling.object import CompiledObject
+from ev_core.compiled.loop import CompiledObject
+from ev_core.methods.law import Law
+from ev_core.methods.register import Method, create
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.law import Law
-from ev_msgs_py.lockstep.methods import Method, create
-from ev_msgs_py.vehicle.description import Vehicle
 
 NAME = "edited_law"
 IMPORTS = """
@@ -21,10 +21,10 @@ from enum import IntEnum
 from types import ModuleType
 from typing import NamedTuple
 import numpy as np
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.parameters.declaration import parameter
+from ev_core.parameters.declaration import parameter
 consts = ModuleType("consts")
 consts.inner = ModuleType("consts.inner")
 TABLE = np.zeros(3000)

@@ -14,13 +14,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import cfunc, float64
 
-from ev_msgs_py.compiling.fingerprint import Reach
-from ev_msgs_py.compiling.machine_code import reach_of
-from ev_msgs_py.compiling.part import is_kept
-from ev_msgs_py.compiling.part_source import part_source
+from ev_core.compiled.part import is_kept
+from ev_core.compiled.part_source import part_source
+from ev_core.compiling.fingerprint import Reach
+from ev_core.compiling.machine_code import reach_of
+from ev_core.methods.law import Given
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.law import Given
-from ev_msgs_py.vehicle.description import Vehicle
 
 BEGIN = dict.fromkeys(CELLS, 1)
 edits = st.lists(st.tuples(st.sampled_from(sorted(CELLS)), st.integers(1, 9)), min_size=1, max_size=6)
@@ -94,10 +94,10 @@ def test_the_compiled_law_is_the_plain_one_after_every_edit():
 def test_a_constant_of_another_module_acts_in_the_next_process(tmp_path):
     """`consts.LIMIT` from 0.25 to 0.75: the compiled law went on with 0.25."""
     (tmp_path / "limiting.py").write_text(
-        "import consts\nfrom ev_msgs_py.compiling.compilable import compilable\n\n\n"
+        "import consts\nfrom ev_msgs_py.compilable import compilable\n\n\n"
         "@compilable\ndef limiting(x):\n    return x * consts.LIMIT\n"
     )
-    imports = "from limiting import limiting\nfrom ev_msgs_py.compiling.function import compiled"
+    imports = "from limiting import limiting\nfrom ev_core.compiled.function import compiled"
     call = f"{imports}\nprint(compiled(limiting)(2.0))"
     for limit in (0.25, 0.75):
         (tmp_path / "consts.py").write_text(f"LIMIT = {limit}\n")

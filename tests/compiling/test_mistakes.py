@@ -8,19 +8,19 @@ from pathlib import Path
 import pytest
 
 import ev_sim
-from ev_msgs_py.contract.shape import SignalError
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.contract.fields import SignalError
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main as run_scenario
 
 HEAD = '''
 from dataclasses import dataclass
 import numpy as np
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry
+from ev_msgs_py.compilable import compilable
+from ev_core.parameters.record import entry
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import parameter
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import parameter
 
 @dataclass(frozen=True, slots=True)
 class P:

@@ -11,13 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract import frame
-from ev_msgs_py.contract.field import Field
+from ev_msgs_py.contract.fields import Field, Shape, SignalError, shape_of
 from ev_msgs_py.contract.roles import RECORDED, RECORDER_WRITES
-from ev_msgs_py.contract.shape import Shape, SignalError, shape_of
 from ev_msgs_py.contract.signals import BatteryCondition, BodyPose, SteeringColumnState
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.wire.message_classes import message_class
+from ev_msgs_py.wire.layout import message_class
 
 EVERY_TOPIC = pytest.mark.parametrize("topic", TOPICS.values(), ids=lambda topic: topic.name)
 SINGLE_MAX = float(np.finfo(np.float32).max)

@@ -17,7 +17,7 @@ from browser import CONTROLS_WITHOUT_NAME, FOUND, TEXT_OF_POOR_CONTRAST, Browser
 from run_script import ENVIRONMENT, ROOT
 
 from ev_sim.commands import dashboard as command
-from ev_sim.running.outcome import RunFailed
+from ev_sim.recording.outcome import RunFailed
 
 WORDS = "[...document.querySelectorAll('#words li')].map((line) => line.textContent)"
 PERIOD = 0.01  # s, of control in shchur2019

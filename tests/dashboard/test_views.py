@@ -12,11 +12,10 @@ from xml.etree.ElementTree import fromstring, parse
 import pytest
 import yaml
 
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.wire.layout import empty_message
-from ev_msgs_py.wire.message_classes import message_class
+from ev_msgs_py.wire.layout import empty_message, message_class
 from ev_sim.commands.urdf import main
 from ev_sim.dashboard import ros_views
 from ev_sim.report.page.top_view import PREFIX

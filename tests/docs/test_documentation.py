@@ -16,7 +16,7 @@ from documentation.pages import stale_pages
 from documentation.results import control_period_table, drive_all, result_table
 from documentation.scenario_results import SCENARIO_PAGES, results_of
 from ev_sim.commands.run_scenario import main as run_scenario
-from ev_sim.running.recording.recording import load, signal_hash
+from ev_sim.recording.recording import load, signal_hash
 
 pytestmark = pytest.mark.slow
 
@@ -159,7 +159,7 @@ def test_own_package_offers_the_own_method(tmp_path: Path):
 def test_yaw_moment_lowers_the_error_that_the_page_says():
     """In a process of its own: methods that are registered are there for all other tests."""
     code = (
-        "import yaw_moment, ev_sim; from ev_sim.report.quantities.handling import yaw_rate_error as error\n"
+        "import yaw_moment, ev_sim; from ev_sim.measures.handling import yaw_rate_error as error\n"
         "for name, values in (('equal_torque', {}), ('yaw_moment', {}), ('yaw_moment', {'control': 'sliding_mode'})):\n"
         "    values = {f'electronic_differential.{key}': value for key, value in {'method': name, **values}.items()}\n"
         "    result = ev_sim.run('double_lane_change', set=values)\n"

@@ -8,8 +8,8 @@ import textwrap
 
 import pytest
 
-from ev_msgs_py.compiling.compilable import FUNCTIONS
-from ev_msgs_py.lockstep.methods import all_methods
+from ev_core.methods.register import all_methods
+from ev_msgs_py.compilable import FUNCTIONS
 
 all_methods()  # imports everything that is stepped
 OURS = [function for function in FUNCTIONS if function.__module__.startswith("ev_")]

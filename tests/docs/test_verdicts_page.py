@@ -10,10 +10,11 @@ from documentation.measured import is_long, read_measured, sample
 from documentation.verdict_tables import COUNTS, PAGE, count_table, rows
 from ev_sim.study.study import study_named
 from ev_sim.study.workers import drive_cases
-from ev_sim.verdicts.all_verdicts import SOURCES, declarations, verdicts, wanted
+from ev_sim.verdicts.all_verdicts import declarations, verdicts, wanted
 from ev_sim.verdicts.declaration import Declaration
 from ev_sim.verdicts.driving import cases_of
 from ev_sim.verdicts.need import Driven, Need, StudyNeed
+from ev_sim.verdicts.sources import sources
 from ev_sim.verdicts.table import markdown_row
 
 ROOT = Path(__file__).parents[2]
@@ -25,7 +26,7 @@ SLOW = [each for each in ALL if each not in QUICK]
 
 
 def test_page_has_one_row_for_each_id():
-    assert list(ROWS) == [id for source in SOURCES for id in declarations(source)]
+    assert list(ROWS) == [id for source in sources() for id in declarations(source)]
     assert len(ROWS) == len(re.findall(r"^\| `[a-z]+\.", TEXT, re.MULTILINE))
 
 

@@ -13,7 +13,7 @@ import pytest
 import release
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("ev_control", "ev_msgs_py", "ev_sim")
+PACKAGES = ("ev_control", "ev_core", "ev_msgs_py", "ev_papers", "ev_sim")
 SCRIPTS = sorted([*ROOT.glob("scripts/*.sh"), ROOT / ".ci" / "run"])
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from urban_runs import CAR, PARAMETERS, driven, modes
 
+from ev_core.methods.law import namespace
+from ev_core.vehicle.car import car_numbers
 from ev_msgs_py.contract.signals import WheelStates
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.vehicle.car import car_numbers
-from ev_sim.driver.power_level import PowerLevelParameters, torque_of_power
-from ev_sim.profiles.windows_by_rule import MODES, TRACTION
-from ev_sim.report.quantities import traction_windows as cycle
+from ev_papers.dissertation.measures import traction_windows as cycle
+from ev_sim.driver.urban_drivers import PowerLevelParameters, torque_of_power
+from ev_sim.profiles.cycle_windows import MODES, TRACTION
 
 NUMBERS, LEVEL = namespace(car_numbers(CAR)), PowerLevelParameters()
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from plant.planar.car import STRAIGHT, X, Y, command, plant
 
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.vehicle.car import car_numbers
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_core.methods.law import namespace
+from ev_core.vehicle.car import car_numbers
+from ev_core.vehicle.description import Vehicle
 from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.plant.planar.state import VX
-from ev_sim.running.offline import run_offline
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.recording.offline import run_offline
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 CARS = sorted(path.stem for path in (Path(__file__).parents[2] / "config" / "vehicles").glob("*.yaml"))
 FEET = SpeedControlParameters()

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import build
+from ev_core.parameters.values import build
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.driver.path import PathParameters, nearest, path_of, point_at
 
 

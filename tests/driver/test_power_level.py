@@ -7,13 +7,13 @@ import dataclasses
 import pytest
 from urban_runs import CAR as VEHICLE
 
+from ev_core.lockstep.configuration import configure
+from ev_core.methods.law import namespace
+from ev_core.vehicle.car import car_numbers
 from ev_msgs_py.contract.signals import WheelStates
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.car import car_numbers
-from ev_sim.driver.power_level import PowerLevelParameters, torque_of_power
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.driver.urban_drivers import PowerLevelParameters, torque_of_power
 
 CAR = namespace(car_numbers(VEHICLE))
 LEVEL = PowerLevelParameters()

@@ -10,7 +10,7 @@ import pytest
 from driver.preview_drives import drives, from_circle
 from scipy.linalg import expm, solve_discrete_are
 
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_core.vehicle.description import Vehicle
 from ev_sim.driver.preview.gains import HEADING, LATERAL, SPEEDS, STATES, STEP, PreviewParameters, _model, preview_gains
 
 CONFIG = Path(__file__).parents[2] / "config"

@@ -6,10 +6,10 @@ import math
 
 import pytest
 
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import BodyPose
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_sim.driver.lane_keeping import PurePursuitParameters, pure_pursuit
 from ev_sim.driver.path import PathParameters, path_of
-from ev_sim.driver.pure_pursuit import PurePursuitParameters, pure_pursuit
 
 PERIOD = 0.01
 

@@ -7,9 +7,9 @@ from driving import CAR, CENTRED, PERIOD, PointMass, at, driver_of, ride
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ev_core.methods.law import namespace
+from ev_core.vehicle.car import car_numbers
 from ev_msgs_py.contract.signals import DriverCommand, Instant
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.vehicle.car import car_numbers
 from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 
 LIMITS, NUMBERS = SpeedControlParameters(), namespace(car_numbers(CAR))

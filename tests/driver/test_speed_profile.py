@@ -5,10 +5,11 @@ from __future__ import annotations
 import pytest
 from driving import CAR, CENTRED, PERIOD, PointMass, at, driver_of, ride
 
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.register import create
+from ev_core.parameters.values import build
 from ev_msgs_py.contract.signals import DriverCommand, Instant
-from ev_msgs_py.lockstep.methods import create, find_method
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import build
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.driver.speed_control import SpeedControlParameters
 from ev_sim.profiles.profile import profile_of, value_at
 

@@ -8,10 +8,11 @@ from typing import Any
 import pytest
 from driving import CAR, CENTRED, PERIOD, at, driver_of, state_of
 
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.register import create
+from ev_core.parameters.values import build
 from ev_msgs_py.contract.signals import Instant, SteeringColumnState, WheelStates
 from ev_msgs_py.contract.wheels import NO_WHEELS
-from ev_msgs_py.lockstep.methods import create, find_method
-from ev_msgs_py.parameters.values import build
 from ev_sim.driver.steering import AngleControlParameters, AngleControlState, turn_to_angle
 
 

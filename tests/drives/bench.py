@@ -4,12 +4,12 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ev_msgs_py.compiling.function import compiled, in_memory
-from ev_msgs_py.parameters.declaration import number_tree
-from ev_msgs_py.parameters.values import build
+from ev_core.compiled.function import compiled, in_memory
+from ev_core.parameters.declaration import number_tree
+from ev_core.parameters.values import build
 from ev_sim.drives import drive
+from ev_sim.drives.brushless_motor import DriveState
 from ev_sim.drives.drive import DriveParameters
-from ev_sim.drives.state import DriveState
 
 BUS_VOLTAGE = 480.0
 TORQUE_CONSTANT = 2 * 10 * 0.2  # 2 p psi [N m/A]

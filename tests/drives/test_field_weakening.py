@@ -7,10 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from ev_msgs_py.can.conventions import TORQUE_MODE
+from ev_core.vehicle.motor import Motor, Winding
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
-from ev_msgs_py.vehicle.motor import Motor
-from ev_msgs_py.vehicle.winding import Winding
+from ev_msgs_py.can.frames import TORQUE_MODE
 from ev_sim.drives.field_weakening import phase_values, torque_per_current, voltage_limited_torque, weakening_loss
 from ev_sim.drives.losses import loss_power
 from ev_sim.inverter.parameters import InverterParameters

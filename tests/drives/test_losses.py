@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_msgs_py.vehicle.motor import Motor
-from ev_sim.drives.losses import loss_power, map_loss_power
-from ev_sim.drives.losses_over_time import map_loss_powers
+from ev_core.vehicle.motor import Motor
+from ev_sim.drives.losses import loss_power, map_loss_power, map_loss_powers
 
 
 def test_losses_and_efficiency_map_agree():

@@ -6,14 +6,14 @@ import dataclasses
 
 import pytest
 
-from ev_msgs_py.compiling.object import CompiledObject
-from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
+from ev_core.compiled.loop import CompiledObject
+from ev_core.lockstep.finding import find_method
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract.optional_signals import WheelSpeedCommand
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.drives.speed_control import speed_control, speed_control_without_windup
+from ev_sim.drives.controlled_motor import speed_control, speed_control_without_windup
 
 STRAIGHT = SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0)
 PERIOD = 0.01

@@ -19,10 +19,10 @@ from drives.bench import (
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import build
+from ev_core.parameters.values import build
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.drives.brushless_motor import SECTOR
 from ev_sim.drives.drive import DRIVES, DriveParameters
-from ev_sim.drives.state import SECTOR
 
 
 @pytest.mark.parametrize("drive", DRIVES)

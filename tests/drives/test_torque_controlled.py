@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ev_msgs_py.vehicle.motor import Motor
-from ev_sim.drives.torque_controlled import limited_torque
+from ev_core.vehicle.motor import Motor
+from ev_sim.drives.controlled_motor import limited_torque
 
 LIMITED = Motor(
     peak_torque=300.0,

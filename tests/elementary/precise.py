@@ -11,8 +11,8 @@ import mpmath
 import numba
 from hypothesis import strategies as st
 
-from ev_msgs_py import elementary
-from ev_msgs_py.compiling.compilable import FUNCTIONS
+from ev_core import elementary
+from ev_msgs_py.compilable import FUNCTIONS
 
 # The largest double needs 1024 bits before the point and as many behind it if it is an angle to be reduced.
 BITS = {"sin": 1300, "cos": 1300, "tan": 1300}

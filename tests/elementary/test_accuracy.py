@@ -10,7 +10,7 @@ from elementary.precise import LIMITS, ONE, TWO, error, numbers, same
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py import elementary
+from ev_core import elementary
 
 pytestmark = pytest.mark.slow
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from elementary.precise import LIMITS, ONE, TWO
 
-from ev_msgs_py import elementary
+from ev_core import elementary
 
 SOURCES = sorted(Path(elementary.__file__).parent.glob("*.py"))
 
@@ -46,7 +46,7 @@ def test_source_takes_only_exact_functions_from_elsewhere(source):
         assert not isinstance(node, ast.Import), ast.unparse(node)
         if isinstance(node, ast.ImportFrom):
             taken = {alias.name for alias in node.names}
-            ours = node.module.startswith(("ev_msgs_py.elementary.", "ev_msgs_py.compiling.compilable"))
+            ours = node.module.startswith(("ev_core.elementary.", "ev_msgs_py.compilable"))
             assert ours or node.module == "__future__" or (node.module == "math" and taken <= EXACT), ast.unparse(node)
 
 
@@ -60,6 +60,6 @@ def test_source_raises_nothing_to_a_power_while_it_computes(source):
 
 def test_import_is_cheap():
     """Small nodes import it: no compiler, no numpy."""
-    code = "import sys, ev_msgs_py.elementary; print([n for n in ('numba', 'numpy', 'yaml') if n in sys.modules])"
+    code = "import sys, ev_core.elementary; print([n for n in ('numba', 'numpy', 'yaml') if n in sys.modules])"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert said.stdout.strip() == "[]"

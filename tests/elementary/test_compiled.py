@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from elementary.precise import ONE, TWO, compiled
 
-from ev_msgs_py import elementary
+from ev_core import elementary
 
 pytestmark = pytest.mark.slow
 

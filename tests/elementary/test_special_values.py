@@ -7,7 +7,7 @@ import math
 import pytest
 from elementary.precise import ONE, TWO, same
 
-from ev_msgs_py import elementary
+from ev_core import elementary
 
 INF, NAN, PI = math.inf, math.nan, math.pi
 

@@ -10,7 +10,7 @@ from elementary.precise import EVEN, LIMITS, ODD, numbers, same
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py import elementary
+from ev_core import elementary
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 

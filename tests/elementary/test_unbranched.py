@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from elementary.precise import compiled
 
-from ev_msgs_py.elementary import unbranched
+from ev_core.elementary import unbranched
 
 GENERATOR = np.random.default_rng(11)
 ANGLES = GENERATOR.uniform(-1.5707963267948966, 1.5707963267948966, 1000)

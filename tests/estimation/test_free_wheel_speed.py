@@ -7,10 +7,10 @@ import math
 import pytest
 from differentials import GE_NI
 
-from ev_control.estimation.free_wheel_speed import free_wheel_speed
+from ev_control.estimation.reference_speed import free_wheel_speed
+from ev_core.methods.law import namespace
+from ev_core.vehicle.car import car_numbers
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.vehicle.car import car_numbers
 
 CAR = namespace(car_numbers(GE_NI))
 

@@ -10,10 +10,10 @@ from ev_control.estimation.friction_estimate import (
     estimated_friction,
     unknown_road,
 )
+from ev_core.methods.law import namespace
+from ev_core.parameters.declaration import number_tree
+from ev_core.vehicle.car import car_numbers
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.parameters.declaration import number_tree
-from ev_msgs_py.vehicle.car import car_numbers
 
 CAR = namespace(car_numbers(DISSERTATION))
 PERIOD = 0.005

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from traction import PERIOD, numbers_of
 
-from ev_control.estimation.friction_learning import FrictionLearningParameters, learnt_friction
+from ev_control.estimation.friction_estimate import FrictionLearningParameters, learnt_friction
 
 P = numbers_of(FrictionLearningParameters())
 

@@ -11,13 +11,13 @@ import pytest
 from traction import METHODS, PERIOD, ROLE, Control, car_of, in_regulator, numbers_of
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
+from ev_core.lockstep.configuration import configure
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import InertialMeasurement
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.running.node_command import command
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.running.node_process import command
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 REAR = ("rear_left", "rear_right")
 CAR = Vehicle(wheelbase=2.7, front_track=1.5, rear_track=1.6, wheel_radius=0.32)

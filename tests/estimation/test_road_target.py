@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.surfaces.table import SURFACES
 from ev_sim.tyres.curve import peak_slip
 

@@ -16,9 +16,9 @@ from ev_control.estimation.slip_angle_observer import (
     axle_slip_angles,
     observed_slip_angles,
 )
+from ev_core.methods.law import namespace
+from ev_core.vehicle.car import car_numbers
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.vehicle.car import car_numbers
 
 CAR = namespace(car_numbers(ZHILEYKIN))
 PERIOD = 0.01

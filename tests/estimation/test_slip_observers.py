@@ -8,7 +8,7 @@ from launches import driven
 from traction import CAR, PERIOD, car_of, numbers_of
 
 from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState, forget_slip, observed_slip
-from ev_control.shared.wheel_dynamics import WheelMotion
+from ev_control.estimation.wheel_dynamics import WheelMotion
 
 STRAIGHT = (1.0, 0.0, 0.0, 0.0)  # ahead; speed, yaw rate and road-wheel angle, which the observers do not look at
 

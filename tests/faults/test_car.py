@@ -8,11 +8,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ev_msgs_py.elementary import cos
-from ev_sim.drives.hall_fault import torque_share
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_core.elementary import cos
+from ev_sim.drives.brushless_motor import torque_share
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 CAR = "step_steer"
 GONE = 1e-3  # [N m], of hundreds: 90 ms after it, 18 lags of the motor
@@ -124,9 +124,8 @@ def test_a_puncture_pulls_to_its_side_and_ends():
 
 
 def test_a_soft_tyre_has_a_smaller_slope_and_the_same_peak():
-    from ev_sim.plant.planar.memory import TyreRecord
-    from ev_sim.tyres.curve import CURVES, Coefficients, friction
-    from ev_sim.tyres.softened import soften
+    from ev_sim.plant.planar.state import TyreRecord
+    from ev_sim.tyres.curve import CURVES, Coefficients, friction, soften
 
     for curve, c in enumerate(
         [(1.0, 17.0, 0.5, 0.0), (1.0, 0.1, 0.0, 0.0), (0.8, 0.05, 0.4, 0.0), (10.0, 1.6, 1.0, 0.5), (20.0, 0, 0, 0)]

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py.compiling.loop import call_part
+from ev_core.compiled.loop import call_part
+from ev_core.compiled.part import RowPart
+from ev_core.faults.fault import OF_SIGNALS
+from ev_core.faults.row import FaultRow, of_signals
 from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.roles import ROLES
-from ev_msgs_py.contract.shape import shape_of
-from ev_msgs_py.faults.kinds import OF_SIGNALS
-from ev_msgs_py.faults.row import FaultRow, of_signals
-from ev_msgs_py.sensors.part import RowPart
 
 PLACE = frame.channels()
 PERIOD = 0.01

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
+from ev_core.faults.fault import parsed
+from ev_core.faults.row import FaultRow
+from ev_core.faults.striking import HEAD, PLACE, WIDTH
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.parts import compiled_parts, hand_over, part_of
 from ev_msgs_py.contract.frame import Frame, channels, places
-from ev_msgs_py.faults.fault import parsed
-from ev_msgs_py.faults.row import FaultRow
-from ev_msgs_py.faults.striking import HEAD, PLACE, WIDTH
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.parts import compiled_parts, hand_over, part_of
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 
 def test_a_text_in_full():

@@ -12,15 +12,14 @@ from hypothesis import strategies as st
 
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.station import GatewayStation
-from ev_msgs_py.can.channel import Frame
-from ev_msgs_py.can.checking import TOLERANCES, WRONG_CRC, CheckState, check
-from ev_msgs_py.can.codec import extracted, inserted, quantised
-from ev_msgs_py.can.database import EV_BENCH, load_database
-from ev_msgs_py.can.payload_words import are_words, joined, words
+from ev_core.bus.channel import Frame
+from ev_core.bus.checking import TOLERANCES, WRONG_CRC, CheckState, check
+from ev_core.bus.database_file import EV_BENCH, load_database
+from ev_core.bus.socketcand_hub import HOST, SocketcandHub
+from ev_core.parameters.data_file import find_in_config
+from ev_msgs_py.can.payload import are_words, extracted, inserted, joined, quantised, words
 from ev_msgs_py.can.protection import COUNTERS, protected
-from ev_msgs_py.can.socketcand_hub import HOST, SocketcandHub
-from ev_msgs_py.parameters.config_folders import find_in_config
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 LAYOUTS = sorted(ours(), key=lambda frame: frame.name)
 FIELDS = [field for layout in LAYOUTS for field in layout.signals.values()]

@@ -9,10 +9,10 @@ from fuzz.fuzzing import assert_one_line, fuzzed
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line.options import arguments, overrides, own_nodes
 from ev_sim.commands import ev_stack
-from ev_sim.commands.command_line import arguments, overrides, own_nodes
-from ev_sim.running.scenarios.scenario import load_scenario
+from ev_sim.scenarios.scenario import load_scenario
 from ev_sim.study.command import arguments as study_arguments
 from ev_sim.study.command import study_cases
 from ev_sim.study.study import study_named

@@ -12,15 +12,14 @@ from fuzz.fuzzing import assert_one_line, damaged, fuzzed, spoil
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_msgs_py.parameters.config_folders import config_folders
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.playback.signals_file import RecordingError
-from ev_sim.commands.report import read_folder
-from ev_sim.profiles.profile_file import with_profile_from_file
-from ev_sim.profiles.speed_profile import SpeedProfileParameters
-from ev_sim.running.recording.recording import Recording, load, save
-from ev_sim.running.scenarios.parameter_file import ParameterFile
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_core.parameters.data_file import config_folders
+from ev_core.playback.method import RecordingError
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.commands.reviews.report import read_folder
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, with_profile_from_file
+from ev_sim.recording.recording import Recording, load, save
+from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 CONFIG = config_folders()[-1]
 YAML = sorted(path for kind in ("scenarios", "vehicles", "surfaces") for path in (CONFIG / kind).glob("*.yaml"))

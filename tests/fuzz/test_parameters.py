@@ -8,14 +8,15 @@ from fuzz.fuzzing import assert_one_line, fuzzed
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_msgs_py.faults.fault import parsed as parsed_faults
-from ev_msgs_py.lockstep.common_parameters import CommonParameters
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.methods import all_methods, find_method
-from ev_msgs_py.parameters.declaration import Entry, ParameterError, entries
-from ev_msgs_py.parameters.units import ACCEPTED, number_of
-from ev_msgs_py.parameters.values import check
-from ev_sim.report.own_metrics import parsed as parsed_metric
+from ev_core.faults.fault import parsed as parsed_faults
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.register import all_methods
+from ev_core.parameters.declaration import Entry, entries
+from ev_core.parameters.values import ACCEPTED, check, number_of
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.measures.samples import parsed as parsed_metric
 
 METHODS = [(role, name) for role, methods in all_methods().items() for name in methods]
 ENTRIES: dict[tuple[str, str], tuple[Entry, ...]] = {}

@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 
 import ev_sim
-from ev_msgs_py.compiling.user_cache import cache_folder
+from ev_core.compiling.user_cache import cache_folder
 
 ROOT = Path(__file__).parents[2]
 NOTEBOOK = ROOT / "docs" / "examples" / "shchur2019.ipynb"
-OWN = ("ev_msgs_py", "ev_control", "ev_sim")
+OWN = ("ev_msgs_py", "ev_core", "ev_control", "ev_sim")
 
 
 def needed(name: str) -> set[str]:

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import ev_sim
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.batches.reductions import last
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.batches.observer import last
 from ev_sim.commands.run_scenario import main
-from ev_sim.running.recording.recording import load, signal_hash
+from ev_sim.recording.recording import load, signal_hash
 
 
 @pytest.fixture(scope="module")

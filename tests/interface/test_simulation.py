@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import ev_sim
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.running.recording.recording import signal_hash
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.recording.recording import signal_hash
 
 NOISE = {"plant.sensors.imu_yaw_rate.noise": 0.01}
 STEPS = 60

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from ev_control.estimation.friction_estimate import FrictionEstimateParameters
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.motor import Motor
+from ev_msgs_py.refusal import ParameterError
 
 LAW = "adhesion_share"
 PERIOD = 0.005

@@ -27,9 +27,9 @@ from traction import (
     swapped,
 )
 
-from ev_msgs_py.contract.record import names, numbers
+from ev_core.lockstep.finding import find_method
+from ev_core.parameters.record import names, numbers
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.methods import find_method
 
 pytestmark = pytest.mark.slow
 

@@ -9,11 +9,11 @@ import pytest
 from traction import METHODS, SPEED_MODE, Control, Measured
 
 import ev_sim
+from ev_core.parameters.data_file import files_in_config
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.parameters.config_folders import files_in_config
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.samples import channel
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.measures.samples import channel
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 CARS = sorted(files_in_config("vehicles"))
 PERIOD = 0.01

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 LAW = "axle_redistribution"
 

@@ -7,7 +7,7 @@ import pytest
 from can_bus.databases import by_cantools, ours
 from can_bus.lockstep_runs import driven
 
-from ev_msgs_py.can.payload_words import joined
+from ev_msgs_py.can.payload import joined
 
 pytestmark = pytest.mark.slow
 

@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ev_control.shared.torque_split import BrakeSplitParameters
+from ev_core.methods.register import methods_of
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
-from ev_msgs_py.lockstep.methods import methods_of
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.refusal import ParameterError
 
 pytestmark = pytest.mark.slow
 

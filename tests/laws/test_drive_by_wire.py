@@ -6,9 +6,9 @@ import pytest
 from differentials import REAR, SHCHUR, Differential, Motion, on
 from steering_loop import Column, difference, drive, law
 
+from ev_core.lockstep.finding import find_method
 from ev_msgs_py.contract.signals import SteeringColumnState
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 
 def test_drive_by_wire_is_open_loop():

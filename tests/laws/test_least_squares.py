@@ -11,9 +11,9 @@ from launches import HELD_SURFACES, NOISE, PEAK_SLIP, Channels, driven, friction
 from traction import INERTIA, PERIOD, Control, spinning_at
 
 from ev_control.shared.least_squares_parameters import LeastSquaresParameters
+from ev_core.parameters.data_file import find_file
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.parameters.csv_file import find_file
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 
 def test_relations_of_parameters_are_checked():

@@ -7,9 +7,9 @@ from differentials import DISSERTATION, FRONT_LOAD, REAR, Differential, Motion, 
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.refusal import ParameterError
 
 LAW = "load_proportional"
 

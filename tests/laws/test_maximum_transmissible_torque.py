@@ -8,9 +8,9 @@ import pytest
 from launches import launch, slip_of
 from traction import CAR, PERIOD, SPINNING, Control, spinning_at
 
+from ev_core.lockstep.configuration import configure
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 ANY_GAIN = {"grip_slip": 0.0, "least_gain": 0.0}  # at once, by the accelerations of this instant alone
 ALWAYS = (("asr", "limits", "always"),)

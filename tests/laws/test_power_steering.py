@@ -12,7 +12,7 @@ from steering_loop import LEVER, PERIOD, RATIO, B, Column, J, K, difference, dri
 
 from ev_msgs_py.contract.signals import SteeringColumnState
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 
 def test_power_steering_is_equation_4():

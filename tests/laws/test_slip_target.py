@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 LAW = "slip_target"
 OUTER_TARGET = 0.19 - 0.11 * (0.1 - 0.03 * 5.0 / 1.72)  # 0.18859

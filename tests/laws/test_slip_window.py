@@ -11,7 +11,7 @@ from launches import full_throttle, slip_of
 from traction import PERIOD, Control, spinning_at
 
 from ev_control.asr.slip_window import SlipWindowParameters
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 
 def at_slip(slip: float) -> float:

@@ -45,7 +45,7 @@ def test_they_start_backwards_as_well(law):
 
 
 def climbed_from_the_brake(law: str, pressed: float, released: float = 1.0, sign: float = 1.0) -> float:
-    """Distance [m] up 10 % in 7 s: pressed [N m] onto the brake, which is released from 0.9 s on; 3000 N m from 1.5 s on."""
+    """Distance [m] up 10 % in 7 s: pressed [N m] onto the brake, released from 0.9 s on; 3000 N m from 1.5 s on."""
     pedals = {
         "time": (0.0, 0.5, 0.9, released, 1.5),
         "drive_torque": (0.0, 0.0, sign * pressed, sign * pressed, sign * 3000.0),
@@ -66,7 +66,7 @@ def test_they_start_from_the_brake(law):
 @pytest.mark.parametrize("released", [1.0, 1.2])
 @pytest.mark.parametrize("law", SLIP_LAWS)
 def test_they_start_from_the_brake_with_more_than_the_grip(law, released, sign):
-    """Limited as soon as a wheel turns under its brake; 5.3 m and more. Two stood still where all torque passed until then."""
+    """Limited as soon as a wheel turns under its brake; 5.3 m and more. Two stood still where all torque passed."""
     assert climbed_from_the_brake(law, 3000.0, released, sign) > 4.5
 
 

@@ -7,11 +7,11 @@ import dataclasses
 import pytest
 from traction import FASTEST, SPEED_MODE, SPINNING, Control, Measured, spinning_at, swapped
 
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.graph import check_graph
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.graph_check import check_graph
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 FREE = Wheels.all(FASTEST)
 

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from steering_loop import LEVER, PERIOD, Column, K, difference, drive, law
 
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_core.lockstep.finding import find_method
+from ev_msgs_py.refusal import ParameterError
 
 
 def held(angle: float, **changed: float) -> Column:

@@ -8,6 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ev_core.lockstep.finding import find_method
+from ev_core.lockstep.graph import GraphError, sequence, step_order, writers
+from ev_core.methods import register as registered
+from ev_core.methods.register import Method, all_methods, method
 from ev_msgs_py.contract.roles import ROLES, Role, RoleKind
 from ev_msgs_py.contract.signals import (
     BodyPose,
@@ -19,10 +23,7 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
-from ev_msgs_py.lockstep import methods
-from ev_msgs_py.lockstep.graph import GraphError, sequence, step_order, writers
-from ev_msgs_py.lockstep.methods import Method, all_methods, find_method, method
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 SIGNALS = tuple(type(f"Signal{i}", (), {}) for i in range(6))
 
@@ -100,7 +101,7 @@ class NoParameters:
 def register(monkeypatch):
     """A register that is forgotten after the test."""
     copy = {role: dict(known) for role, known in all_methods().items()}
-    monkeypatch.setattr(methods, "_REGISTER", copy)
+    monkeypatch.setattr(registered, "_REGISTER", copy)
     return copy
 
 

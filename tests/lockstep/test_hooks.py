@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import pytest
 
+from ev_core.methods.hooks import Answering, Integrating, ReadingFiles, Reporting
+from ev_core.methods.law import LawObject
+from ev_core.methods.register import all_methods, method, methods_of
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueRequest
-from ev_msgs_py.lockstep.hooks import Answering, Integrating, ReadingFiles, Reporting
-from ev_msgs_py.lockstep.law import LawObject
-from ev_msgs_py.lockstep.methods import all_methods, method, methods_of
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +30,7 @@ def test_a_class_that_answers_needs_a_step():
     class Lacking:
         parameters = NoParameters
 
-    assert (
-        refused("asr", Lacking) == "asr method lacking: class Lacking lacks step (see Answering in lockstep/hooks.py)"
-    )
+    assert refused("asr", Lacking) == "asr method lacking: class Lacking lacks step (see Answering in methods/hooks.py)"
 
 
 def test_a_class_that_integrates_needs_outputs_and_advance():

@@ -10,21 +10,22 @@ import pytest
 from run_script import ENVIRONMENT, RUN
 
 import ev_sim
-from ev_msgs_py.check.method import ContractError, check_method
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.methods import find_method, methods_of
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_core.check.method import ContractError, check_method
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.register import methods_of
+from ev_msgs_py.refusal import ParameterError
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 LIMIT = """
 from dataclasses import dataclass
 
 from ev_control.asr.off import off
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import parameter
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import parameter
 
 
 @dataclass(frozen=True, slots=True)

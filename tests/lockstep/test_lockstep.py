@@ -10,12 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from toy_methods import OFFERED, begun_at, toy, toy_graph
 
-from ev_msgs_py.contract.actuator_signals import RearSteeringState
-from ev_msgs_py.contract.bench_signals import BenchShafts
+from ev_core.lockstep.configuration import Configuration
+from ev_core.lockstep.graph import sequence
+from ev_core.lockstep.inbox import Arrival, HoldingInbox, Inbox
+from ev_core.lockstep.stepper import arrival_place, upstream_signals
 from ev_msgs_py.contract.bus_signals import SetPointFrames
+from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.frame import PLACES, TIME
+from ev_msgs_py.contract.optional_signals import BenchShafts, RearSteeringState
 from ev_msgs_py.contract.roles import EXTRA, MASTER, REQUIRED, ROLES, RoleKind
-from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.signals import (
     BodyPose,
     BodyVelocity,
@@ -27,14 +30,9 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.stamps import RUN, RUNS
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.graph import sequence
-from ev_msgs_py.lockstep.holding_inbox import HoldingInbox
-from ev_msgs_py.lockstep.inbox import Arrival, Inbox
-from ev_msgs_py.lockstep.stepper import arrival_place, upstream_signals
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios.scenario import load_scenario
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import load_scenario
 
 PERIOD = 10_000_000
 OTHERS = tuple(role for role in REQUIRED if role != MASTER)

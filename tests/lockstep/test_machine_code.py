@@ -10,14 +10,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from ev_msgs_py.compiling import machine_code
-from ev_msgs_py.compiling.part import CompiledPart
+from ev_core.compiled.part import CompiledPart
+from ev_core.compiling import machine_code
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.parts import part_of
+from ev_core.methods.law import Given
+from ev_core.methods.register import all_methods
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.frame import Frame
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.law import Given
-from ev_msgs_py.lockstep.methods import all_methods
-from ev_msgs_py.lockstep.parts import part_of
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.commands import compile_all
 
 # The longest law, and one that calls the compiler's own helpers (logarithms).
@@ -43,8 +43,8 @@ def test_code_is_loaded_without_the_compiler_and_gives_the_bits_of_plain_python(
     imports = (
         "import sys",
         "from ev_msgs_py.contract.frame import Frame",
-        "from ev_msgs_py.lockstep.configuration import configure",
-        "from ev_msgs_py.lockstep.parts import is_compiled, part_of",
+        "from ev_core.lockstep.configuration import configure",
+        "from ev_core.lockstep.parts import is_compiled, part_of",
     )
     asks = "".join(f"print(is_compiled(configure({role!r}, {{'method': {method!r}}})))\n" for role, method in LAWS)
     text = "\n".join((*imports, inspect.getsource(stepped), calls, asks, "print('numba' in sys.modules)"))

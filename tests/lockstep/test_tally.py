@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py.compiling.tally import KEPT, Tally
+from ev_core.lockstep.tally import KEPT, Tally
 from ev_msgs_py.contract.frame import PLACES, SIZE, Frame
 from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS

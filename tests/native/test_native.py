@@ -11,15 +11,15 @@ from pathlib import Path
 import pytest
 
 import ev_sim
-from ev_msgs_py.check.method import check_method
-from ev_msgs_py.contract.shape import SignalError
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_core.check.method import check_method
+from ev_core.lockstep.configuration import configure
+from ev_msgs_py.contract.fields import SignalError
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.interface.law import SteppedLaw
+from ev_sim.recording.recording import signal_hash
 from ev_sim.running.in_process import run_in_process
 from ev_sim.running.processes import run_in_processes
-from ev_sim.running.recording.recording import signal_hash
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples" / "c_library"
 EV_STACK = f"{sys.executable} -c 'from ev_sim.commands.ev_stack import main; main()'"

@@ -15,8 +15,8 @@ from rclpy.node import Node
 from ros_graph import PATIENCE, ros_domain
 from std_msgs.msg import Empty
 
-from ev_msgs_py.nodes import alarm, time_of_day
-from ev_msgs_py.nodes.spinning import spin
+from ev_core.nodes import time_of_day
+from ev_core.nodes.spinning import spin
 from ev_sim.running.domain import discovery_port, free_domain
 
 HOUR = 3600 * 10**9  # ns
@@ -63,11 +63,11 @@ def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
     """Clocks that are made to go faster, or are set forward, end no wait: that would cost time."""
     ahead = iter(range(0, 10 * HOUR, HOUR))
     seen, woken = [], []
-    monkeypatch.setattr(alarm, "_AT_FIRST", 0)
+    monkeypatch.setattr(time_of_day, "_AT_FIRST", 0)
     monkeypatch.setattr(time_of_day, "ahead", lambda: seen.append(next(ahead, 10 * HOUR)) or seen[-1])
     with ros_domain() as context:
         node = Node("sleeper", context=context)
-        with alarm.Alarm(node, lambda: woken.append(True)):
+        with time_of_day.Alarm(node, lambda: woken.append(True)):
             while len(seen) < 12:
                 time.sleep(0.001)
         node.destroy_node()
@@ -78,15 +78,15 @@ def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
 def test_a_process_tells_the_graph_several_times_what_it_consists_of(ahead, monkeypatch):
     """After the time of day was set back, until what was told before is out of the way."""
     monkeypatch.setattr(time_of_day, "ahead", lambda: ahead.pop(0) if len(ahead) > 1 else ahead[0])
-    monkeypatch.setattr(alarm, "_AT_FIRST", HOUR)
-    monkeypatch.setattr(alarm, "_AGAIN", (0.0, 0.05, 0.1))
+    monkeypatch.setattr(time_of_day, "_AT_FIRST", HOUR)
+    monkeypatch.setattr(time_of_day, "_AGAIN", (0.0, 0.05, 0.1))
     told = []
     with ros_domain() as context:
         node = Node("teller", context=context)
         create = node.create_publisher
         monkeypatch.setattr(node, "create_publisher", lambda *how, **more: told.append(how[1]) or create(*how, **more))
         given_up = time.monotonic() + PATIENCE
-        with alarm.Alarm(node):
+        with time_of_day.Alarm(node):
             while len(told) < 3 and time.monotonic() < given_up:
                 time.sleep(0.001)
         node.destroy_node()
@@ -96,7 +96,7 @@ def test_a_process_tells_the_graph_several_times_what_it_consists_of(ahead, monk
 ANNOUNCED = """
 import sys, rclpy
 from rclpy.node import Node
-from ev_msgs_py.nodes.alarm import Alarm
+from ev_core.nodes.time_of_day import Alarm
 rclpy.init()
 with Alarm(Node("announced")):
     sys.stdin.read()

@@ -11,8 +11,8 @@ import pytest
 from rclpy.node import NodeNameNonExistentError
 from ros_graph import NAMESPACE, PATIENCE, Probe, ros_domain
 
-from ev_msgs_py.nodes.leaving import SILENTLY
-from ev_sim.running.node_command import command
+from ev_core.nodes.ending import SILENTLY
+from ev_sim.running.node_process import command
 
 pytestmark = pytest.mark.slow
 

@@ -9,9 +9,14 @@ from typing import Any
 import pytest
 from ros_graph import PATIENCE, Probe, node_of, ros_domain
 
-from ev_msgs_py.compiling import node_loop
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.part import CalledBack
+from ev_core.methods.register import create
+from ev_core.node_loop import records
+from ev_core.nodes.spinning import spin
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.contract.frame import TIME, Frame
-from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.contract.signals import (
     DriverCommand,
     SteeringColumnState,
@@ -21,10 +26,6 @@ from ev_msgs_py.contract.signals import (
 )
 from ev_msgs_py.contract.stamps import from_seconds, to_seconds
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.methods import create, find_method
-from ev_msgs_py.lockstep.part import CalledBack
-from ev_msgs_py.nodes.spinning import spin
-from ev_msgs_py.vehicle.description import Vehicle
 
 pytestmark = pytest.mark.slow
 
@@ -197,7 +198,7 @@ class Stopping(CalledBack):
 
 def test_ordinary_steps_are_taken_in_compiled_code_and_others_in_python(law, monkeypatch):
     """With the same numbers; what a part raises there is raised by the node."""
-    assert node_loop.address()  # compiled if nobody has yet
+    assert records.address()  # compiled if nobody has yet
     judged = []
     for reader in law.node.readers.values():
         judge = reader.judge

@@ -11,14 +11,14 @@ from rclpy.parameter import Parameter
 from ros_graph import node_of, ros_domain
 from std_srvs.srv import Trigger
 
+from ev_core.lockstep.stepper import Answer
+from ev_core.methods.register import all_methods
+from ev_core.nodes.runner_line import LINE
+from ev_core.nodes.spinning import refuse_what_raises
+from ev_core.parameters.declaration import entries
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES
-from ev_msgs_py.lockstep.methods import all_methods
-from ev_msgs_py.lockstep.stepper import Answer
-from ev_msgs_py.nodes.refusing import refuse_what_raises
-from ev_msgs_py.nodes.runner_line import LINE
-from ev_msgs_py.parameters.declaration import entries
-from ev_sim.running.recording.recorder_parameters import RecorderParameters
+from ev_sim.recording.output_of_run import RecorderParameters
 from ev_sim.running.told import Told
 
 pytestmark = pytest.mark.slow

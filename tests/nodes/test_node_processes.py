@@ -13,18 +13,18 @@ from types import SimpleNamespace
 import pytest
 from ros_graph import NAMESPACE, NODES, PATIENCE, Probe, ros_domain
 
+from ev_core import run_role as run_role_module
+from ev_core.nodes import ending
 from ev_msgs_py.contract.signals import WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.nodes import leaving
-from ev_msgs_py.nodes import run_role as run_role_module
-from ev_sim.running.node_command import command
+from ev_sim.running.node_process import command
 
 pytestmark = pytest.mark.slow
 
 BROKEN_LAW = '''
 from dataclasses import dataclass
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.nodes.run_role import run_role
+from ev_core.methods.register import method
+from ev_core.run_role import run_role
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
 
@@ -94,7 +94,7 @@ def test_what_goes_wrong_once_more_at_the_end_is_one_line_too(monkeypatch):
 
     monkeypatch.setattr(sys, "argv", ["recorder"])
     monkeypatch.setattr(run_role_module, "spin", fail)
-    monkeypatch.setattr(leaving, "turn_deaf", lambda: None)
+    monkeypatch.setattr(ending, "turn_deaf", lambda: None)
     with pytest.raises(SystemExit, match=r"^recorder: \[Errno 27\] File too large$"):
         run_role_module.run_node("recorder", lambda: SimpleNamespace(close=fail, done=False))
 
@@ -102,7 +102,7 @@ def test_what_goes_wrong_once_more_at_the_end_is_one_line_too(monkeypatch):
 STOPPED_AT_THE_END = {
     "a node": """
 from types import SimpleNamespace
-from ev_msgs_py.nodes import run_role
+from ev_core import run_role
 
 def shut_down(and_then=run_role.rclpy.try_shutdown):
     stop()
@@ -181,7 +181,7 @@ def test_a_stop_while_the_runner_is_loaded_is_one_line():
 
 STOPPED_IN_A_DESTRUCTOR = """
 import signal
-from ev_msgs_py.nodes import stop_request
+from ev_core.nodes import stop_request
 
 class Interrupted:
     def __del__(self):
@@ -216,7 +216,7 @@ def test_a_stop_in_a_destructor_is_not_lost(ctrl_c, moment):
 
 STOPPED_HALF_WAY = """
 import signal
-from ev_msgs_py.nodes import stop_request
+from ev_core.nodes import stop_request
 
 class HalfMade:
     def __init__(self, kind):

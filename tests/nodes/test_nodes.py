@@ -7,15 +7,15 @@ import pytest
 from rclpy.node import Node
 from ros_graph import NAMESPACE, NODES, WAYS, Graph, graph, offline_hash, publisher, recorded_hash, shchur
 
+from ev_core.lockstep.finding import find_method
+from ev_core.sensors.quantities import QUANTITIES
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.sensors.quantities import QUANTITIES
 from ev_msgs_py.wire.message_format import format_of
+from ev_sim.recording.recording import load
 from ev_sim.running.node_parameters import RECORDER
-from ev_sim.running.recording.recording import load
-from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 pytestmark = pytest.mark.slow
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from ev_msgs_py.nodes import master_node
-from ev_msgs_py.nodes.master_node import MasterNode
+from ev_core.nodes.master import node as node_module
+from ev_core.nodes.master.node import MasterNode
 
 
 def repetitions(seconds: float, now: int) -> int:
@@ -16,7 +16,7 @@ def repetitions(seconds: float, now: int) -> int:
     node = object.__new__(MasterNode)
     wall = SimpleNamespace(now=0.0)
     node.done = False
-    node._retry_period = master_node._RETRY_PERIOD
+    node._retry_period = node_module._RETRY_PERIOD
     node._go_on = lambda: None
     node._granted = SimpleNamespace(rests=lambda: False)
     node._silence = SimpleNamespace(name_after=lambda *_: None)

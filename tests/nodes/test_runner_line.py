@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_msgs_py.nodes.runner_line import KINDS, LINE, NOTE, PROGRESS, TALLY, WARNING, RunnerLine, Word
-from ev_sim.running.recording.recording import Recording
+from ev_core.nodes.runner_line import KINDS, LINE, NOTE, PROGRESS, TALLY, WARNING, RunnerLine, Word
+from ev_sim.recording.recording import Recording
 from ev_sim.running.told import Told
 from ev_sim.running.told import told as opened
 
@@ -92,7 +92,7 @@ def test_a_child_finds_its_end_and_no_other_process_does(told):
     """The end is inherited; who has only read the name of it in somebody's environment has nothing."""
     words = [
         "import sys",
-        "from ev_msgs_py.nodes.runner_line import NOTE, RunnerLine, Word",
+        "from ev_core.nodes.runner_line import NOTE, RunnerLine, Word",
         "line = RunnerLine()",
         "line.tell(Word(NOTE, sys.argv[1], sys.argv[1]))",
         "line.close()",

@@ -6,13 +6,12 @@ from types import SimpleNamespace
 
 import pytest
 
+from ev_core.lockstep.finding import find_method
+from ev_core.lockstep.stepper import Stepper
+from ev_core.nodes import signal_io as speaker_module
+from ev_core.nodes.reception import Reception
+from ev_core.nodes.signal_io import Reader, Speaker
 from ev_msgs_py.contract.topics import QUEUE_DEPTH
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.lockstep.stepper import Stepper
-from ev_msgs_py.nodes import speaker as speaker_module
-from ev_msgs_py.nodes.reception import Reception
-from ev_msgs_py.nodes.signal_io import Reader
-from ev_msgs_py.nodes.speaker import Speaker
 
 OURS, ANOTHER = b"ours", b"another"
 PERIOD = 10_000_000

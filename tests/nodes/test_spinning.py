@@ -5,7 +5,7 @@ from __future__ import annotations
 from rclpy.node import Node
 from ros_graph import ros_domain
 
-from ev_msgs_py.nodes.spinning import spin
+from ev_core.nodes.spinning import spin
 
 
 class Besieged(Node):

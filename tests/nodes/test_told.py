@@ -9,7 +9,7 @@ import pytest
 from ros_graph import ros_domain
 
 from ev_control.nodes import inverter_gateway
-from ev_msgs_py.nodes import run_role
+from ev_core import run_role
 from ev_sim.nodes import test_bench as bench
 
 

@@ -8,15 +8,17 @@ from dataclasses import make_dataclass
 import pytest
 from toy_methods import toy, toy_graph
 
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.finding import find_method
+from ev_core.lockstep.graph import check_graph
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.register import all_methods, method, methods_of, refuse_taken
+from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.parameters.declaration import flatten, parameter
+from ev_core.parameters.values import entries_by_name
 from ev_msgs_py.contract.roles import MASTER, REQUIRED, ROLES
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, TireForces
-from ev_msgs_py.lockstep.common_parameters import CommonParameters
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.graph_check import check_graph
-from ev_msgs_py.lockstep.methods import all_methods, find_method, method, methods_of, refuse_taken
-from ev_msgs_py.nodes.master_parameters import MasterParameters
-from ev_msgs_py.parameters.declaration import ParameterError, flatten, parameter
-from ev_msgs_py.parameters.values import entries_by_name
+from ev_msgs_py.refusal import ParameterError
 
 DIFFERENTIAL = "electronic_differential"
 

@@ -8,18 +8,18 @@ from pathlib import Path
 import pytest
 from plant.planar.car import STRAIGHT, plant
 
+from ev_core.lockstep.configuration import configure
+from ev_core.parameters.data_file import find_file
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.files import with_map_from_file
+from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.parameters.csv_file import find_file
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.efficiency_map import with_map_from_file
-from ev_msgs_py.vehicle.motor import Motor
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.drives.losses import loss_power
 from ev_sim.plant.planar.state import index
-from ev_sim.running.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.parameter_file import ParameterFile
 
 ROOT = Path(__file__).parents[2]
 HEADER = "speed_rpm,torque_nm,efficiency\n"

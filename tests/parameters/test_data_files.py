@@ -14,19 +14,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ev_msgs_py.can.database import load_database
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.parameters.data_file import SIGNALS, TABLE, TEXT
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.playback.signals_file import RecordingError
-from ev_msgs_py.vehicle.tyre_property_file import read_tyre
-from ev_sim.commands.report import read_folder
+from ev_core.bus.database_file import load_database
+from ev_core.lockstep.configuration import configure
+from ev_core.parameters.data_file import SIGNALS, TABLE, TEXT
+from ev_core.playback.method import RecordingError
+from ev_core.vehicle.files import read_tyre
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.commands.reviews.report import read_folder
+from ev_sim.recording.recording import load
 from ev_sim.replay.recorded import find_recorded
-from ev_sim.running.recording.recording import load
-from ev_sim.running.scenarios.configured_file import vehicle_file
-from ev_sim.running.scenarios.cycle import cycle_values
-from ev_sim.running.scenarios.parameter_file import ParameterFile
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.scenarios.about import vehicle_file
+from ev_sim.scenarios.cycle import cycle_values
+from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 REFUSED = (ParameterError, RecordingError)
 # By kind of file its name, the largest size and who reads it.

@@ -1,6 +1,6 @@
 """Refusals are one line whatever the user has written."""
 
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 
 def test_line_breaks_in_a_name_do_not_break_the_line():

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_msgs_py.lockstep.methods import all_methods
-from ev_msgs_py.parameters.declaration import ParameterError, entries, flatten, group, parameter
-from ev_msgs_py.parameters.shown import quoted
-from ev_msgs_py.parameters.values import build, check, unknown_name
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_core.methods.register import all_methods
+from ev_core.parameters.declaration import entries, flatten, group, parameter
+from ev_core.parameters.values import build, check
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,12 +11,13 @@ from fuzz.fuzzing import fuzzed
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ev_core.lockstep.configuration import Configuration, configure
+from ev_core.methods.register import all_methods
+from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.parameters.declaration import Entry, entries
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.lockstep.configuration import Configuration, configure
-from ev_msgs_py.lockstep.methods import all_methods
-from ev_msgs_py.nodes.master_parameters import MasterParameters
-from ev_msgs_py.parameters.declaration import Entry, ParameterError, entries
+from ev_msgs_py.refusal import ParameterError
 
 # What some laws need of the car or of the period; the first that is accepted is taken.
 CARS: tuple[dict[str, Any], ...] = (

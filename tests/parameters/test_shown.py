@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_msgs_py.parameters.shown import LONGEST, quoted, shown
+from ev_msgs_py.refusal import LONGEST, quoted, shown
 
 ANYTHING = st.text(max_size=3 * LONGEST) | st.text(
     st.sampled_from("\x1b[2J\n\r\t\x07\x9b\u202e\0\ud800a "), max_size=600

@@ -8,14 +8,13 @@ from typing import Any
 
 import pytest
 
-from ev_msgs_py.parameters.config_folders import files_in_config
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.units import ACCEPTED, number_of
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_core.parameters.data_file import files_in_config
+from ev_core.parameters.values import ACCEPTED, build, number_of
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.schema import schema
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
-from ev_sim.running.scenarios.yaml_text import read_yaml
+from ev_sim.scenarios.parameter_file import read_yaml
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 SCHEMA = schema()
 

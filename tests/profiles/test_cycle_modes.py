@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import pytest
 
-from ev_msgs_py.parameters.csv_file import find_file
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.profiles.cycle_modes import CycleModesParameters, cycle_modes, mode_at
-from ev_sim.profiles.profile import profile_of
-from ev_sim.profiles.profile_file import with_profile_from_file
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
-from ev_sim.profiles.windows_by_rule import (
+from ev_core.parameters.data_file import find_file
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.profiles.cycle_windows import (
     MODES,
     REGENERATION,
     STOP,
     TRACTION,
+    CycleModesParameters,
     WindowRuleParameters,
+    cycle_modes,
+    mode_at,
     windows_by_rule,
 )
-from ev_sim.running.scenarios.scenario import load_scenario
+from ev_sim.profiles.profile import profile_of
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_profile_from_file
+from ev_sim.scenarios.scenario import load_scenario
 
 # Stands, drives, keeps its speed, slows down, stands.
 CYCLE = profile_of((0.0, 1.0, 2.0, 3.0, 4.0), (0.0, 0.0, 5.0, 5.0, 0.0), "linear")

@@ -7,10 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_sim.profiles.cycle_modes import CycleModesParameters, cycle_modes, mode_at
-from ev_sim.profiles.over_time import modes_at, values_at
+from ev_sim.profiles.cycle_windows import MODES, CycleModesParameters, cycle_modes, mode_at, modes_at, values_at
 from ev_sim.profiles.profile import INTERPOLATIONS, profile_of, value_at
-from ev_sim.profiles.windows_by_rule import MODES
 
 points = st.dictionaries(
     st.integers(-200, 200).map(lambda n: n / 4), st.floats(-40.0, 40.0), min_size=1, max_size=6

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import build
+from ev_core.parameters.values import build
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.driver.speed_profile import SpeedProfileDriverParameters
 from ev_sim.profiles.profile import number_until, profile_of, value_at
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.profiles.profile_file import with_profile_from_file
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_profile_from_file
 
 
 def write(folder, text: str) -> SpeedProfileParameters:

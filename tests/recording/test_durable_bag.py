@@ -20,8 +20,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection, QosDurability, QosHistory, QosReliability
 from rosbags.rosbag2 import Reader, ReaderError
 
-from ev_sim.running.recording.durable_bag import DurableBag
-from ev_sim.running.recording.twin_writer import TwinStorage
+from ev_sim.recording.durable_bag import DurableBag, TwinStorage
 
 pytestmark = pytest.mark.slow
 

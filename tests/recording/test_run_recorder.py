@@ -17,10 +17,10 @@ from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.stamps import RUN
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire.message_format import format_of, stamp_of
-from ev_sim.running.recording import spool
-from ev_sim.running.recording.message_table import MessageTable
-from ev_sim.running.recording.recording import Recording, load, save
-from ev_sim.running.recording.run_recorder import RunRecorder
+from ev_sim.recording import spool
+from ev_sim.recording.recording import Recording, load, save
+from ev_sim.recording.run_recorder import RunRecorder
+from ev_sim.recording.spool import MessageTable
 
 PERIOD = 10_000_000  # ns
 NAMES = ("imu", "driver/command", "torque_request")  # the first one is the master's

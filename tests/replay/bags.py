@@ -9,17 +9,17 @@ import numpy as np
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
+from ev_sim.recording.durable_bag import DurableBag
+from ev_sim.recording.files_of_run import SIGNALS
+from ev_sim.recording.recording import Recording
+from ev_sim.recording.run_recorder import RunRecorder
+from ev_sim.recording.spool import MessageTable
 from ev_sim.replay.comparing import differences_of
 from ev_sim.replay.graph import replay_of
 from ev_sim.replay.outputs import prepared, replay_folder
 from ev_sim.replay.recorded import Recorded
-from ev_sim.running.files_of_run import SIGNALS
 from ev_sim.running.offline import drive_offline
-from ev_sim.running.recording.durable_bag import DurableBag
-from ev_sim.running.recording.message_table import MessageTable
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.recording.run_recorder import RunRecorder
-from ev_sim.running.scenarios.scenario import Overrides
+from ev_sim.scenarios.scenario import Overrides
 
 PERIOD = 10_000_000  # ns, of shchur2019
 

@@ -17,14 +17,13 @@ from rosbags.rosbag2 import reader as rosbags_reader
 from rosbags.typesys import Stores, get_typestore
 
 import ev_sim.replay.bag
-from ev_msgs_py.parameters.data_file import MEGABYTE
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.replay.comparing import in_words
+from ev_core.parameters.data_file import MEGABYTE
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.recording.recording import load
+from ev_sim.replay.comparing import in_words, latency_of
 from ev_sim.replay.graph import replay_of
-from ev_sim.replay.latency import latency_of
 from ev_sim.replay.recorded import find_recorded
-from ev_sim.running.recording.recording import load
-from ev_sim.running.scenarios.scenario import Overrides
+from ev_sim.scenarios.scenario import Overrides
 
 PART = {"/a/wheel_states": "wheel_states", "/a/torque_request": "torque_request", "/a/torque_command": "torque_command"}
 STEPS = [PERIOD * step for step in range(20)]

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities.circle import deviation_from_circle
-from ev_sim.running.recording.recording import Recording
+from ev_papers.zhileykin2018.quantities import deviation_from_circle
+from ev_sim.measures.metric import NotMeasured
+from ev_sim.recording.recording import Recording
 
 TIME = np.linspace(0.0, 5.0, 501)
 

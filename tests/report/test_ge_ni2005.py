@@ -9,11 +9,10 @@ import pytest
 from printed_ge_ni2005 import equal_torques
 from source_runs import driven, metrics_of, value
 
-from ev_sim.report.papers import ge_ni2005 as paper
-from ev_sim.report.quantities import motion
-from ev_sim.vehicle.understeer import understeer_gradient
-from ev_sim.verdicts.sources.ge_ni2005.claims import ORDERINGS
-from ev_sim.verdicts.sources.ge_ni2005.runs import READINGS
+from ev_papers.ge_ni2005 import paper
+from ev_papers.ge_ni2005.claims import ORDERINGS, READINGS
+from ev_sim.measures import motion
+from ev_sim.measures.understeer import understeer_gradient
 
 QUANTITIES = ("yaw_rate", "sideslip", "lateral_speed", "radius", "centripetal_acceleration")
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import ev_sim
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.quantities.lane_change_course import OBSTACLE_AVOIDANCE, body_width, lanes
+from ev_core.vehicle.description import Vehicle
+from ev_sim.measures.lane_change_course import OBSTACLE_AVOIDANCE, body_width, lanes
 
 
 @pytest.mark.parametrize("side", [1, -1])

@@ -16,18 +16,15 @@ import pytest
 from pages import CAR, GAP, HOSTILE, page_of, run_on_a_circle, summary_of, two_runs
 
 from ev_sim.commands.run_scenario import main
+from ev_sim.measures.metric import Metric
+from ev_sim.recording.recording import Recording, save
 from ev_sim.report import page as package
-from ev_sim.report.metric import Metric
-from ev_sim.report.page.codec import Packed, pack, unpack
-from ev_sim.report.page.content import signal_data
-from ev_sim.report.page.envelope import envelope
-from ev_sim.report.page.measured import measured_signals
-from ev_sim.report.page.quantities import groups_of
+from ev_sim.report.page.content import Packed, envelope, measured_signals, pack, signal_data, unpack
+from ev_sim.report.page.top_view import groups_of
 from ev_sim.report.page.writing import Signals
 from ev_sim.report.summary import write_summary
-from ev_sim.running.recording.recording import Recording, save
-from ev_sim.running.scenarios.differences import EVERY_NODE, differences
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.scenarios.differences import EVERY_NODE, differences
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 EMPTY = ("meta", "link", "img", "input", "br")
 

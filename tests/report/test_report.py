@@ -9,18 +9,18 @@ import math
 import numpy as np
 import pytest
 
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.metric import Metric, NotMeasured, Reference, metric, within
-from ev_sim.report.metric_table import metric_table, print_metrics
-from ev_sim.report.papers import shchur2019 as paper
-from ev_sim.report.quantities import derived
-from ev_sim.report.quantities.step_response import step_response
+from ev_papers.shchur2019 import paper
+from ev_papers.shchur2019.steps import step_response
+from ev_sim.measures import motion
+from ev_sim.measures.metric import Metric, NotMeasured, Reference, metric, within
+from ev_sim.measures.samples import mean_between
+from ev_sim.recording import recording as recordings
+from ev_sim.recording.recording import Recording, combined_hash, signal_hash
 from ev_sim.report.reports import report_for
-from ev_sim.report.samples import mean_between
 from ev_sim.report.summary import Summary, write_summary
-from ev_sim.running.recording import recording as recordings
-from ev_sim.running.recording.recording import Recording, combined_hash, signal_hash
+from ev_sim.report.tables import metric_table, print_metrics
 
 PERIOD = 0.01
 VEHICLE = Vehicle()
@@ -396,9 +396,9 @@ def test_speed_is_that_along_the_path():
     """The paper's V is 15 km/h in the left turn too, where the longitudinal component is smaller; backwards < 0."""
     run = cycle_run()["shchur2019"]
     left_turn = (run.time >= 10) & (run.time <= 18)
-    assert derived.speed(run)[left_turn] == pytest.approx(15 / 3.6)
+    assert motion.path_speed(run)[left_turn] == pytest.approx(15 / 3.6)
     backwards = {"twist.longitudinal": np.array([-3.0, -0.0]), "twist.lateral": np.array([4.0, 0.0])}
-    assert derived.speed(Recording(np.array([0.0, 1.0]), backwards)).tolist() == [-5.0, 0.0]
+    assert motion.path_speed(Recording(np.array([0.0, 1.0]), backwards)).tolist() == [-5.0, 0.0]
 
 
 # Figures
@@ -416,7 +416,7 @@ def test_speed_is_that_along_the_path():
 )
 def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
     """Also where channels or whole runs are missing; the panel then says what is not there."""
-    from ev_sim.report.figures.saving import save_figures
+    from ev_sim.figures.saving import save_figures
 
     figures = report_for(scenario).figures(runs, VEHICLE, {})
     assert list(figures) == names
@@ -432,7 +432,7 @@ def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
 
 
 def test_thinning_keeps_every_extreme_and_both_ends():
-    from ev_sim.report.figures.drawing import thinned
+    from ev_sim.figures.drawing import thinned
 
     time = np.arange(100_003) * 1e-3
     values = np.sin(time)

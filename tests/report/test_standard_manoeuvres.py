@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 import ev_sim
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.metric import NOT_JUDGED, NotMeasured
-from ev_sim.report.quantities import handling, motion
+from ev_sim.manoeuvres import sine_with_dwell, steady_circle
+from ev_sim.measures import handling, motion
+from ev_sim.measures.metric import NOT_JUDGED, NotMeasured
+from ev_sim.recording.recording import Recording
 from ev_sim.report.result import Result
-from ev_sim.report.scenarios import sine_with_dwell, steady_circle
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios import scenario as scenarios
-from ev_sim.running.scenarios.cycle import cycle_values
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
-from ev_sim.running.scenarios.slow_ramp import angle_at, driven_slowly
+from ev_sim.scenarios import scenario as scenarios
+from ev_sim.scenarios.cycle import cycle_values
+from ev_sim.scenarios.scenario import Overrides, load_scenario
+from ev_sim.scenarios.slow_ramp import angle_at, driven_slowly
 
 OTHER = "compact_ev"
 

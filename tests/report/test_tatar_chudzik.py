@@ -9,11 +9,11 @@ import pytest
 from source_runs import driven, value
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.report.quantities import derived
-from ev_sim.report.quantities.car_axes import tyre_force
-from ev_sim.report.quantities.passing_speed import energy_since_turning_in, turning_in
-from ev_sim.running.offline import run_offline
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.measures import motion
+from ev_sim.measures.car_axes import tyre_force
+from ev_sim.measures.passing_speed import energy_since_turning_in, turning_in
+from ev_sim.recording.offline import run_offline
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 # Changes of F_y by the correction at 8.5 m/s [N]: an independent calculation with 100 N m and 50 % at pi/10.
 EXPECTED = {
@@ -82,9 +82,9 @@ def test_printed_wheel_inertia_halves_the_speed_before_the_bend():
     """Eq 1 as printed counts the mass twice: 3.7 instead of 7.3 m/s after 15 s, 1/2.02 of it but for less drag."""
     changed = Overrides(values=[("*", "vehicle.printed_wheel_inertia", True)], duration=15.0)
     printed = next(run for run in load_scenario("tatar_chudzik", changed).runs if run.name == "all_equal")
-    slow = derived.speed(run_offline(printed.configurations, printed.duration))[-1]
+    slow = motion.path_speed(run_offline(printed.configurations, printed.duration))[-1]
     usual = driven("tatar_chudzik").runs["all_equal"]
-    fast = derived.speed(usual)[turning_in(usual)]
+    fast = motion.path_speed(usual)[turning_in(usual)]
     assert (slow, fast) == pytest.approx((3.7, 7.26), abs=0.05)
     ratio = (1000.0 + 4 * 5.0) / (1000.0 + 4 * (5.0 + 250.0))
     assert slow / fast == pytest.approx(ratio, rel=0.03) and math.isfinite(slow)

@@ -10,14 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ev_sim
-from ev_msgs_py.check.mirror import mirrored
+from ev_core.check.mirror import mirrored
+from ev_core.lockstep.parts import row_parts
 from ev_msgs_py.contract import frame
-from ev_msgs_py.lockstep.parts import row_parts
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import Recording
+from ev_sim.recording.truth import struck_channels, true_motion
 from ev_sim.report.reports import report_for
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.recording.truth import struck_channels, true_motion
-from ev_sim.running.scenarios.scenario import Overrides, Scenario, load_scenario
+from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
 from ev_sim.study import compare
 
 DRIVEN = {  # scenario -> how long it takes until all that is measured has happened [s]
@@ -112,7 +112,7 @@ def test_sensors_and_faults_make_of_the_truth_what_was_recorded(sensors, faults,
     for name, place in frame.channels().items():
         if name in truth.channels:
             frames[:, place] = truth.channels[name]
-    from ev_msgs_py.compiling.loop import call_part
+    from ev_core.compiled.loop import call_part
 
     parts = [part for role in ("plant", "steering_column") for part in row_parts(run.configurations[role])]
     for row in frames:

@@ -12,18 +12,18 @@ import pytest
 from urban_runs import CAR, PARAMETERS, driven, parameters_of, scenario
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_papers.dissertation.figures.channels import motors_and_cells
+from ev_papers.dissertation.figures.urban_sheets import stretches
+from ev_papers.dissertation.measures import circuits
+from ev_papers.dissertation.measures import traction_windows as cycle
+from ev_papers.dissertation.measures.motors_and_cells import electrical_metrics
+from ev_papers.dissertation.measures.slip_curve import first_passed_peak
 from ev_sim.drives.losses import loss_power
-from ev_sim.profiles.windows_by_rule import MODES, TRACTION
-from ev_sim.report.figures.cycle_bands import stretches
-from ev_sim.report.figures.motors_and_cells import motors_and_cells
-from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities import circuits
-from ev_sim.report.quantities import traction_windows as cycle
-from ev_sim.report.quantities.motors_and_cells import electrical_metrics
-from ev_sim.report.quantities.slip_curve import first_passed_peak
-from ev_sim.report.quantities.surfaces_under import share_of, surfaces_under
+from ev_sim.measures.metric import NotMeasured
+from ev_sim.measures.surfaces_under import share_of, surfaces_under
+from ev_sim.profiles.cycle_windows import MODES, TRACTION
+from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import report_for
-from ev_sim.running.recording.recording import Recording
 from ev_sim.surfaces.road import RoadParameters, left_and_right
 
 ROOT = Path(__file__).parents[2]
@@ -299,7 +299,7 @@ def test_motors_and_cells_are_shown_where_they_are_modelled():
 @pytest.mark.slow
 def test_figures_say_what_is_missing(tmp_path):
     """No cycle, no tyre forces, all wheels driven: drawn, with the reason in place of curves."""
-    from ev_sim.report.figures.saving import save_figures
+    from ev_sim.figures.saving import save_figures
 
     few = Recording(np.arange(200) * PERIOD, {"twist.longitudinal": np.zeros(200), "twist.lateral": np.zeros(200)})
     for car in (CAR, dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES), dataclasses.replace(CAR, driven_wheels=())):

@@ -10,10 +10,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from ev_msgs_py.nodes import stop_request
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_core.nodes import stop_request
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line.options import arguments, overrides, own_nodes
 from ev_sim.commands import ev_stack
-from ev_sim.commands.command_line import arguments, overrides, own_nodes
 from ev_sim.commands.run_scenario import main
 
 

@@ -10,9 +10,9 @@ from determinism.faults import drawn_changes, run_with
 from determinism.surroundings import C_LIBRARIES, COMPILERS, WAYS, drawn
 from tqdm import tqdm
 
-from ev_msgs_py.faults.kinds import KINDS
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import signal_hash
+from ev_core.faults.fault import KINDS
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import signal_hash
 
 TOOLS = Path(__file__).parents[2] / "tools"
 STEP = ("step_steer", "left", 0.2)

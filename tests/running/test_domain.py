@@ -5,9 +5,9 @@ import socket
 
 import pytest
 
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.running import domain
 from ev_sim.running.domain import NoFreeDomain, free_domain, own_namespace, reserved_domains
-from ev_sim.running.outcome import RunFailed
 
 FIRST_PORT = 2000
 

@@ -7,11 +7,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from ev_msgs_py.nodes.master_node import MasterNode
-from ev_msgs_py.nodes.runner_line import WAITS, RunnerLine, Word
-from ev_msgs_py.nodes.waiting import Waiting
-from ev_sim.running.hanging import Hanging
+from ev_core.nodes.master.node import MasterNode
+from ev_core.nodes.runner_line import WAITS, RunnerLine, Waiting, Word
 from ev_sim.running.told import Told
+from ev_sim.running.watched_run import Hanging
 
 PIDS = dict.fromkeys(("plant", "driver", "electronic_differential", "asr", "recorder"), 1)
 

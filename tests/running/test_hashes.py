@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from documentation.hashes import HASHES, changes, hash_table, published_hashes
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import signal_hash
-from ev_sim.running.scenarios.scenario import load_scenario, scenario_names
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import signal_hash
+from ev_sim.scenarios.scenario import load_scenario, scenario_names
 
 PUBLISHED = published_hashes((Path(__file__).parents[2] / HASHES).read_text())
 QUICK = ("double_lane_change", "shchur2019_steps", "step_steer", "tatar_chudzik", "zhileykin2018")

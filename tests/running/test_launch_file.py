@@ -15,7 +15,7 @@ import yaml
 
 from ev_sim.commands import parameters
 from ev_sim.running.node_parameters import node_parameters
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 FILE = Path(__file__).parents[2] / "src" / "ev_sim" / "launch" / "scenario.launch.py"
 GIVEN = {"scenario": "shchur2019", "options": "--duration 3 --method asr=pi_slip", "rviz": "false"}

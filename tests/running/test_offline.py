@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from toy_methods import ToyParameters, toy, toy_graph
 
+from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.register import Method
+from ev_msgs_py.contract.fields import SignalError, shape_of
 from ev_msgs_py.contract.roles import MASTER, ROLES
-from ev_msgs_py.contract.shape import SignalError, shape_of
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyVelocity,
@@ -21,12 +23,10 @@ from ev_msgs_py.contract.signals import (
 )
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.methods import Method
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import signal_hash
-from ev_sim.running.scenarios.scenario import load_scenario
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import signal_hash
+from ev_sim.scenarios.scenario import load_scenario
 
 
 def played_by(role: str, factory: type, reads: tuple[type, ...]) -> Configuration:

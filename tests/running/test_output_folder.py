@@ -13,13 +13,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import ev_sim
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands import ev_stack
-from ev_sim.running.files_of_run import OF_ALL_RUNS
+from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.files_of_run import OF_ALL_RUNS
 from ev_sim.running.manifest import NAME, read_manifest, write_manifest
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.running.recording.atomic import atomic_file
-from ev_sim.running.scenarios.scenario import Run
+from ev_sim.scenarios.scenario import Run
 
 # Empty ones of these names are as good as ours; below them they are his.
 FOLDERS = ("bag", "log", "earlier_1", "run [0]", "signals")

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from ev_msgs_py.compiling import node_loop
+from ev_core.node_loop import records
 from ev_msgs_py.contract.roles import RECORDER, ROLES
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.running import processes
-from ev_sim.running.node_command import command
-from ev_sim.running.outcome import RunFailed
-from ev_sim.running.scenarios.scenario import load_scenario
+from ev_sim.running.node_process import command
+from ev_sim.scenarios.scenario import load_scenario
 
 
 @pytest.mark.parametrize("kept", [True, False])
@@ -21,8 +21,8 @@ def test_the_loop_of_the_nodes_is_compiled_if_nobody_has(kept, tmp_path, monkeyp
         raise RunFailed("no domain")
 
     compiled = []
-    monkeypatch.setattr(node_loop, "is_kept", lambda: kept)
-    monkeypatch.setattr(node_loop, "address", lambda: compiled.append("the loop"))
+    monkeypatch.setattr(records, "is_kept", lambda: kept)
+    monkeypatch.setattr(records, "address", lambda: compiled.append("the loop"))
     monkeypatch.setattr(processes, "free_domain", fail)
     run = load_scenario("coast_down").runs[0]
     with pytest.raises(RunFailed, match=r"^no domain$"):

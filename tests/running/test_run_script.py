@@ -19,7 +19,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 from run_script import ENVIRONMENT, ROOT, RUN, Running
 
-from ev_sim.running.recording.recording import load
+from ev_sim.recording.recording import load
 
 pytestmark = pytest.mark.slow
 

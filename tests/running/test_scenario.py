@@ -11,13 +11,13 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import ev_sim
+from ev_core.parameters.data_file import config_folders
 from ev_msgs_py.contract.roles import REQUIRED
-from ev_msgs_py.parameters.config_folders import config_folders
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.commands.command_line import arguments, overrides
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line.options import arguments, overrides
 from ev_sim.commands.run_scenario import main
-from ev_sim.running.scenarios.about import describe_scenario
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario, scenario_names
+from ev_sim.scenarios.about import describe_scenario
+from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
 from ev_sim.study.command import arguments as study_arguments
 from ev_sim.study.command import study_cases
 from ev_sim.study.study import study_named

@@ -13,15 +13,15 @@ from pathlib import Path
 import pytest
 
 import ev_sim
-from ev_msgs_py.contract.shape import SignalError
-from ev_msgs_py.lockstep import installed_methods
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.config_folders import find_in_config
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_core.methods import register
+from ev_core.methods.register import method
+from ev_core.parameters.data_file import find_in_config
+from ev_msgs_py.contract.fields import SignalError
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
+from ev_sim.recording.progress_bar import progress_bar
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.running.progress_bar import progress_bar
-from ev_sim.running.scenarios.scenario import load_scenario
+from ev_sim.scenarios.scenario import load_scenario
 
 ROOT = Path(__file__).parents[2]
 
@@ -105,18 +105,18 @@ def offered(monkeypatch):
     """Entry points as if a package had brought them."""
 
     def offer(name: str, module: str) -> None:
-        real = installed_methods.entry_points
+        real = register.entry_points
 
         def found(**wanted: str):
             own = EntryPoint(name, module, "ev_stack.methods")
             return [*real(**wanted), *([own] if wanted.get("name", name) == name else [])]
 
-        monkeypatch.setattr(installed_methods, "entry_points", found)
-        installed_methods.load_installed_methods.cache_clear()
+        monkeypatch.setattr(register, "entry_points", found)
+        register.load_installed_methods.cache_clear()
 
     yield offer
     monkeypatch.undo()
-    installed_methods.load_installed_methods.cache_clear()
+    register.load_installed_methods.cache_clear()
 
 
 def test_a_broken_plug_in_harms_only_who_wants_it(offered, tmp_path, capsys):
@@ -141,7 +141,7 @@ def test_a_misspelt_role_is_named(offered, capsys):
 def test_no_number_says_when(monkeypatch):
     """A law of one's own that divides zero by zero after a while."""
     from ev_control.electronic_differential import equal_torque as law
-    from ev_msgs_py.lockstep.methods import find_method
+    from ev_core.lockstep.finding import find_method
 
     factory = find_method("electronic_differential", "equal_torque").factory
     calls = []
@@ -150,7 +150,7 @@ def test_no_number_says_when(monkeypatch):
         calls.append(driver)
         return law.split(p.brake, car, driver, float("nan") if len(calls) == 5 else 0.0)
 
-    monkeypatch.setattr("ev_msgs_py.lockstep.law.Law.is_compilable", False)
+    monkeypatch.setattr("ev_core.methods.law.Law.is_compilable", False)
     monkeypatch.setitem(vars(factory), "function", broken)
     with pytest.raises(
         SignalError, match=r"^at 0\.04 s: electronic_differential: WheelTorqueRequest\.drive\.front_left is"

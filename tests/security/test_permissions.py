@@ -9,13 +9,11 @@ import pytest
 from ros_graph import NAMESPACE, NODES, graph, shchur
 from sockets_of_process import sockets_of
 
-from ev_msgs_py.nodes.security import refuse_weak_security
+from ev_core.run_role import refuse_weak_security
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.domain import free_domain
 from ev_sim.running.observing import enclave, observing
-from ev_sim.running.outcome import RunFailed
-from ev_sim.security.permissions import Permissions, permissions
-from ev_sim.security.policy_file import policy_file
-from ev_sim.security.running_graph import permissions_in_use, violations
+from ev_sim.security.permissions import Permissions, permissions, permissions_in_use, policy_file, violations
 
 _ELECTRICAL = ("motor_electrics", "motor_temperatures", "battery/cell")
 _NOT_KINEMATIC = (*_ELECTRICAL, "tire_forces", "battery", "bench/load_command", "speed_command")

@@ -48,7 +48,7 @@ kill $worker $scheduler; wait; exit $status
 """
 STRANGERS = pack_message(can.Message(arbitration_id=0x123, is_extended_id=False))
 INSIDER = """
-from ev_msgs_py.can.channel import Channel, Frame
+from ev_core.bus.channel import Channel, Frame
 Channel("udp_multicast", "{0.address}:{0.port}").send(Frame(0x124, b""))
 """
 # By way of running: the words of a shell, and how many sockets it has at least
@@ -158,7 +158,7 @@ def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, networ
 
 LISTENER = f"""
 import socket, sys
-from ev_msgs_py.can.channel import Channel
+from ev_core.bus.channel import Channel
 names = ("239.192.11.0:28111", "239.192.11.1:28112")
 channels = [Channel("udp_multicast", n, address=a) for n, a in zip(names, ("127.0.0.1", "{HERE}"))]
 open_tcp, open_udp = socket.create_server(("", 28001)), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from sensors.rows import EVERYTHING
 
-from ev_msgs_py.compiling.loop import call_part
+from ev_core.compiled.loop import call_part
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.parts import compiled_parts, hand_over, part_of
+from ev_core.sensors.measuring import HEADING, NUMBERS
+from ev_core.sensors.quantities import QUANTITIES
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.signals import WheelTorqueCommand
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.parts import compiled_parts, hand_over, part_of
-from ev_msgs_py.sensors.measuring import HEADING, NUMBERS
-from ev_msgs_py.sensors.quantities import QUANTITIES
 
 PLANT = [quantity.name for quantity in QUANTITIES if quantity.signal in ROLES["plant"].writes]
 

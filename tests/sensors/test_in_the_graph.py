@@ -8,13 +8,13 @@ import pytest
 from fake_network import FakeNetwork, Faults
 from sensors.rows import EVERYTHING
 
+from ev_core.lockstep.configuration import Configuration
+from ev_core.sensors.quantities import QUANTITIES
 from ev_msgs_py.contract.signals import SteeringColumnState
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.sensors.quantities import QUANTITIES
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import Recording, signal_hash
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import Recording, signal_hash
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 COLUMN = [quantity.name for quantity in QUANTITIES if quantity.signal is SteeringColumnState]
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.parts import Sensed, hand_over, part_of
 from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import InertialMeasurement, WheelTorqueCommand
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.parts import hand_over, part_of
-from ev_msgs_py.sensors.sensed import Sensed
 
 
 def behind(**values: object) -> Any:

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from sensors.rows import EVERYTHING, sensors, shown
 
-from ev_msgs_py.compiling.loop import call_part
+from ev_core.compiled.loop import call_part
+from ev_core.compiled.part import SensorPart
+from ev_core.sensors.quantities import QUANTITIES
+from ev_core.sensors.random_numbers import philox
+from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract import frame
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.sensors.part import SensorPart
-from ev_msgs_py.sensors.quantities import QUANTITIES
-from ev_msgs_py.sensors.random_numbers import philox
-from ev_msgs_py.sensors.row import SensorRow
+from ev_msgs_py.refusal import ParameterError
 
 PERIODS = 20_000
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from ev_msgs_py.compiling.library import OPTIONS, register_functions
-from ev_msgs_py.sensors.random_numbers import WORD, normals, philox, uniform
+from ev_core.compiling.library import OPTIONS, register_functions
+from ev_core.sensors.random_numbers import WORD, normals, philox, uniform
 
 COUNT = 20_000
 # Counter, key and result of philox4x32 with 10 rounds in the file kat_vectors of Random123, the authors' own library.

@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ev_sim
-from ev_msgs_py.can.bus_model import BusModelParameters
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.sensors.seeds import seeded
+from ev_core.bus.model import BusModelParameters
+from ev_core.lockstep.configuration import configure
+from ev_core.sensors.random_numbers import seeded
 from ev_sim.learning.environment import Environment
 from ev_sim.surfaces.road import RoadParameters, left_and_right
-from ev_sim.test_bench.can_parameters import CanCircuitsParameters
+from ev_sim.test_bench.parameters import CanCircuitsParameters
 
 ROAD = RoadParameters(pattern="random")
 SEEDS = st.integers(0, 2**31 - 1)

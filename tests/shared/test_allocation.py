@@ -14,14 +14,14 @@ from traction import car_of, numbers_of
 
 import ev_sim
 from ev_control.shared.allocation import AllocationParameters, allocated, mechanical_power
+from ev_core.vehicle.battery import Battery
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.driveline import Driveline
+from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.battery import Battery
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.driveline import Driveline
-from ev_msgs_py.vehicle.motor import Motor
-from ev_sim.drives.torque_controlled import limited_torque
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.drives.controlled_motor import limited_torque
 
 TOLERANCE = 1e-9  # [N m], rounding of sums of torques up to 1e4 N m
 

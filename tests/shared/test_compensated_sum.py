@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_control.shared.compensated_sum import EMPTY_SUM, plus, rounded
+from ev_control.estimation.slip_curve_fit import EMPTY_SUM, plus, rounded
 
 
 def total_of(numbers: list[float]) -> float:

@@ -11,12 +11,12 @@ import pytest
 from traction import METHODS, SPEED_MODE
 
 from ev_sim.commands.run_scenario import main
-from ev_sim.report.metric import Metric
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.recording.truth import true_motion
+from ev_sim.measures.metric import Metric
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import Recording
+from ev_sim.recording.truth import true_motion
 from ev_sim.study import asr_shootout
-from ev_sim.study.asr_controls import VARIANTS
+from ev_sim.study.asr_cases import VARIANTS
 from ev_sim.study.case import CaseResult, drive_case, run_of
 
 pytestmark = pytest.mark.slow

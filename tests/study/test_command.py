@@ -8,11 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py.parameters.declaration import Entry, ParameterError
-from ev_sim.running.scenarios.scenario import load_scenario, scenario_names
+from ev_core.parameters.declaration import Entry
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.scenarios.scenario import load_scenario, scenario_names
 from ev_sim.study.case import Case, run_of
 from ev_sim.study.command import _refuse_what_it_sets, arguments, study_cases
-from ev_sim.study.study import STUDIES, study_named
+from ev_sim.study.study import study_named, study_names
 
 
 def cases_of(name: str, *words: str) -> list[Case]:
@@ -80,7 +81,7 @@ def test_a_file_of_parameters_does_not_take_the_place_either(tmp_path):
         cases_of("faults", "--params", str(file))
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize("name", study_names())
 def test_names_differ_and_what_a_case_sets_is_its_own(name):
     """All studies: what the first case sets is refused on the command line, from its node and for every node."""
     cases = cases_of(name)
@@ -117,7 +118,7 @@ def assert_driven_as_it_says(case: Case) -> None:
             assert played[role].changed({name: value}).values() == has, (case.name, role, name)
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize("name", study_names())
 def test_the_cases_of_a_study_are_driven_as_they_say(name):
     cases = cases_of(name)
     for case in (cases[0], cases[-1]):

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 from source_runs import driven
 
+from ev_core.methods.register import methods_of
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.lockstep.methods import methods_of
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main as run_scenario
-from ev_sim.report.quantities import handling
-from ev_sim.running.recording.recording import Recording
+from ev_sim.measures import handling
+from ev_sim.recording.recording import Recording
 from ev_sim.study import compare
 from ev_sim.study.case import drive_case
 from ev_sim.surfaces.road import RoadParameters

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ev_sim.study import dissertation_tables as printed
-from ev_sim.study.dissertation_gains import gains, savings
+from ev_papers.dissertation.studies import printed as printed
+from ev_papers.dissertation.studies.printed import gains, savings
 
 
 def test_gains_by_hand():

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from ev_papers.dissertation.measures import urban_cases
+from ev_papers.dissertation.measures.urban_cases import METHODS, case, case_name
+from ev_papers.dissertation.studies.five_methods import judged_quantity
 from ev_sim.commands.run_scenario import main
-from ev_sim.study import urban_cases
-from ev_sim.study.five_methods import judged_quantity
-from ev_sim.study.urban_cases import METHODS, case, case_name
 from ev_sim.study.workers import drive_cases
 from ev_sim.surfaces.table import SURFACES
 

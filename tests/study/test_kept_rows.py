@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_msgs_py.lockstep import methods
-from ev_msgs_py.parameters.config_folders import find_in_config
-from ev_msgs_py.parameters.data_file import files_read
-from ev_sim.running.outcome import RunFailed
+from ev_core.lockstep import finding
+from ev_core.methods import register
+from ev_core.parameters.data_file import files_read, find_in_config
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.study import depends
 from ev_sim.study.case import Case, CaseResult, drive_case
@@ -25,7 +25,7 @@ LAW = '''"""A law of somebody's own."""
 from dataclasses import dataclass
 
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
-from ev_msgs_py.lockstep.methods import method
+from ev_core.methods.register import method
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def folder(tmp_path_factory) -> Iterator[Path]:
         patch.syspath_prepend(made)
         importlib.import_module("row_law")
         yield made
-        del methods._REGISTER["asr"]["row_law"]
+        del register._REGISTER["asr"]["row_law"]
 
 
 def cases(folder: Path) -> list[Case]:
@@ -160,9 +160,9 @@ def test_two_files_that_change_places_are_others(tmp_path):
 def test_a_library_in_c_is_a_file_that_was_read(tmp_path, monkeypatch):
     library = tmp_path / "liblimit.so"
     library.write_bytes(b"machine code")
-    monkeypatch.setattr("ev_msgs_py.native.method.library_method", lambda role, name: methods.methods_of(role)["off"])
+    monkeypatch.setattr("ev_core.lockstep.finding.library_method", lambda role, name: register.methods_of(role)["off"])
     with files_read() as read:
-        methods.find_method("asr", str(library))
+        finding.find_method("asr", str(library))
     assert list(read) == [str(library)]
 
 

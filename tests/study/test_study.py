@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from ev_sim.running.outcome import RunFailed
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.study.case import Case, drive_case
 from ev_sim.study.cluster import refuse_others

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 import ev_sim
-from ev_msgs_py.parameters.csv_file import find_file
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_core.parameters.data_file import find_file
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
+from ev_sim.recording.recording import load, signal_hash
 from ev_sim.report.table_files import write_tables
 from ev_sim.running.manifest import read_manifest, write_manifest
-from ev_sim.running.recording.recording import load, signal_hash
 from ev_sim.study import sweep
 from ev_sim.study.case import drive_case
 from ev_sim.study.command import arguments

@@ -7,17 +7,17 @@ from dataclasses import replace
 
 import pytest
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.running.outcome import RunFailed
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.study.case import drive_case
 from ev_sim.study.command import arguments
 from ev_sim.study.run_study import _summed_up
-from ev_sim.study.study import STUDIES, study_named
+from ev_sim.study.study import study_named, study_names
 
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize("name", study_names())
 def test_whatever_is_too_short_is_told_in_one_line(name):
     """All studies, shorter than the command line lets them be: each case has a row or says why it has none."""
     study, given = study_named(name), arguments(name, ())

@@ -11,13 +11,13 @@ import pytest
 
 from documentation.measured import read_measured
 from documentation.scenario_results import study_table
-from ev_sim.report.papers.zhileykin2018 import LIMIT
-from ev_sim.study import zhileykin2018_grid as grid
-from ev_sim.study import zhileykin2018_sweep as sweep
-from ev_sim.study import zhileykin2018_variants as variants
+from ev_papers.zhileykin2018 import grid as grid
+from ev_papers.zhileykin2018 import sweep as sweep
+from ev_papers.zhileykin2018 import variants as variants
+from ev_papers.zhileykin2018.paper import LIMIT
+from ev_papers.zhileykin2018.runs import SWEEP
 from ev_sim.study.case import CaseResult, drive_case
 from ev_sim.study.workers import drive_cases
-from ev_sim.verdicts.sources.zhileykin2018.runs import SWEEP
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "zhileykin2018.md").read_text()

@@ -7,18 +7,19 @@ from math import atan, pi, sqrt
 
 import pytest
 
-from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
-from ev_msgs_py.contract.bench_signals import LoadCommand
+from ev_core.lockstep.configuration import configure
+from ev_core.methods.law import namespace
+from ev_core.parameters.declaration import number_tree
+from ev_core.vehicle.motor import Motor
+from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
+from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.parameters.declaration import ParameterError, number_tree
-from ev_msgs_py.vehicle.motor import Motor
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.drives.field_weakening import weakening_loss
 from ev_sim.drives.losses import loss_power
+from ev_sim.test_bench.circuit import turn
 from ev_sim.test_bench.parameters import ShaftParameters
-from ev_sim.test_bench.shaft import turn
 from ev_sim.test_bench.state import CircuitState
 
 BATTERY, LOW = (BatteryCondition(voltage, 0.0, 30.0, 60.0, 0.5) for voltage in (400.0, 40.0))

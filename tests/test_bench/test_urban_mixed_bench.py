@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from ev_msgs_py.contract.roles import REQUIRED
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.running.offline import run_offline
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
-from ev_sim.study.bench_cases import IDEAL, apart, ideal, measure
-from ev_sim.study.bench_convergence import case as part_of_cycle
+from ev_msgs_py.refusal import ParameterError
+from ev_papers.dissertation.studies.bench_cases import IDEAL, apart, ideal, measure
+from ev_papers.dissertation.studies.bench_convergence import case as part_of_cycle
+from ev_sim.recording.offline import run_offline
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study.case import drive_case
 
 LENGTH = 24.0  # s: rest, pulling away, two surfaces, spinning wheels

@@ -8,14 +8,24 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.parameters.declaration import number_tree
-from ev_msgs_py.vehicle.tyre import Tyre
+from ev_core.methods.law import namespace
+from ev_core.parameters.declaration import number_tree
+from ev_core.vehicle.tyre import Tyre
 from ev_sim.surfaces.table import SURFACES, tyre_on_road
-from ev_sim.tyres import burckhardt, magic_formula, rational, two_exponential
 from ev_sim.tyres.carcass import force_and_rate
 from ev_sim.tyres.combined import slip_vector, uncoupled
-from ev_sim.tyres.curve import CURVES, Coefficients, friction, peak, peak_slip, secant
+from ev_sim.tyres.curve import (
+    CURVES,
+    Coefficients,
+    burckhardt,
+    friction,
+    magic_formula,
+    peak,
+    peak_slip,
+    rational,
+    secant,
+    two_exponential,
+)
 
 TYRES = {
     "rational": (0.8, 0.2, 0.0, 0.0),
@@ -34,29 +44,29 @@ def test_burckhardt_peaks(surface, friction, slip):
     of = SURFACES[surface]
     assert math.log(of.c1 * of.c2 / of.c3) / of.c2 == pytest.approx(slip, abs=5e-5)
     assert of.peak_friction == pytest.approx(friction, abs=5e-5)
-    assert burckhardt.friction(slip, of.c1, of.c2, of.c3, 0.0) == pytest.approx(friction, abs=5e-5)
+    assert burckhardt(slip, of.c1, of.c2, of.c3, 0.0) == pytest.approx(friction, abs=5e-5)
 
 
 def test_ice_has_no_peak():
     ice = SURFACES["ice"]
-    use = [burckhardt.friction(slip, ice.c1, ice.c2, ice.c3, 0.0) for slip in np.linspace(0, 1, 50)]
+    use = [burckhardt(slip, ice.c1, ice.c2, ice.c3, 0.0) for slip in np.linspace(0, 1, 50)]
     assert all(b >= a for a, b in pairwise(use))
 
 
 def test_rational_peak():
     """Ge & Ni: mu_p = 0.8 at l_p = 0.2."""
-    assert rational.friction(0.2, 0.8, 0.2, 0.0, 0.0) == pytest.approx(0.8)
+    assert rational(0.2, 0.8, 0.2, 0.0, 0.0) == pytest.approx(0.8)
     assert peak("rational", (0.8, 0.2, 0.0, 0.0)) == pytest.approx(0.8)
 
 
 def test_two_exponential_full_slip():
     """Zhileykin: mu_s = 0.35 at full slip, S0 = 0.05, S1 = 0.15."""
-    assert two_exponential.friction(1.0, 0.35, 0.05, 0.15, 0.0) == pytest.approx(0.35, rel=2e-3)
+    assert two_exponential(1.0, 0.35, 0.05, 0.15, 0.0) == pytest.approx(0.35, rel=2e-3)
 
 
 def test_magic_formula_slope():
     """Slope at the origin B C D."""
-    assert magic_formula.friction(1e-6, 10.0, 1.6, 0.9, 0.5) / 1e-6 == pytest.approx(14.4, rel=1e-6)
+    assert magic_formula(1e-6, 10.0, 1.6, 0.9, 0.5) / 1e-6 == pytest.approx(14.4, rel=1e-6)
 
 
 def on_road(curve: str, surface: str) -> Coefficients:
@@ -75,9 +85,9 @@ def test_slip_vector_stays_on_the_friction_circle_and_uncoupled_does_not():
     c = on_road("burckhardt", "dry_asphalt")
     tyre = namespace(number_tree(Tyre()))
     x, y = slip_vector(tyre, c, 1.0, 1.0, 10.0, 0.1, 0.1)
-    assert math.hypot(x * 0.1, y * 0.1) == pytest.approx(burckhardt.friction(math.hypot(0.1, 0.1), *c))
+    assert math.hypot(x * 0.1, y * 0.1) == pytest.approx(burckhardt(math.hypot(0.1, 0.1), *c))
     x, y = uncoupled(tyre, c, 1.0, 1.0, 10.0, 10.0, 0.1, 0.1)
-    assert x * 0.1 == y * 0.1 == pytest.approx(burckhardt.friction(0.1, *c))
+    assert x * 0.1 == y * 0.1 == pytest.approx(burckhardt(0.1, *c))
 
 
 def test_carcass_holds_at_rest_and_reaches_the_curve_at_speed():

@@ -8,14 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.mf_tyre import MF_NAMES, mf_tyres
-from ev_msgs_py.vehicle.tyre import Tyre
-from ev_msgs_py.vehicle.tyre_property_file import mf_numbers, read_tyre
+from ev_core.vehicle.files import mf_numbers, read_tyre
+from ev_core.vehicle.tyre import MF_NAMES, Tyre, mf_tyres
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.surfaces.table import SURFACES, curve_on_road, tyre_on_road
-from ev_sim.tyres import magic_formula
+from ev_sim.tyres.combined import weighted
+from ev_sim.tyres.curve import magic_formula
 from ev_sim.tyres.mf_tyre import at_load, cornering_stiffness, forces, is_plain
-from ev_sim.tyres.weighted import weighted
 
 FILE = "tyres/pacejka_2006_205_60r15.tir"
 NUMBERS = read_tyre("vehicle.tyre.front_file", FILE)
@@ -112,7 +111,7 @@ def test_shown_curve_is_the_pure_longitudinal_one_at_nominal_load():
     assert kind == "magic_formula"
     loaded = at_load(TYRES, 0, FRONT["fnomin"], tyre_on_road(tyre, "wet_asphalt_1").c0, 1.0, True)
     along, _ = forces(TYRES, 0, loaded, 0.07, 1e-6, 1.0, True)
-    assert magic_formula.friction(0.07, *c) * FRONT["fnomin"] == pytest.approx(along, rel=1e-9)
+    assert magic_formula(0.07, *c) * FRONT["fnomin"] == pytest.approx(along, rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import dataclasses
 import pytest
 from judging import verdict_from, verdict_on
 
-from ev_sim.report.quantities import circuits
-from ev_sim.study import dissertation_tables
+from ev_papers.dissertation.measures import circuits
+from ev_papers.dissertation.studies import printed
 from ev_sim.surfaces import table
 from ev_sim.verdicts.all_verdicts import declarations
 from ev_sim.verdicts.need import Need, StudyNeed
@@ -137,4 +137,4 @@ def test_bands_hold_the_printed_numbers():
             if declared.id.startswith(("diss.t3", "diss.t5")) and hasattr(check, "value"):
                 low, high = check.tolerance_for(()).band(check.value)
                 assert low <= check.value <= high, declared.id
-    assert dissertation_tables.WHEEL_EFFICIENCY[1] == 0.96
+    assert printed.WHEEL_EFFICIENCY[1] == 0.96

@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 from judging import drive_here
 
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
-from ev_sim.running.outcome import RunFailed
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.study.case import CaseResult, drive_case
-from ev_sim.verdicts.driving import cases_of, drive
-from ev_sim.verdicts.kept import Kept
+from ev_sim.verdicts.driving import Kept, cases_of, drive
 from ev_sim.verdicts.need import ScenarioNeed, StudyNeed
 
 HOLDING = ScenarioNeed("shchur2019_steps", runs=("hold_manual",), duration=0.1)

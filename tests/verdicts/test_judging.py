@@ -6,12 +6,11 @@ import math
 
 import pytest
 
-from ev_sim.report.metric import NotMeasured
-from ev_sim.verdicts.check import Number, holds, larger, smaller
+from ev_sim.measures.metric import NotMeasured
+from ev_sim.verdicts.check import Number, absolute, between, holds, larger, relative, smaller
 from ev_sim.verdicts.declaration import judged, no_verdict, not_judgeable
-from ev_sim.verdicts.published import Published
+from ev_sim.verdicts.sources import Published
 from ev_sim.verdicts.table import plain_table
-from ev_sim.verdicts.tolerance import absolute, between, relative
 from ev_sim.verdicts.verdict import Verdict, verdict
 
 OF = Published("x.y", "follows", "eq 1", "a number", "2 m")

@@ -7,17 +7,16 @@ from dataclasses import replace
 import pytest
 from judging import driven
 
-from ev_sim.verdicts.all_verdicts import SOURCES
+from ev_papers.dissertation.figures.over_cycle import CYCLES, ON_BENCH
 from ev_sim.verdicts.need import Need
-from ev_sim.verdicts.panels.dissertation.runs import CYCLES, ON_BENCH
 from ev_sim.verdicts.panels_page import draw_panels, file_name, panels, write_page
-from ev_sim.verdicts.published import published
+from ev_sim.verdicts.sources import published, sources
 
 # Panels that each source has, those that cannot be drawn included.
 PANELS = {"shchur2019": 12, "ge_ni2005": 14, "tatar_chudzik": 14, "dissertation": 103, "zhileykin2018": 7}
 
 
-@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("source", sources())
 def test_every_panel_has_its_own_file_and_shows_what_was_published(source: str):
     found = panels(source)
     assert len({file_name(source, panel) for panel in found}) == len(found)

@@ -7,13 +7,13 @@ from dataclasses import replace
 import pytest
 from judging import driven, verdict_on
 
-from ev_sim.study import zhileykin2018_grid as grid
+from ev_papers.zhileykin2018 import grid as grid
+from ev_papers.zhileykin2018.paper import BEND
 from ev_sim.study.case import CaseResult
 from ev_sim.study.command import arguments
 from ev_sim.verdicts.all_verdicts import declarations
 from ev_sim.verdicts.need import StudyCases
-from ev_sim.verdicts.published import published
-from ev_sim.verdicts.sources.zhileykin2018.inputs import BEND
+from ev_sim.verdicts.sources import published
 from ev_sim.verdicts.verdict import Verdict, verdict
 
 SOURCE = "zhileykin2018"

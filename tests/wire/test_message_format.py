@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 
-from ev_msgs_py.compiling.message_memory import (
+from ev_core.node_loop.message_memory import (
     RUN,
     TOPIC,
     Memory,
@@ -21,16 +21,14 @@ from ev_msgs_py.compiling.message_memory import (
     write_message,
 )
 from ev_msgs_py.contract import frame, stamps
-from ev_msgs_py.contract.electrical_signals import CellCondition
 from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.contract.optional_signals import CellCondition
 from ev_msgs_py.contract.signals import BatteryCondition, DriverCommand, SteeringColumnState, WheelTorqueRequest
 from ev_msgs_py.contract.topics import JOINT_STATE, TOPICS, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.wire.cdr import Serialized
-from ev_msgs_py.wire.layout import MessageError, empty_message, paths
-from ev_msgs_py.wire.message_classes import message_class
-from ev_msgs_py.wire.message_format import format_of, stamp_alone, stamp_of
-from ev_sim.running.recording.message_table import MessageTable
+from ev_msgs_py.wire.layout import MessageError, empty_message, message_class, paths
+from ev_msgs_py.wire.message_format import Serialized, format_of, stamp_alone, stamp_of
+from ev_sim.recording.spool import MessageTable
 
 WITH_NUMBERS = pytest.mark.parametrize(
     "topic", [topic for topic in TOPICS.values() if topic.channels], ids=lambda topic: topic.name

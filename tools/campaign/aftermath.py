@@ -13,11 +13,11 @@ import numpy as np
 from rosbags.highlevel import AnyReader
 
 from campaign.under_way import UnderWay
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.running.files_of_run import OF_ALL_RUNS
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.recording.files_of_run import OF_ALL_RUNS
+from ev_sim.recording.recording import load
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.running.recording.recording import load
-from ev_sim.running.scenarios.scenario import load_scenario
+from ev_sim.scenarios.scenario import load_scenario
 
 _GONE_WITHIN = 2.0  # s after its end until nothing of a run is there any more
 

@@ -9,10 +9,10 @@ from functools import partial
 from typing import Any
 
 from campaign.spoiling import spoilt
+from ev_core.nodes.polled import OrdinarySteps
+from ev_core.nodes.signal_io import SignalWriter
+from ev_core.run_role import run_role
 from ev_msgs_py.contract.stamps import RUNS
-from ev_msgs_py.nodes.ordinary_steps import OrdinarySteps
-from ev_msgs_py.nodes.run_role import run_role
-from ev_msgs_py.nodes.signal_io import SignalWriter
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 
 _LATE = 0.05  # s at most

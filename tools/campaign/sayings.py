@@ -16,12 +16,11 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from campaign.spoiling import HOW, spoilt
+from ev_core.lockstep.stepper import WRITERS
+from ev_core.nodes.signal_io import NAMELESS, QUALITY
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.signals import RecorderProgress, WheelTorqueCommand
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS
-from ev_msgs_py.lockstep.stepper import WRITERS
-from ev_msgs_py.nodes.signal_io import QUALITY
-from ev_msgs_py.nodes.speaker import NAMELESS
 from ev_msgs_py.wire.message_format import STAMP_AT, format_of, stamp_alone
 
 ESCAPES = "\x1b[2J\x1b]0;mine\x07\x1b[31m\x9b1A\b\b\r"

@@ -6,6 +6,7 @@ import random
 import struct
 
 HOW = ("nan", "short", "long", "garbage", "names", "frame", "big endian", "far stamp", "no stamp")
+_WORD = 4  # bytes
 _NAN = struct.pack("<d", float("nan"))
 _NAMES = ((b"front_left", b"front_loft"), (b"drive", b"drove"), (b"load", b"lood"))
 _FRAMES = ((b"base_link", b"base_lime"), (b"map", b"mop"))
@@ -29,4 +30,5 @@ def spoilt(message: bytes, how: str, chance: random.Random) -> bytes:
         return message[:4] + struct.pack("<iI", chance.randrange(10**3, 10**9), 7) + message[12:]
     if how == "no stamp":
         return message[:4]
-    return message[: chance.randrange(4, max(len(message) - 1, 5))]
+    # Fewer whole words: DDS fills the last one up again, with another number in it (that of a forger, whom sums name).
+    return message[: chance.randrange(4, max((len(message) - 1) // _WORD * _WORD + 1, 5))]

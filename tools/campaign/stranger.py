@@ -20,9 +20,9 @@ from campaign.doings import DOINGS
 from campaign.forgeries import FORGERIES, Forgery, Heard
 from campaign.ports import ports
 from campaign.sayings import SAYINGS, Saying
+from ev_core.nodes.signal_io import QUALITY
+from ev_core.nodes.stop_request import StopRequest
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.nodes.signal_io import QUALITY
-from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 
 ACTS = (*SAYINGS, *DOINGS, *FORGERIES)

@@ -11,12 +11,12 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING
 
-from ev_msgs_py.contract.shape import SignalError
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.commands.command_line import arguments, overrides
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import combined_hash, signal_hash
-from ev_sim.running.scenarios.scenario import Run, load_scenario
+from ev_msgs_py.contract.fields import SignalError
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line.options import arguments, overrides
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import combined_hash, signal_hash
+from ev_sim.scenarios.scenario import Run, load_scenario
 
 if TYPE_CHECKING:
     from campaign.under_way import UnderWay

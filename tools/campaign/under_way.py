@@ -13,8 +13,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from campaign.trial import RUNNER, Trial
+from ev_sim.recording.files_of_run import BAG, PARAMETERS
 from ev_sim.running.children import ends_with_us
-from ev_sim.running.files_of_run import BAG, PARAMETERS
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 150.0  # s of wall time for a run that nothing keeps from its end, on a machine with much other work

@@ -6,16 +6,16 @@ import random
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ev_core.faults.fault import KINDS, OF_SIGNALS, Kind
+from ev_core.lockstep.configuration import Configuration
+from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.contract.roles import ROLES, RoleKind
-from ev_msgs_py.contract.shape import SignalError
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.faults.kinds import KINDS, OF_SIGNALS, Kind
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.running.offline import run_offline
-from ev_sim.running.recording.recording import signal_hash
-from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.recording.offline import run_offline
+from ev_sim.recording.recording import signal_hash
+from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 Changes = Sequence[tuple[str, str, Any]]  # as in Overrides.values, the seed of all nodes first
 _ATTEMPTS = 20

@@ -11,7 +11,7 @@ from documentation.hashes import HASHES, all_hashes, changes, hash_table, publis
 from documentation.markdown import with_blocks
 from documentation.pages import CONTROL_PERIODS, RESULTS, SHCHUR, stale_pages
 from documentation.verdict_tables import NAMES, write_verdicts
-from ev_msgs_py.parameters.values import unknown_name
+from ev_msgs_py.refusal import unknown_name
 
 
 def main(argv: list[str] | None = None) -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from documentation.markdown import code, table
-from ev_msgs_py.can.codec import BitField
-from ev_msgs_py.can.database import load_database
-from ev_msgs_py.can.faults import FAULTS
+from ev_core.bus.database_file import load_database
+from ev_core.bus.model import bus_load, of_layouts
 from ev_msgs_py.can.frame_layout import FrameLayout
-from ev_msgs_py.can.response_time import bus_load, of_layouts
+from ev_msgs_py.can.frames import FAULTS
+from ev_msgs_py.can.payload import BitField
 
 DEVICE = "Drive11"  # all four devices have the same frames
 BIT_RATE = 1e6  # bit/s

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from PIL import Image
 
-from ev_sim.report.figures.saving import save_figures
+from ev_sim.figures.saving import save_figures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -5,9 +5,9 @@ from __future__ import annotations
 from documentation.markdown import code, table
 from documentation.own_methods import own_methods
 from ev_msgs_py.contract.roles import ROLES
-from ev_sim.running.scenarios.about import describe_scenario
-from ev_sim.running.scenarios.scenario import scenario_names
-from ev_sim.study.study import STUDIES, study_named
+from ev_sim.scenarios.about import describe_scenario
+from ev_sim.scenarios.scenario import scenario_names
+from ev_sim.study.study import study_named, study_names
 
 
 def scenario_table() -> str:
@@ -17,7 +17,7 @@ def scenario_table() -> str:
 
 def study_list() -> str:
     """Every study with what it says about itself."""
-    return table(("study", "what it shows"), ((code(name), study_named(name).ABOUT) for name in STUDIES))
+    return table(("study", "what it shows"), ((code(name), study_named(name).ABOUT) for name in study_names()))
 
 
 def method_table() -> str:

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from documentation.markdown import table
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.analysis.__main__ import drive_torques, load_vehicle
+from ev_sim.analysis.linear_models import side_slip_model
 from ev_sim.analysis.linearised_plant import OperatingPoint, linearised
-from ev_sim.analysis.side_slip_model import side_slip_model
 
 COLUMNS = (
     "front share h",

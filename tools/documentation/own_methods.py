@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from ev_core.methods.register import Method, methods_of, node_package
 from ev_msgs_py.contract.roles import ROLES
-from ev_msgs_py.lockstep.methods import Method, methods_of, node_package
 
 
 def own_methods(role: str) -> dict[str, Method]:

@@ -7,16 +7,16 @@ from typing import Any
 from documentation.markdown import code, codes, table
 from documentation.own_methods import own_methods
 from ev_control.inverter_gateway.parameters import GatewayParameters
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.parameters.declaration import Entry, entries
+from ev_core.sensors.quantities import QUANTITIES
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.common_parameters import CommonParameters
-from ev_msgs_py.nodes.master_parameters import MasterParameters
-from ev_msgs_py.parameters.declaration import Entry, entries
-from ev_msgs_py.sensors.quantities import QUANTITIES
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.inverter.parameters import InverterNodeParameters
-from ev_sim.running.recording.recorder_parameters import RecorderParameters
-from ev_sim.running.scenarios.about import ScenarioParameters
+from ev_sim.recording.output_of_run import RecorderParameters
+from ev_sim.scenarios.about import ScenarioParameters
 
 COLUMNS = ("name", "default", "unit", "allowed", "description", "source")
 _MANY = 5  # from so many elements on, a default that is every choice is written as "all"

@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from documentation.markdown import code, table
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_papers.shchur2019 import paper
 from ev_sim.drives.drive import DRIVES
-from ev_sim.report.metric import Metric
-from ev_sim.report.papers import shchur2019 as paper
+from ev_sim.measures.metric import Metric
+from ev_sim.measures.samples import Parameters, Runs
+from ev_sim.recording.offline import run_offline
 from ev_sim.report.reports import report_for
-from ev_sim.report.samples import Parameters, Runs
-from ev_sim.running.offline import run_offline
-from ev_sim.running.scenarios.scenario import Overrides, Scenario, load_scenario
+from ev_sim.scenarios.scenario import Overrides, Scenario, load_scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,11 +6,11 @@ import inspect
 
 from documentation.markdown import code, codes, table
 from documentation.own_methods import own_methods, writing_methods
-from ev_msgs_py.contract.field import Field
+from ev_core.lockstep.graph import writers
+from ev_msgs_py.contract.fields import Field
 from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.lockstep.graph import writers
 from ev_msgs_py.wire.layout import joint_names
 from ev_sim.running.node_parameters import RECORDER
 

@@ -9,26 +9,25 @@ from pathlib import Path
 
 from documentation.markdown import table, with_blocks
 from documentation.measured import is_long, write_measured
-from ev_sim.verdicts.all_verdicts import SOURCES
-from ev_sim.verdicts.published import published
+from ev_sim.verdicts.sources import published, sources
 from ev_sim.verdicts.table import markdown_table
 from ev_sim.verdicts.verdict import SORTS, sort_of
 
 PAGE = "docs/verdicts.md"
 COUNTS = "verdict counts"
-PARTS = (COUNTS, *(f"verdicts of {source}" for source in SOURCES))
-NAMES = (PAGE, *(f"{PAGE}#{source}" for source in SOURCES))  # that document.sh --runs knows
+PARTS = (COUNTS, *(f"verdicts of {source}" for source in sources()))
+NAMES = (PAGE, *(f"{PAGE}#{source}" for source in sources()))  # that document.sh --runs knows
 _ROW = re.compile(r"^\| `(?P<id>[\w.]+)` \|(?P<cells>.*)\|$", re.MULTILINE)
 _VERDICT = -2  # place of its cell
 
 
 def write_verdicts(root: Path, wanted: Sequence[str]) -> None:
     """Drive what the verdicts on all sources, or on those wanted, need, and write their tables and the counts."""
-    from ev_sim.commands.verdicts import judge_driven
+    from ev_sim.commands.reviews.verdicts import judge_driven
 
     page = root / PAGE
     text = page.read_text(encoding="utf-8")
-    for source in SOURCES:
+    for source in sources():
         if PAGE in wanted or f"{PAGE}#{source}" in wanted:
             found, driven = judge_driven([source])
             text = with_blocks(text, {f"verdicts of {source}": markdown_table(found)})
@@ -47,7 +46,7 @@ def rows(page: str) -> dict[str, str]:
 def count_table(page: str) -> str:
     """Verdicts of each sort and source on the page, and their sums."""
     sorts = {id: sort_of(line.split(" | ")[_VERDICT]) for id, line in rows(page).items()}
-    lines = [(source, Counter(sorts[id] for id in published(source) if id in sorts)) for source in SOURCES]
+    lines = [(source, Counter(sorts[id] for id in published(source) if id in sorts)) for source in sources()]
     lines.append(("all", Counter(sorts.values())))
     used = [sort for sort in SORTS if lines[-1][1][sort]]
     cells = [(source, str(found.total()), *(str(found[sort]) for sort in used)) for source, found in lines]

@@ -1,1 +1,1 @@
-"""The contract: signals, topics, graph, vehicle description, parameters and the stepped node."""
+"""What the nodes say to each other: signals, topics, roles, frames, wire format, CAN frames and their database."""

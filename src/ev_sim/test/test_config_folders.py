@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ev_msgs_py.parameters.config_folders import VARIABLE, config_folders, files_in_config, find_in_config
+from ev_core.parameters.data_file import VARIABLE, config_folders, files_in_config, find_in_config
 
 
 def test_folders_of_ones_own_go_before_the_installed_one(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):

@@ -3,12 +3,12 @@
 import math
 from dataclasses import replace
 
-from ev_msgs_py.compiling.object import CompiledObject
+from ev_core.compiled.loop import CompiledObject
+from ev_core.lockstep.finding import find_method
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
 
 KINEMATIC = find_method("plant", "kinematic")
 PERIOD = 0.01

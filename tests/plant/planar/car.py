@@ -6,14 +6,14 @@ import dataclasses
 
 import numpy as np
 
-from ev_msgs_py.compiling.object import CompiledObject
+from ev_core.compiled.loop import CompiledObject
+from ev_core.lockstep.finding import find_method
+from ev_core.parameters.values import build
+from ev_core.vehicle.battery import Battery
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.battery import Battery
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.motor import Motor
 from ev_sim.plant.planar.constants import body_constants
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.state import DEFLECTION_X, DEFLECTION_Y, VX, VY, WHEEL_SPEED, YAW_RATE, index

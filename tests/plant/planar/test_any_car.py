@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from plant.planar.car import command, outputs, plant, steered
 
+from ev_core.vehicle.car import GRAVITY
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.driveline import Driveline
+from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import TireForces
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.vehicle.car import GRAVITY
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.driveline import Driveline
-from ev_msgs_py.vehicle.tyre import Tyre
 from ev_sim.plant.planar.state import VX, VY, index
 
 

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from plant.planar.car import outputs, plant, steered
 
+from ev_core.vehicle.suspension import Suspension
 from ev_msgs_py.contract.signals import TireForces, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.suspension import Suspension
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.analysis.__main__ import load_vehicle
+from ev_sim.analysis.linear_models import single_track, tangent_speed, yaw_damping, yaw_gain
 from ev_sim.analysis.linearised_plant import OperatingPoint, linearised
-from ev_sim.analysis.single_track import single_track, tangent_speed, yaw_damping, yaw_gain
-from ev_sim.vehicle.understeer import understeer_gradient
+from ev_sim.measures.understeer import understeer_gradient
 
 CAR = load_vehicle("compact_ev")
 # Drag pitches the car and rolling resistance brakes the outer wheels more: neither is in a linear model.

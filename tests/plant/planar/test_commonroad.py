@@ -9,11 +9,11 @@ import pytest
 from plant.planar.car import plant, steered
 from scipy.integrate import solve_ivp
 
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.motor import Motor
+from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.motor import Motor
-from ev_msgs_py.vehicle.tyre import Tyre
 
 PERIOD, DURATION = 0.01, 2.0  # s
 GRAVITY = 9.81  # m/s^2, as in both models

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from plant.planar.car import drive, plant
 
+from ev_core.methods.law import namespace
+from ev_core.vehicle.car import car_numbers
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.driveline import Driveline
+from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import WheelStates
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.vehicle.car import car_numbers
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.driveline import Driveline
-from ev_msgs_py.vehicle.motor import Motor
-from ev_sim.driveline.couplings import wheel_torques
+from ev_sim.drives.couplings import wheel_torques
 from ev_sim.plant.planar.state import index
 
 

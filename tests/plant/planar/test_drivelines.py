@@ -10,23 +10,22 @@ from adaptive_reference import DrivenPlant
 from manoeuvres import MANOEUVRES
 from plant.planar.car import CAR, FOUR_MOTORS, command, drive, kinetic_energy, outputs, plant, steered
 
+from ev_core.lockstep.configuration import configure
+from ev_core.methods.law import namespace
+from ev_core.methods.register import all_methods
+from ev_core.vehicle.car import car_numbers
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.drive_train import single_wheels
+from ev_core.vehicle.driveline import LOCK_COEFFICIENTS, Driveline
+from ev_core.vehicle.engine import Engine, Gearbox
 from ev_msgs_py.contract.signals import MotorStates, WheelStates
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.lockstep.configuration import configure
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.lockstep.methods import all_methods
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.car import car_numbers
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.drive_train import single_wheels
-from ev_msgs_py.vehicle.driveline import LOCK_COEFFICIENTS, Driveline
-from ev_msgs_py.vehicle.engine import Engine, Gearbox
-from ev_sim.driveline.couplings import shaft_speeds, wheel_torques
-from ev_sim.driveline.torque_converter import COUPLING_POINT, converter_torques
-from ev_sim.drives.engine import full_load_torque
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.drives.couplings import shaft_speeds, wheel_torques
+from ev_sim.drives.engine import COUPLING_POINT, converter_torques, full_load_torque
 from ev_sim.plant.planar.state import index
-from ev_sim.running.offline import run_offline
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.recording.offline import run_offline
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 CARS = ("layout_1_8_b", "centre_dccd", "engine_4x4")
 ENGINE = Engine(peak_power=110e3)
@@ -244,7 +243,7 @@ def allowed(role: str, vehicle: str) -> set[str]:
 
 
 def _told(vehicle: str) -> dict[str, object]:
-    from ev_sim.running.scenarios.configured_file import vehicle_file
+    from ev_sim.scenarios.about import vehicle_file
 
     values = vehicle_file(vehicle).values_for("/ev/driver")
     return {name.removeprefix("vehicle."): value for name, value in values.items()}

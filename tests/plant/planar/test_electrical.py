@@ -7,17 +7,15 @@ import dataclasses
 import pytest
 from plant.planar.car import STRAIGHT, command, drive, outputs, parameters_of
 
-from ev_msgs_py.compiling.object import CompiledObject
-from ev_msgs_py.contract.electrical_signals import CellCondition, MotorElectrics, MotorTemperatures
+from ev_core.compiled.loop import CompiledObject
+from ev_core.lockstep.finding import find_method
+from ev_core.vehicle.battery import Battery, Cells
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.motor import Motor, ThermalParameters
+from ev_msgs_py.contract.optional_signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.contract.signals import BatteryCondition, MotorStates
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.battery import Battery
-from ev_msgs_py.vehicle.cells import Cells
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.motor import Motor
-from ev_msgs_py.vehicle.thermal import ThermalParameters
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.drives.field_weakening import voltage_limited_torque
 from ev_sim.plant.planar.state import index
 

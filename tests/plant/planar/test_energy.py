@@ -9,7 +9,7 @@ import pytest
 from plant.planar.car import CAR, command, elastic_energy, kinetic_energy, plant, steered
 from plant.planar.manoeuvres import MANOEUVRES
 
-from ev_msgs_py.vehicle.tyre import Tyre
+from ev_core.vehicle.tyre import Tyre
 from ev_sim.plant.planar.state import VX, VY, WHEEL_SPEED, YAW_RATE, index
 
 

@@ -11,15 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plant.planar.car import FOUR_MOTORS, STRAIGHT, command, plant
 
+from ev_core.vehicle.car import car_numbers
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.driveline import Driveline
+from ev_core.vehicle.engine import Engine, Gearbox
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.vehicle.car import car_numbers
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.driveline import Driveline
-from ev_msgs_py.vehicle.engine import Engine, Gearbox
 from ev_sim.drives.engine import EngineState, advance_engine
 from ev_sim.plant.planar.state import VX, WHEEL_SPEED, index
-from ev_sim.running.offline import run_offline
-from ev_sim.running.scenarios.scenario import Overrides, load_scenario
+from ev_sim.recording.offline import run_offline
+from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 OUTPUT, GEAR = index("engine.output"), index("engine.gear")
 SPLIT = {"road__left": ("ice",), "road__right": ("dry_asphalt",)}

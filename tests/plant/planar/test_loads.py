@@ -10,13 +10,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from plant.planar.car import STRAIGHT, command, outputs, plant
 
+from ev_core.methods.law import namespace
+from ev_core.vehicle.car import Car, car_numbers
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import TireForces
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.car import Car, car_numbers
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.plant.planar.loads import wheel_loads
-from ev_sim.plant.planar.steering import front_wheels
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.plant.planar.body import front_wheels, wheel_loads
 
 NORMAL = 2500.0 * 9.81
 GE_NI = {"centre_of_mass_to_rear_axle": 0.82, "wheelbase": 1.72, "front_track": 1.12, "rear_track": 1.12}

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from plant.planar.car import drive, plant
 
+from ev_core.vehicle.battery import Battery
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import WheelStates
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.vehicle.battery import Battery
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.motor import Motor
 from ev_sim.plant.planar.state import index
 
 

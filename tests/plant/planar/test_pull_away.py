@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from plant.planar.car import CAR, STRAIGHT, X, command, on, plant
 
+from ev_core.vehicle.car import GRAVITY
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.vehicle.car import GRAVITY
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.state import VX, WHEEL_SPEED, index
 from ev_sim.surfaces.table import SURFACES
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from plant.planar.car import CAR, STRAIGHT, command, outputs, parameters_of, plant, steered
 
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import BodyVelocity, InertialMeasurement, TireForces, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.tyre import Tyre
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.plant.planar.equations import Equations
 from ev_sim.plant.planar.state import DRAG_WORK, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED
 

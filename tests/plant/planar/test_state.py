@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from plant.planar.car import CAR, FOUR_MOTORS, command, plant, steered
 
-from ev_msgs_py.contract.record import names
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.driveline import Driveline
+from ev_core.parameters.record import names
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.driveline import Driveline
 from ev_sim.plant.planar.state import INTEGRATED, PlanarState, index
 
 IMPOSED_SPEED = {"imposed_speed__time": (0.0, 1.0), "imposed_speed__speed": (5.0, 9.0), "initial_speed": 5.0}

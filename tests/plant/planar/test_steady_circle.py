@@ -9,11 +9,11 @@ import pytest
 import scipy.signal
 from plant.planar.car import outputs, plant, steered
 
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.motor import Motor
+from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import BodyVelocity, InertialMeasurement, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.motor import Motor
-from ev_msgs_py.vehicle.tyre import Tyre
 
 FRONT, REAR = 55e3, 65e3
 CAR = Vehicle(

@@ -11,9 +11,9 @@ from plant.planar.car import CAR, STRAIGHT, X, Y, command, on, outputs, paramete
 from plant.planar.manoeuvres import MANOEUVRES, end_state
 from scipy.integrate import solve_ivp
 
+from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import TireForces
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.tyre import Tyre
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.plant.planar.equations import Equations
 from ev_sim.plant.planar.prepare import number_of_steps
 from ev_sim.plant.planar.state import INTEGRATED, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, YAW_RATE

@@ -7,7 +7,7 @@ import re
 import numpy as np
 from plant.planar.car import FOUR_MOTORS, command, plant, steered
 
-from ev_msgs_py.contract.record import names
+from ev_core.parameters.record import names
 from ev_sim.plant.planar.state import PlanarState
 
 NAMES = names(PlanarState())

@@ -10,12 +10,12 @@ import pytest
 import yaml
 from plant.planar.car import PLANAR, STRAIGHT, outputs, plant, steered
 
-from ev_msgs_py.compiling.object import CompiledObject
+from ev_core.compiled.loop import CompiledObject
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.files import with_files
 from ev_msgs_py.contract.signals import TireForces, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.files import with_files
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.state import index
 

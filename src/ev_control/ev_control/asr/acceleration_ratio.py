@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import inf
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.wheel_dynamics import WheelMotion
 from ev_control.shared.acceleration_criterion import (
     AccelerationCriterionParameters,
     Accelerations,
@@ -15,11 +16,10 @@ from ev_control.shared.acceleration_criterion import (
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
-from ev_control.shared.wheel_dynamics import WheelMotion
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import part
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_msgs_py.vehicle.car import Car
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import part
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import compilable
 
 
 @dataclass(frozen=True, slots=True)

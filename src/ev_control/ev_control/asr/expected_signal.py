@@ -10,20 +10,27 @@ from ev_control.estimation.expected_friction import (
     expected_friction,
     friction_at_peak,
 )
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.plausible import wheel_load
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.side_force import slip_angle_of
 from ev_control.estimation.slip_angle_observer import SlipAngleObserverParameters, SlipAngleObserverState
-from ev_control.estimation.wheel_loads import wheel_load
-from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.wheel_dynamics import (
+    WheelMotion,
+    road_torque,
+    share_at,
+    share_at_rest,
+    slip_of,
+    slowest_wheel,
+)
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
-from ev_control.shared.wheel_dynamics import WheelMotion, road_torque, share_at, share_at_rest, slip_of, slowest_wheel
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry, part
-from ev_msgs_py.elementary import tan
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_msgs_py.vehicle.car import Car
+from ev_core.elementary import tan
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import entry, part
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import compilable
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 from ev_control.shared.limp_mode import without_yaw
 from ev_control.shared.torque_plausibility import PlausibilityParameters, PlausibilityState
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import part
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group
+from ev_core.parameters.record import part
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.layout import each_driven, equal_motors
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand, WheelTorqueRequest
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import group
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import each_driven, equal_motors
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,19 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
-from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.shared.gained_speed import GainedSpeedParameters, has_gained
+from ev_control.estimation.wheel_dynamics import WheelMotion, mass_share, road_torque
+from ev_control.shared.acceleration_criterion import GainedSpeedParameters, has_gained
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
-from ev_control.shared.wheel_dynamics import WheelMotion, mass_share, road_torque
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry, part
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.drive_train import has_own_motors
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import entry, part
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.drive_train import has_own_motors
+from ev_msgs_py.compilable import compilable
 
 LIMITS = ("while_gaining", "always")
 WHILE_GAINING, ALWAYS = range(len(LIMITS))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.slip_observers import observed_slip
-from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.wheel_dynamics import WheelMotion
 from ev_control.shared.slip_regulator import (
     RegulatedWheel,
     SlipRegulatorParameters,
@@ -17,11 +18,10 @@ from ev_control.shared.slip_regulator import (
     weighed,
 )
 from ev_control.shared.traction_method import traction_control
-from ev_control.shared.wheel_dynamics import WheelMotion
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import part
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_msgs_py.vehicle.car import Car
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import part
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import compilable
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_core.methods.register import method
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
-from ev_msgs_py.lockstep.methods import method
 
 
 @dataclass(frozen=True, slots=True)

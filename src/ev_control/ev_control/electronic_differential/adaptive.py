@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.estimation.first_order_filter import filter_share
 from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
-from ev_control.shared.first_order_filter import filter_share
 from ev_control.shared.torque_split import BrakeSplitParameters, split
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import per_wheel
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import per_wheel
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.layout import each_driven
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import DriverCommand, WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_LEFT, REAR_RIGHT, Wheels
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import each_driven
 
 
 @dataclass(frozen=True, slots=True)

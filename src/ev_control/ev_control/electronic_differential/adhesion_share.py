@@ -10,13 +10,17 @@ from ev_control.estimation.friction_estimate import (
     estimated_friction,
     unknown_road,
 )
+from ev_control.estimation.plausible import wheel_loads
 from ev_control.estimation.reference_speed import free_wheels_for
-from ev_control.estimation.wheel_loads import wheel_loads
 from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
-from ev_control.shared.sources import SOURCES, TRUTH
+from ev_control.shared.axle_redistribution import SOURCES, TRUTH
 from ev_control.shared.torque_split import BrakeSplitParameters, split_brake
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import part
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import part
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.layout import each_driven
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import (
     DriverCommand,
     InertialMeasurement,
@@ -26,10 +30,6 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import each_driven
 
 
 @dataclass(frozen=True, slots=True)

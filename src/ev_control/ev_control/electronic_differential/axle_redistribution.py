@@ -6,17 +6,22 @@ from dataclasses import dataclass
 
 from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.slip_angle_observer import SlipAngleObserverState, axle_slip_angles, observed_slip_angles
-from ev_control.shared.axle_redistribution_parameters import (
+from ev_control.shared.axle_redistribution import (
     BY_SPEED,
     COMMAND,
     FRONT,
+    TRUTH,
     AxleRedistributionParameters,
+    front_share,
+    rear_difference,
 )
-from ev_control.shared.neutral_steer import front_share, rear_difference
-from ev_control.shared.sources import TRUTH
 from ev_control.shared.torque_split import split_brake
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry, part
+from ev_core.elementary import hypot
+from ev_core.methods.register import method
+from ev_core.parameters.record import entry, part
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.layout import ALL_WHEELS_DRIVEN
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
@@ -26,10 +31,6 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.elementary import hypot
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import ALL_WHEELS_DRIVEN
 
 
 @dataclass(slots=True)

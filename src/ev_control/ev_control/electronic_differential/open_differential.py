@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.shared.torque_split import BrakeSplitParameters, split
-from ev_msgs_py.compiling.compilable import compilable
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.layout import any_driven, equal_motors
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import group
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import any_driven, equal_motors
 
 
 @dataclass(frozen=True, slots=True)

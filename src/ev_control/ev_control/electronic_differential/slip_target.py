@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.free_wheel_speed import free_wheel_speed
+from ev_control.estimation.reference_speed import free_wheel_speed
 from ev_control.estimation.road_target import RoadTargetParameters, RoadTargetState, forget_road, target_by_road
-from ev_control.shared.slip_ratio import slip_ratio
-from ev_control.shared.sources import SOURCES, TRUTH
-from ev_control.shared.switching_control import SwitchingControlParameters, corrected
+from ev_control.shared.axle_redistribution import SOURCES, TRUTH
+from ev_control.shared.switching_control import SwitchingControlParameters, corrected, slip_ratio
 from ev_control.shared.torque_split import BrakeSplitParameters, split
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.motion import speed_along_path
-from ev_msgs_py.contract.record import entry, part
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import entry, part
+from ev_core.vehicle.car import Car, speed_along_path
+from ev_core.vehicle.layout import REAR_WHEELS_DRIVEN, only_driven
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
@@ -22,10 +24,6 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import REAR_WHEELS_DRIVEN, only_driven
 
 
 @dataclass(frozen=True, slots=True)

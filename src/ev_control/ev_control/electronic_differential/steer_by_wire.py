@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.torque_split import BrakeSplitParameters, split, torque_difference_per_steering_moment
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import entry
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.layout import FRONT_WHEELS_DRIVEN
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import FRONT_WHEELS_DRIVEN
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.elementary import sqrt
-from ev_msgs_py.parameters.declaration import parameter
+from ev_core.elementary import sqrt
+from ev_core.parameters.declaration import parameter
+from ev_msgs_py.compilable import compilable
 
 
 @dataclass(frozen=True, slots=True)

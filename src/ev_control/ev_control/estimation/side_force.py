@@ -9,12 +9,12 @@ from ev_control.estimation.slip_angle_observer import (
     SlipAngleObserverState,
     slip_angles_at,
 )
-from ev_control.shared.wheel_dynamics import WheelMotion
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import part
-from ev_msgs_py.elementary import sqrt
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_msgs_py.vehicle.car import Car
+from ev_control.estimation.wheel_dynamics import WheelMotion
+from ev_core.elementary import sqrt
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import part
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import compilable
 
 CORRECTIONS = ("none", "ellipse")
 NONE, ELLIPSE = range(len(CORRECTIONS))

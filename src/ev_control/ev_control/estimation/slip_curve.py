@@ -7,9 +7,9 @@ from math import inf
 from typing import NamedTuple
 
 from ev_control.estimation.slip_curve_fit import SQUARE, TEMPLATES, SlipCurveFit, samples_in
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.elementary import sqrt
-from ev_msgs_py.parameters.declaration import parameter
+from ev_core.elementary import sqrt
+from ev_core.parameters.declaration import parameter
+from ev_msgs_py.compilable import compilable
 
 
 @dataclass(frozen=True, slots=True)

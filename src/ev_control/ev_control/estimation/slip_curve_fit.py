@@ -8,10 +8,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ev_control.shared.compensated_sum import EMPTY_SUM, plus, rounded
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry, series
-from ev_msgs_py.elementary import sqrt
+from ev_core.elementary import sqrt
+from ev_core.parameters.record import entry, series
+from ev_msgs_py.compilable import compilable
+
+EMPTY_SUM = (0.0, 0.0)
+
+
+@compilable
+def plus(total: tuple[float, float], number: float) -> tuple[float, float]:
+    """The sum with one more number; the error of one addition is exactly a number (Knuth's two-sum)."""
+    before, lost = total
+    value = before + number
+    taken = value - before
+    return value, lost + ((before - (value - taken)) + (number - taken))
+
+
+@compilable
+def rounded(total: tuple[float, float]) -> float:
+    """The sum, rounded once."""
+    return total[0] + total[1]
+
 
 TEMPLATES = ("root", "square")
 ROOT, SQUARE = range(len(TEMPLATES))

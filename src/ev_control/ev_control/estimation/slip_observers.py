@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.shared.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.shared.wheel_dynamics import WheelMotion, mass_share, slip_of, slowest_wheel
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry, part
-from ev_msgs_py.parameters.declaration import parameter
-from ev_msgs_py.vehicle.car import Car
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.wheel_dynamics import WheelMotion, mass_share, slip_of, slowest_wheel
+from ev_core.parameters.declaration import parameter
+from ev_core.parameters.record import entry, part
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import compilable
 
 OBSERVERS = ("reference_speed", "derivative", "corrected_derivative", "disturbance")
 REFERENCE_SPEED, DERIVATIVE, CORRECTED_DERIVATIVE, DISTURBANCE = range(len(OBSERVERS))

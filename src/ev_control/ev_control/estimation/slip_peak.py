@@ -13,10 +13,10 @@ from ev_control.estimation.slip_curve_fit import (
     mean_slip,
     slip_variance,
 )
-from ev_control.shared.wheel_dynamics import slowest_wheel
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry, part
-from ev_msgs_py.parameters.declaration import parameter
+from ev_control.estimation.wheel_dynamics import slowest_wheel
+from ev_core.parameters.declaration import parameter
+from ev_core.parameters.record import entry, part
+from ev_msgs_py.compilable import compilable
 
 FEWEST_SAMPLES = 8  # four for each coefficient
 

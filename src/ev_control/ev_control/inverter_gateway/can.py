@@ -12,19 +12,18 @@ from ev_control.inverter_gateway.orders import command_drives, command_loads, pr
 from ev_control.inverter_gateway.parameters import LockstepGatewayParameters
 from ev_control.inverter_gateway.sending import heartbeat, set_point
 from ev_control.inverter_gateway.state import Device, Gateway
-from ev_msgs_py.can.database import load_database
-from ev_msgs_py.can.frames import BenchFrames, DeviceFrames, bench_frames
-from ev_msgs_py.can.payload_words import NO_FRAME, are_words, joined, words
-from ev_msgs_py.can.schedule import TICK, is_due, ticks_of
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.bench_signals import BenchShafts, LoadCommand
+from ev_core.bus.database_file import load_database
+from ev_core.methods.register import method
+from ev_core.parameters.record import part, series
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.layout import listed
+from ev_msgs_py.can.frames import TICK, BenchFrames, DeviceFrames, bench_frames, is_due, ticks_of
+from ev_msgs_py.can.payload import NO_FRAME, are_words, joined, words
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, FeedbackFrames, SetPointFrames
-from ev_msgs_py.contract.record import part, series
+from ev_msgs_py.contract.optional_signals import BenchShafts, LoadCommand
 from ev_msgs_py.contract.signals import WheelTorqueCommand
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.layout import listed
 
 SAID = 2 * MOST_TICKS  # words of the set-points of a device
 _HEARD = SAID + 6  # words of its feedback

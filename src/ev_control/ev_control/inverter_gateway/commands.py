@@ -12,16 +12,14 @@ from sensor_msgs.msg import JointState
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.publishing import NAMES
 from ev_control.inverter_gateway.station import GatewayStation
-from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
-from ev_msgs_py.can.frames import LOADS
-from ev_msgs_py.contract.bench_signals import LoadCommand
+from ev_core.lockstep.stepper import WRITERS
+from ev_core.nodes.reports import Reports
+from ev_core.nodes.signal_io import Reader, SignalReader, Speaker
+from ev_msgs_py.can.frames import LOADS, SPEED_MODE, TORQUE_MODE
+from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.lockstep.stepper import WRITERS
-from ev_msgs_py.nodes.reports import Reports
-from ev_msgs_py.nodes.signal_io import Reader, SignalReader
-from ev_msgs_py.nodes.speaker import Speaker
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of
 

@@ -7,8 +7,8 @@ from typing import NamedTuple
 from ev_control.inverter_gateway.leading import is_faulty
 from ev_control.inverter_gateway.state import Device
 from ev_msgs_py.can.drive_states import FAULT, FAULT_REACTION_ACTIVE, STATE_NAMES
-from ev_msgs_py.can.faults import FAULTS, WARNINGS, names_of
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.can.frames import FAULTS, WARNINGS, names_of
+from ev_msgs_py.compilable import compilable
 
 GOOD, WARNED, FAULTY, SILENT = range(4)  # as the levels of diagnostic_msgs: OK, WARN, ERROR, STALE
 OWN_FAULTS = ("StaleFeedback", "StaleCommand", "Implausible")  # of the gateway, in the bits above those of FAULTS

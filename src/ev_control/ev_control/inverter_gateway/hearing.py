@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ev_control.inverter_gateway.state import Feedback
-from ev_msgs_py.can.checking import (
+from ev_core.bus.checking import (
     REPEATED,
     TOLERANCES,
     WRONG_CRC,
@@ -13,11 +13,10 @@ from ev_msgs_py.can.checking import (
     is_valid,
     no_new_data,
 )
-from ev_msgs_py.can.codec import extracted
-from ev_msgs_py.can.conventions import RPM
 from ev_msgs_py.can.drive_states import REMOTE, state_of
-from ev_msgs_py.can.frames import SENT, BenchFrames, DeviceFrames
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.can.frames import RPM, SENT, BenchFrames, DeviceFrames
+from ev_msgs_py.can.payload import extracted
+from ev_msgs_py.compilable import compilable
 
 MOTION, ELECTRICAL, TEMPERATURES, FAULTS = range(len(SENT))
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from ev_control.inverter_gateway.hearing import end_cycle
 from ev_control.inverter_gateway.parameters import BOTH, GatewayParameters
 from ev_control.inverter_gateway.state import Device, Gateway
-from ev_msgs_py.can.conventions import TORQUE_MODE
 from ev_msgs_py.can.drive_states import (
     DISABLE_VOLTAGE,
     FAULT,
@@ -15,7 +14,8 @@ from ev_msgs_py.can.drive_states import (
     SWITCH_ON_DISABLED,
     controlword_towards_operation,
 )
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.can.frames import TORQUE_MODE
+from ev_msgs_py.compilable import compilable
 
 _QUIET = 0.005  # s without torque, command or reset bit, with which a reset begins: its bit shall be seen to rise
 _ALONE = 10.0  # cycles in which the other drive could have said that it is released, too

@@ -8,15 +8,15 @@ from collections.abc import Callable
 from ev_control.inverter_gateway.can import ALL_SAID, HEARTBEATS, LOADS, SAID, note_faults
 from ev_control.inverter_gateway.orders import command_drives, command_loads, press_buttons, watch_bench
 from ev_control.inverter_gateway.station import GatewayStation
-from ev_msgs_py.can.bus_parameters import CIRCUITS
-from ev_msgs_py.can.channel import Frame
-from ev_msgs_py.can.database import load_database
-from ev_msgs_py.can.payload_words import NO_FRAME, words
-from ev_msgs_py.contract.bench_signals import BenchShafts, LoadCommand
+from ev_core.bus.channel import Frame
+from ev_core.bus.database_file import load_database
+from ev_core.bus.parameters import CIRCUITS
+from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.law import LawObject
+from ev_msgs_py.can.payload import NO_FRAME, words
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, FeedbackFrames, SetPointFrames
+from ev_msgs_py.contract.optional_signals import BenchShafts, LoadCommand
 from ev_msgs_py.contract.signals import WheelTorqueCommand
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.law import LawObject
 
 _DEVICES = ("drive_11", "drive_12", "load_11", "load_12")
 _PLACES = (0, SAID, LOADS, LOADS + SAID)  # of their set-points in SetPointFrames

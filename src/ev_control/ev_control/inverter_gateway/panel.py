@@ -9,8 +9,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from ev_control.inverter_gateway.publishing import FeedbackPublisher
 from ev_control.inverter_gateway.station import GatewayStation
-from ev_msgs_py.can.frames import DEVICES, DRIVES
-from ev_msgs_py.can.schedule import is_due
+from ev_msgs_py.can.frames import DEVICES, DRIVES, is_due
 
 _MOTION_CYCLE, _REST_CYCLE = 10.0, 100.0  # ms
 

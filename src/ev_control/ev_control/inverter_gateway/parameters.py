@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.inverter_gateway.plausibility import PlausibilityParameters
-from ev_msgs_py.can.bus_parameters import BusParameters
+from ev_core.bus.parameters import BusParameters
+from ev_core.parameters.declaration import group, parameter
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
+from ev_msgs_py.refusal import ParameterError
 
 STOPS = ("drive", "both")
 ONE, BOTH = range(len(STOPS))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.inverter_gateway.state import Device
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters.declaration import parameter
+from ev_core.parameters.declaration import parameter
+from ev_msgs_py.compilable import compilable
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from ev_control.inverter_gateway.leading import controlword, may_turn
 from ev_control.inverter_gateway.state import Device, Gateway
-from ev_msgs_py.can.codec import inserted
-from ev_msgs_py.can.conventions import RPM
-from ev_msgs_py.can.frames import BenchFrames, DeviceFrames, guarded
+from ev_msgs_py.can.frames import RPM, BenchFrames, DeviceFrames, guarded
+from ev_msgs_py.can.payload import inserted
 from ev_msgs_py.can.protection import next_counter
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compilable import compilable
 
 
 @compilable

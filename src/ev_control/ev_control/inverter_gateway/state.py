@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.can.checking import CheckState
-from ev_msgs_py.can.conventions import LONG_AGO
-from ev_msgs_py.contract.record import entry, part, series
+from ev_core.bus.checking import CheckState
+from ev_core.parameters.record import entry, part, series
+from ev_msgs_py.can.frames import LONG_AGO
 
 
 @dataclass(slots=True)

@@ -20,13 +20,12 @@ from ev_control.inverter_gateway.leading import (
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.sending import heartbeat, set_point
 from ev_control.inverter_gateway.state import Device, Gateway
-from ev_msgs_py.can.bus_parameters import CIRCUITS
-from ev_msgs_py.can.channel import Frame
+from ev_core.bus.channel import Frame
+from ev_core.bus.parameters import CIRCUITS
+from ev_core.methods.law import namespace
+from ev_core.parameters.declaration import number_tree
 from ev_msgs_py.can.database import Database
-from ev_msgs_py.can.frames import DEVICES, DRIVES, SENT, DeviceFrames, bench_frames
-from ev_msgs_py.can.schedule import TICK, is_due
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.parameters.declaration import number_tree
+from ev_msgs_py.can.frames import DEVICES, DRIVES, SENT, TICK, DeviceFrames, bench_frames, is_due
 
 
 class GatewayStation:

@@ -14,6 +14,6 @@ import ev_control.asr.modified_lambda
 import ev_control.asr.off
 import ev_control.asr.pi_slip
 import ev_control.asr.slip_window
-import ev_control.asr.speed_by_acceleration_ratio
-import ev_control.asr.speed_by_slip
-import ev_control.asr.speed_corridor  # noqa: F401
+import ev_control.asr.speed_mode.speed_by_acceleration_ratio
+import ev_control.asr.speed_mode.speed_by_slip
+import ev_control.asr.speed_mode.speed_corridor  # noqa: F401

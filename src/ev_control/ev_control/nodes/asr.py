@@ -1,6 +1,6 @@
 """The node executable of the role asr."""
 
-from ev_msgs_py.nodes.run_role import run_role
+from ev_core.run_role import run_role
 
 
 def main() -> None:

@@ -9,14 +9,14 @@ from ev_control.inverter_gateway.on_bus import GatewayOnBus
 from ev_control.inverter_gateway.panel import Panel
 from ev_control.inverter_gateway.parameters import GatewayParameters
 from ev_control.inverter_gateway.station import GatewayStation
-from ev_msgs_py.can.channel import Frame
-from ev_msgs_py.can.channels import Channels
+from ev_core.bus.channel import Frame
+from ev_core.bus.channels import Channels
+from ev_core.lockstep.configuration import Configuration
+from ev_core.lockstep.inbox import HoldingInbox
+from ev_core.nodes.on_bus.node import BusNode
+from ev_core.nodes.on_bus.role import RoleOnBus
+from ev_core.run_role import make_node, run_node, told
 from ev_msgs_py.contract.signals import WheelTorqueCommand
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.holding_inbox import HoldingInbox
-from ev_msgs_py.nodes.bus_node import BusNode
-from ev_msgs_py.nodes.role_on_bus import RoleOnBus
-from ev_msgs_py.nodes.run_role import make_node, run_node, told
 
 _ROLE, _METHOD = "inverter_gateway", "can"
 

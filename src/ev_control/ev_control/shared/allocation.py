@@ -9,15 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_core.elementary import copysign, isfinite
+from ev_core.parameters.declaration import parameter
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.drive_train import has_own_motors
+from ev_core.vehicle.motor import driving_torque, generating_torque
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.elementary import copysign, isfinite
-from ev_msgs_py.parameters.declaration import parameter
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.drive_train import has_own_motors
-from ev_msgs_py.vehicle.torque_envelope import driving_torque, generating_torque
 
 KEEPS = ("asked", "sum", "difference")
 ASKED, SUM, DIFFERENCE = range(len(KEEPS))

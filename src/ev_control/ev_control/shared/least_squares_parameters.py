@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_peak import SlipPeakParameters
+from ev_control.estimation.wheel_dynamics import share_at_rest
 from ev_control.shared.limp_mode import LimpModeParameters
-from ev_control.shared.wheel_dynamics import share_at_rest
-from ev_msgs_py.parameters.declaration import ParameterError, group, parameter
+from ev_core.parameters.declaration import group, parameter
+from ev_msgs_py.refusal import ParameterError
 
 
 @dataclass(frozen=True, slots=True)

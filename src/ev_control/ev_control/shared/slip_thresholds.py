@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_core.parameters.declaration import parameter
+from ev_msgs_py.refusal import ParameterError
 
 
 @dataclass(frozen=True, slots=True)

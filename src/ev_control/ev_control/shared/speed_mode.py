@@ -8,11 +8,14 @@ from math import inf
 from typing import Any
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.wheel_dynamics import WheelMotion, slowest_wheel
 from ev_control.shared.traction_control import LimitedWheel, watch
-from ev_control.shared.wheel_dynamics import WheelMotion, slowest_wheel
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
-from ev_msgs_py.contract.record import entry
+from ev_core.elementary import copysign
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import entry
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.optional_signals import WheelSpeedCommand
 from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,
@@ -21,9 +24,6 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.elementary import copysign
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_msgs_py.vehicle.car import Car
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.elementary import copysign
-from ev_msgs_py.parameters.declaration import parameter
+from ev_core.elementary import copysign
+from ev_core.parameters.declaration import parameter
+from ev_msgs_py.compilable import compilable
+
+
+@compilable
+def slip_ratio(wheel_speed: float, ground_speed: float, slowest: float) -> float:
+    """Slip ratio [1], positive in traction: (w R - V)/(w R) driving, (w R - V)/V braking (Ge & Ni 2005).
+
+    `wheel_speed` is w R and `ground_speed` the velocity V of the wheel's centre along the wheel [m/s]; the divisor is
+    the larger of both magnitudes, and at least `slowest` [m/s], above zero, so that a car at rest has no slip.
+    """
+    return (wheel_speed - ground_speed) / max(abs(wheel_speed), abs(ground_speed), slowest)
+
 
 READINGS = ("rate", "offset", "increment")
 RATE, OFFSET, INCREMENT = range(len(READINGS))

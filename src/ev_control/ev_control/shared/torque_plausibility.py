@@ -10,15 +10,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.estimation.first_order_filter import filter_share
 from ev_control.estimation.plausible import LARGEST_TORQUE
-from ev_control.shared.first_order_filter import filter_share
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry, per_wheel
+from ev_core.elementary import copysign
+from ev_core.parameters.declaration import parameter
+from ev_core.parameters.record import entry, per_wheel
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.motor import driving_torque, generating_torque
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand
-from ev_msgs_py.elementary import copysign
-from ev_msgs_py.parameters.declaration import parameter
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.torque_envelope import driving_torque, generating_torque
 
 PARTNERS = (1, 0, 3, 2)  # the other wheel of the axle, in the order of Wheels
 NEARLY_FASTEST = 0.95  # share of the motor's maximum speed from which on no torque is expected of it

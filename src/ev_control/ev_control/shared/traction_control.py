@@ -9,11 +9,13 @@ from typing import Any
 
 from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
+from ev_control.estimation.wheel_dynamics import WheelMotion
 from ev_control.shared.limp_mode import LimpModeParameters, without_yaw
 from ev_control.shared.torque_plausibility import PlausibilityState
-from ev_control.shared.wheel_dynamics import WheelMotion
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry, part, per_wheel
+from ev_core.elementary import copysign
+from ev_core.parameters.record import entry, part, per_wheel
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,
@@ -22,8 +24,6 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.elementary import copysign
-from ev_msgs_py.vehicle.car import Car
 
 # Slower than this a car is about to pull away, perhaps on a hill: its drives, told ahead, do not brake it as it rolls
 # back, and a brake that is still pressed is about to be released.

@@ -10,9 +10,13 @@ from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.shared.limp_mode import limp_mode_for
 from ev_control.shared.speed_mode import speed_controlled
 from ev_control.shared.traction_control import TractionControlState, controlled
-from ev_msgs_py.compiling.compilable import FUNCTIONS, compilable
-from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
-from ev_msgs_py.contract.record import each_wheel, part
+from ev_core.methods.law import named_after
+from ev_core.methods.register import method
+from ev_core.parameters.record import each_wheel, part
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.layout import Need
+from ev_msgs_py.compilable import FUNCTIONS, compilable
+from ev_msgs_py.contract.optional_signals import WheelSpeedCommand
 from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,
@@ -20,10 +24,6 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
-from ev_msgs_py.lockstep.law import named_after
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.layout import Need
 
 L = TypeVar("L", bound=Callable[..., float])
 

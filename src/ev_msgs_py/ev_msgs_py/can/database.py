@@ -1,4 +1,4 @@
-"""The frames of a bus from a DBC file. It is read once, when a node starts; nothing of the reader is used later."""
+"""The frames of a bus from the text of a DBC file; nothing of the reader is used later."""
 
 from __future__ import annotations
 
@@ -6,21 +6,15 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ev_msgs_py.can.codec import BitField, raw_number
 from ev_msgs_py.can.frame_layout import GUARDS, FrameLayout
-from ev_msgs_py.parameters.csv_file import find_file
-from ev_msgs_py.parameters.data_file import TEXT, read_data
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.shown import quoted
-from ev_msgs_py.parameters.values import unknown_name
+from ev_msgs_py.can.payload import BitField, raw_number
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 if TYPE_CHECKING:
     from cantools.database.can import Message, Signal
 
-EV_BENCH = "can/ev_bench.dbc"
 _GUARD_PLACES = {"Crc": (0, 8), "Counter": (8, 4)}  # start and length in bits, profile 1 variant 1A
 _DATA_IDS = range(1 << 16)
 _ENCODING = "cp1252"  # of DBC files
@@ -51,25 +45,13 @@ class Database:
         return tuple(frame for frame in self if frame.sender == device or device in frame.receivers)
 
 
-def load_database(name: str = EV_BENCH) -> Database:
-    """The database in a DBC file; a relative name counts from the config folder.
-
-    ParameterError in one line that names file, frame and signal if the file cannot be read or if it has what is not
-    spoken here: anything but classic frames with 11-bit identifiers, Intel order, and the protection of profile 1.
-    """
-    path: Path | str = name
-    try:
-        path = find_file(name)
-        return _database(read_data(path, TEXT))
-    except OSError as error:
-        raise ParameterError(f"CAN database {path}: {error.strerror or error}") from None
-    except ParameterError as error:
-        raise ParameterError(f"CAN database {path}: {error}") from None
-
-
 @lru_cache(maxsize=4)
-def _database(content: bytes) -> Database:
-    """The same of the content of a file; to read it takes as long as seconds of a run."""
+def database_of(content: bytes) -> Database:
+    """The frames that the content of a DBC file declares; to read it takes as long as seconds of a run.
+
+    ParameterError in one line that names frame and signal if it has what is not spoken here: anything but classic
+    frames with 11-bit identifiers, Intel order, and the protection of profile 1.
+    """
     from cantools.database import load_string  # takes 0.2 s that only nodes on a bus shall spend
     from cantools.database.errors import Error
 

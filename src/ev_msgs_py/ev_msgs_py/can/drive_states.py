@@ -5,7 +5,7 @@ Numbers of states are ours; numbers in brackets are those of the transitions in 
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compilable import compilable
 
 STATE_NAMES = (
     "not ready to switch on",

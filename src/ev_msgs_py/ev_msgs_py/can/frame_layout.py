@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from ev_msgs_py.can.codec import BitField, extracted, inserted
+from ev_msgs_py.can.payload import BitField, extracted, inserted
 from ev_msgs_py.can.protection import COUNTERS, protected
 
 GUARDS = ("Crc", "Counter")  # signals that the protection writes

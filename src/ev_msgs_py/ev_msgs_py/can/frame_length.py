@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from ev_msgs_py.can.protection import LONGEST
+from ev_msgs_py.compilable import compilable, inlined
 
 _CRC_POLYNOMIAL = 0x4599
 CRC_BITS = 15
@@ -56,3 +60,83 @@ def crc15(bits: list[int]) -> int:
 
 def _bits(number: int, count: int) -> list[int]:
     return [number >> place & 1 for place in reversed(range(count))]
+
+
+_STATES = 2 * (_EQUAL_BITS - 1)  # eight: three bits
+_CRC_MASK = (1 << CRC_BITS) - 1
+
+
+class Header(NamedTuple):
+    """What a frame has before its data: bits on the wire with stuff bits, state of stuffing, CRC if the data are 0."""
+
+    bits: float
+    state: float
+    crc: float
+
+
+def _state(last: int, run: int) -> int:
+    return (run - 1) * 2 + last
+
+
+def _stuffed(state: int, bits: Iterable[int]) -> tuple[int, int]:
+    """Stuff bits among these bits, and the state behind them."""
+    last, run, count = state % 2, state // 2 + 1, 0
+    for bit in bits:
+        run = run + 1 if bit == last else 1
+        last = bit
+        if run == _EQUAL_BITS:
+            last, run, count = 1 - bit, 1, count + 1
+    return count, _state(last, run)
+
+
+def _stuffing() -> bytes:
+    """By state and byte the stuff bits times 8 plus the next state."""
+    entries = (_stuffed(state, _bits(byte, 8)) for state in range(_STATES) for byte in range(256))
+    return bytes(count * _STATES + then for count, then in entries)
+
+
+def _remainders() -> list[int]:
+    """By number of bytes behind it, and by byte, what a byte adds to the CRC, which is linear."""
+    first = [crc15(_bits(byte, 8)) for byte in range(256)]
+    found, last = [*first], first
+    for _ in range(LONGEST - 1):
+        last = [((crc << 8) & _CRC_MASK) ^ first[crc >> (CRC_BITS - 8)] for crc in last]
+        found += last
+    return found
+
+
+# As bytes, which compiled code reads in one instruction.
+_STUFFING = _stuffing()
+_LOW, _HIGH = bytes(crc & 0xFF for crc in _remainders()), bytes(crc >> 8 for crc in _remainders())
+
+
+def header(identifier: int, length: int) -> Header:
+    """The header of all frames with this identifier and so many bytes of data."""
+    head = list(frame_bits(identifier, bytes(length)))[: -CRC_BITS - 8 * length]
+    count, state = _stuffed(_state(head[0], 1), head[1:])
+    return Header(float(len(head) + count), float(state), float(crc15([*head, *([0] * 8 * length)])))
+
+
+@compilable
+def wire_bits(bits: float, state: float, crc: float, payload: int, length: int) -> float:
+    """Bits on the wire of a frame with this header, stuff bits and the pause behind it counted."""
+    if length == LONGEST:  # as in `protection.checksum`
+        return _wire_bits(bits, state, crc, payload, LONGEST)
+    return _wire_bits(bits, state, crc, payload, length)
+
+
+@inlined
+def _wire_bits(bits: float, state: float, crc: float, payload: int, length: int) -> float:
+    now, remainder, count = int(state) & 7, int(crc), 0
+    for place in range(length):
+        byte = (payload >> (8 * place)) & 0xFF
+        behind = ((length - 1 - place) & 7) << 8 | byte
+        remainder ^= int(_HIGH[behind]) << 8 | int(_LOW[behind])
+        entry = int(_STUFFING[now << 8 | byte])
+        count += entry >> 3
+        now = entry & 7
+    entry = int(_STUFFING[now << 8 | (remainder >> 7) & 0xFF])
+    # One bit more than the CRC has, unlike its last one, so that it adds no stuff bit.
+    rest = int(_STUFFING[(entry & 7) << 8 | (remainder & 0x7F) << 1 | (1 - (remainder & 1))])
+    count += (entry >> 3) + (rest >> 3)
+    return bits + float(8 * length + CRC_BITS + count + NEVER_STUFFED)

@@ -1,4 +1,4 @@
-"""The frames of the bench as the ends of the bus know them: all layouts in one record that compiled code reads too.
+"""The frames of the bench as the ends of the bus know them: faults, cycles, and all layouts in one record.
 
 A payload of 64 bits is a Python int or, compiled, an int64 with the same bits.
 """
@@ -6,16 +6,89 @@ A payload of 64 bits is a Python int or, compiled, an int64 with the same bits.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from math import pi
+from typing import Any, NamedTuple
 
-from ev_msgs_py.can.codec import BitField
 from ev_msgs_py.can.database import Database
-from ev_msgs_py.can.faults import FAULTS, WARNINGS
 from ev_msgs_py.can.frame_layout import FrameLayout
+from ev_msgs_py.can.payload import BitField
 from ev_msgs_py.can.protection import protected
-from ev_msgs_py.can.schedule import TICK
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.refusal import ParameterError
+
+
+class Fault(NamedTuple):
+    """A fault that a drive latches; `code` is that of CiA 402 where it has one, else from FF01h on."""
+
+    name: str
+    code: int
+    about: str
+
+
+FAULTS = (
+    Fault("CommandTimeout", 0x8130, "no valid set-point within the time-out"),
+    Fault("WrongCrc", 0xFF01, "no valid set-point within the time-out, but some with a wrong CRC"),
+    Fault("WrongCounter", 0xFF02, "no valid set-point within the time-out, but some with a repeated or wrong counter"),
+    Fault("WindingTemperature", 0x4310, "excess temperature of the winding"),
+    Fault("InverterTemperature", 0x4210, "excess temperature of the inverter"),
+    Fault("Trip", 0x5400, "the power stage tripped"),
+    Fault("DcLinkLoss", 0x3220, "the supply of the DC link is lost"),
+    Fault("DcOverVoltage", 0x3210, "over-voltage of the DC link"),
+    Fault("PrechargeTimeout", 0xFF03, "the DC link did not charge in time"),
+    Fault("OverSpeed", 0x8400, "speed beyond the limit of the machine"),
+    Fault("OverCurrent", 0x2310, "continuous over-current"),
+    Fault("DirectionChanged", 0xFF04, "another direction was asked for while operation was enabled"),
+    Fault("ModeRefused", 0xFF05, "a mode that this inverter does not offer"),
+)
+(
+    COMMAND_TIMEOUT,
+    WRONG_CRC_FAULT,
+    WRONG_COUNTER,
+    WINDING_TEMPERATURE,
+    INVERTER_TEMPERATURE,
+    TRIP,
+    DC_LINK_LOSS,
+    DC_OVER_VOLTAGE,
+    PRECHARGE_TIMEOUT,
+    OVER_SPEED,
+    OVER_CURRENT,
+    DIRECTION_CHANGED,
+    MODE_REFUSED,
+) = (1 << place for place in range(len(FAULTS)))  # bits of the latch
+
+WARNINGS = ("Derating", "FrameRefused", "FramesLost", "Warm", "DcLinkLow")
+DERATING, FRAME_REFUSED, FRAMES_LOST, WARM, DC_LINK_LOW = (1 << place for place in range(len(WARNINGS)))
+
+
+def names_of(latch: int) -> tuple[str, ...]:
+    """The names of the faults in a latch."""
+    return tuple(fault.name for place, fault in enumerate(FAULTS) if latch >> place & 1)
+
+
+RPM = pi / 30.0  # rad/s
+NO_MODE, TORQUE_MODE, SPEED_MODE = range(3)  # of a set-point
+LONG_AGO = 1e9  # s; an age of what has never been
+
+
+TICK = 0.001  # s
+
+
+@compilable
+def is_due(every: float, before: float, now: float) -> bool:
+    """Whether a cycle of so many ticks ends after tick `before` and not after `now`; one of none is never due."""
+    cycle = int(every)
+    return cycle > 0 and int(now) // cycle > int(before) // cycle
+
+
+def ticks_of(period: float, most: int) -> float:
+    """How many ticks a control period [s] has; ParameterError unless it is 1 to `most` of them."""
+    ticks = round(period / TICK)
+    if not 1 <= ticks <= most or abs(period - ticks * TICK) > 1e-9:
+        raise ParameterError(
+            f"control_period: {period!r} is refused, allowed on a CAN bus are 1 to {most} cycles of {TICK:g} s"
+        )
+    return float(ticks)
+
 
 DRIVES, LOADS = ("Drive11", "Drive12"), ("Load11", "Load12")
 DEVICES = (*DRIVES, *LOADS)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from ev_msgs_py.contract.field import Field
+from ev_msgs_py.contract.fields import Field
 
 MOST_TICKS = 5  # of 1 ms, in a control period
 

@@ -15,8 +15,8 @@ from itertools import accumulate
 import numpy as np
 
 from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.roles import RECORDED
-from ev_msgs_py.contract.shape import shape_of
 from ev_msgs_py.contract.topics import TOPICS
 
 _DOUBLE = 8  # bytes of a number

@@ -9,17 +9,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from ev_msgs_py.contract.actuator_signals import RearSteeringState
-from ev_msgs_py.contract.bench_signals import (
+from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames, SetPointFrames
+from ev_msgs_py.contract.optional_signals import (
     BenchElectrical,
     BenchEnergy,
     BenchShafts,
     BenchTemperatures,
+    CellCondition,
     LoadCommand,
+    MotorElectrics,
+    MotorTemperatures,
+    RearSteeringState,
+    WheelSpeedCommand,
 )
-from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames, SetPointFrames
-from ev_msgs_py.contract.drive_signals import WheelSpeedCommand
-from ev_msgs_py.contract.electrical_signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,

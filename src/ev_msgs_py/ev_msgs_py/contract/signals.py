@@ -10,9 +10,8 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from ev_msgs_py.contract.field import Field, leftward, magnitude
+from ev_msgs_py.contract.fields import Field, leftward, magnitude
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.elementary import atan2, cos, remainder, sin
 
 
 class Instant(NamedTuple):
@@ -135,13 +134,13 @@ class BodyPose(NamedTuple):
     @classmethod
     def at(cls, x: float, y: float, heading: float) -> BodyPose:
         """The pose with a heading in radians, counter-clockwise from the x axis of odom."""
-        return cls(x, y, sin(heading / 2), cos(heading / 2))
+        return cls(x, y, math.sin(heading / 2), math.cos(heading / 2))
 
     @property
     def heading(self) -> float:
         """Heading in -pi..pi [rad]."""
-        heading = 2 * atan2(self.orientation_z, self.orientation_w)
-        return remainder(heading, math.tau)
+        heading = 2 * math.atan2(self.orientation_z, self.orientation_w)
+        return math.remainder(heading, math.tau)
 
 
 class BatteryCondition(NamedTuple):

@@ -1,14 +1,16 @@
-"""Where the fields of a signal stand in its message, as the declaration says, and messages in another order."""
+"""Where the fields of a signal stand in its message, as the declaration says, and messages in the classes of ROS."""
 
 from __future__ import annotations
 
 from array import array
+from functools import cache
+from importlib import import_module
 from typing import Any
 
-from ev_msgs_py.contract.shape import Shape
+from ev_msgs_py.contract.fields import Shape
 from ev_msgs_py.contract.topics import JOINT_STATE, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.parameters.shown import quoted
+from ev_msgs_py.refusal import quoted
 
 _ARRAYS = ("position", "velocity", "effort")
 
@@ -91,3 +93,11 @@ def _at(message: Any, path: str) -> float:
         message = getattr(message, name)
     number: float = message
     return number
+
+
+@cache
+def message_class(message_type: str) -> type:
+    """The class of a type name such as sensor_msgs/msg/JointState."""
+    package, kind, name = message_type.split("/")
+    found: type = getattr(import_module(f"{package}.{kind}"), name)
+    return found

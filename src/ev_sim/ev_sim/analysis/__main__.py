@@ -9,27 +9,33 @@ from pathlib import Path
 
 import numpy as np
 
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.files import with_files
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.files import with_files
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.analysis.linear_models import (
+    SideSlipModel,
+    side_slip_model,
+    single_track,
+    tangent_speed,
+    yaw_damping,
+    yaw_gain,
+)
 from ev_sim.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, linearised
-from ev_sim.analysis.side_slip_model import SideSlipModel, side_slip_model
-from ev_sim.analysis.single_track import single_track, tangent_speed, yaw_damping, yaw_gain
-from ev_sim.commands.refusal import Parser, refuse
-from ev_sim.report.figures.saving import figure_files, save_figures
-from ev_sim.running.output_folder import OutputFolder
-from ev_sim.running.recording.atomic import atomic_file
-from ev_sim.running.scenarios.configured_file import vehicle_file
-from ev_sim.surfaces.table import REFERENCE, SURFACES
-from ev_sim.vehicle.understeer import (
+from ev_sim.command_line.refusal import Parser, refuse
+from ev_sim.figures.saving import figure_files, save_figures
+from ev_sim.measures.understeer import (
     axle_cornering_stiffnesses,
     axle_masses,
     characteristic_speed,
     critical_speed,
     understeer_gradient,
 )
+from ev_sim.recording.atomic import atomic_file
+from ev_sim.running.output_folder import OutputFolder
+from ev_sim.scenarios.about import vehicle_file
+from ev_sim.surfaces.table import REFERENCE, SURFACES
 
 _PREFIX = "vehicle."
 _SPEEDS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0)  # [m/s] of the table

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.signal import bode
 
+from ev_sim.analysis.linear_models import SideSlipModel
 from ev_sim.analysis.linearised_plant import LinearisedPlant
-from ev_sim.analysis.side_slip_model import SideSlipModel
-from ev_sim.report.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
-from ev_sim.report.figures.figure import Figure, new_figure
+from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.figures.figure import Figure, new_figure
 
 FREQUENCIES = np.logspace(-1.0, 1.5, 200)  # [Hz]; a driver steers with up to about 3 Hz
 WIDTH, HEIGHT = 9.2, 4.6  # [inch]

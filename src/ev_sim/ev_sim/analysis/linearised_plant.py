@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import StateSpace
 
-from ev_msgs_py.compiling.object import CompiledObject
+from ev_core.compiled.loop import CompiledObject
+from ev_core.lockstep.finding import find_method
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_msgs_py.lockstep.methods import find_method
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.plant.planar.equations import Equations
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.state import INTEGRATED, INTEGRATED_SIZE, VX, VY, YAW_RATE, index

@@ -10,16 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from ev_core.lockstep.configuration import Configuration
+from ev_core.lockstep.graph import check_graph
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.graph_check import check_graph
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.batches.observer import Observation
-from ev_sim.batches.reductions import Reduction, result
-from ev_sim.batches.runs import Runs
-from ev_sim.batches.variation import Variation
+from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_sim.batches.observer import Observation, Reduction, result
+from ev_sim.batches.runs import Runs, Variation
 
 _PORTIONS = 16  # for each thread
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 
-from ev_msgs_py.can.socketcand_hub import HOST, SocketcandHub
-from ev_msgs_py.nodes.stop_request import StopRequest, turn_deaf
-from ev_sim.commands.refusal import Parser, refuse
+from ev_core.bus.socketcand_hub import HOST, SocketcandHub
+from ev_core.nodes.stop_request import StopRequest, turn_deaf
+from ev_sim.command_line.refusal import Parser, refuse
 
 _PATIENCE = 0.2  # s between looks whether it shall end
 

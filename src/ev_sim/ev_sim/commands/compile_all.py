@@ -14,12 +14,13 @@ from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any
 
-from ev_msgs_py.compiling.user_cache import cache_folder
+from ev_core.compiling.user_cache import cache_folder
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.register import Method, all_methods
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.frame import PLACES, places
-from ev_msgs_py.lockstep.methods import Method, all_methods, find_method
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.commands.refusal import refuse
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line.refusal import refuse
 
 _PERIOD = 0.005  # [s], that all methods allow; compiled code is the same for all periods
 _STEPPING = ("", "")  # in the place of role and method: the loops, sensors and observers
@@ -33,7 +34,7 @@ def main() -> None:
         cache_folder()  # also for the workers
     except ParameterError as error:
         refuse(error)
-    from ev_msgs_py.compiling import library  # noqa: F401, once for all workers that are forked from this process
+    from ev_core.compiling import library  # noqa: F401, once for all workers that are forked from this process
 
     with ProcessPoolExecutor(os.cpu_count()) as workers:
         found = list(workers.map(_compile_jobs, [[_STEPPING], *_sharing(compilable)]))
@@ -74,19 +75,19 @@ def _compile(job: tuple[str, str]) -> str:
 
 
 def _compile_method(method: Method) -> None:
-    from ev_msgs_py.compiling.part import CompiledPart
+    from ev_core.compiled.part import CompiledPart
 
     CompiledPart(method, method.parameters(), Vehicle(), _PERIOD)
 
 
 def _compile_stepping() -> None:
-    from ev_msgs_py.compiling import node_loop
-    from ev_msgs_py.compiling.loop import compile_loops
-    from ev_msgs_py.sensors import part as sensors
+    from ev_core.compiled import part as sensors
+    from ev_core.compiled.loop import compile_loops
+    from ev_core.node_loop import records
     from ev_sim.batches import observer
 
     compile_loops()
-    node_loop.address()
+    records.address()
     sensors.function()
     sensors.fault_function()
     observer.function()

@@ -11,22 +11,20 @@ from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
-from ev_msgs_py.parameters.shown import LINE, quoted, shown
-from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.commands.command_line import overrides, own_nodes
-from ev_sim.report.figures.saving import figure_files
-from ev_sim.report.metric_table import print_metrics
-from ev_sim.report.real_time import in_words
+from ev_msgs_py.refusal import LINE, quoted, shown, unknown_name
+from ev_sim.command_line.options import overrides, own_nodes
+from ev_sim.figures.saving import figure_files
+from ev_sim.recording.files_of_run import BAG, OF_ALL_RUNS, PARAMETERS, SIGNALS
+from ev_sim.recording.outcome import Outcome, Progress, RunFailed
+from ev_sim.recording.progress_bar import progress_bar
+from ev_sim.recording.recording import save
 from ev_sim.report.result import Result
-from ev_sim.running.files_of_run import BAG, OF_ALL_RUNS, PARAMETERS, SIGNALS
+from ev_sim.report.tables import in_words, print_metrics
 from ev_sim.running.node_parameters import node_parameters, recorded_topics, write_parameter_file
-from ev_sim.running.outcome import Outcome, Progress, RunFailed
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.running.progress_bar import progress_bar
-from ev_sim.running.recording.recording import save
-from ev_sim.running.scenarios.configured_file import is_path
-from ev_sim.running.scenarios.scenario import Run, load_scenario, scenario_names
-from ev_sim.study.study import STUDIES
+from ev_sim.scenarios.about import is_path
+from ev_sim.scenarios.scenario import Run, load_scenario, scenario_names
+from ev_sim.study.study import study_names
 
 _MIDDLEWARE = "RMW_IMPLEMENTATION"
 _SHARED_MEMORY, _ROOM = "/dev/shm", 65536  # bytes; where there are fewer, LTTng of ROS 2 ends the process by SIGBUS
@@ -35,7 +33,7 @@ _SHARED_MEMORY, _ROOM = "/dev/shm", 65536  # bytes; where there are fewer, LTTng
 def drive_scenario(given: argparse.Namespace) -> None:
     """Drive all runs of a scenario and report; raises what `ev_sim.commands.run_scenario.main` catches."""
     if not is_path(given.scenario) and given.scenario not in scenario_names():
-        raise unknown_name("scenario or study", given.scenario, [*scenario_names(), *STUDIES])
+        raise unknown_name("scenario or study", given.scenario, [*scenario_names(), *study_names()])
     scenario = load_scenario(given.scenario, overrides(given))
     _refuse_without_ros(given)
     out = given.out or Path("results") / scenario.name
@@ -85,8 +83,8 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
     file = gateway.parameters.bus.log if gateway else ""
     if not file or run.realtime:  # in real time the node that speaks on the bus writes its log
         return _driven(run, directory, given)
-    from ev_msgs_py.can.bus_log import BusLog
-    from ev_sim.running.recording.can_log import write_can_log
+    from ev_core.bus.channel import BusLog
+    from ev_sim.recording.can_log import write_can_log
 
     try:
         log = BusLog(str(directory / file))
@@ -117,7 +115,7 @@ def _drive_offline(run: Run, directory: Path, bag: bool, progress: Progress) -> 
     outcome = drive_offline(run, progress)
     save(outcome.recording, directory / SIGNALS)
     if bag:
-        from ev_sim.running.recording.run_recorder import write_bag
+        from ev_sim.recording.run_recorder import write_bag
 
         topics = recorded_topics(run)
         names = [f"{run.namespace}/{topic.name}" for topic in topics]

@@ -7,9 +7,9 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from ev_msgs_py.nodes.stop_request import interrupt, interrupt_destructors, let_in, turn_deaf, was_interrupted
-from ev_msgs_py.parameters.shown import quoted
-from ev_sim.commands.refusal import refuse
+from ev_core.nodes.stop_request import interrupt, interrupt_destructors, let_in, turn_deaf, was_interrupted
+from ev_msgs_py.refusal import quoted
+from ev_sim.command_line.refusal import refuse
 
 _INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
 

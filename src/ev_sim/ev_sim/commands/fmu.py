@@ -7,9 +7,9 @@ from collections.abc import Container
 from pathlib import Path
 
 from ev_msgs_py.contract.roles import ROLES, RoleKind
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.commands.command_line import add_overrides, overrides
-from ev_sim.commands.refusal import Parser, refuse
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line.options import add_overrides, overrides
+from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.fmu.content import Content
 from ev_sim.fmu.export import write_fmu
 from ev_sim.interface.driving import only_run

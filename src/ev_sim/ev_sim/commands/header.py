@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.native.header import header
+from ev_core.native.header import header
 
 
 def main(argv: list[str] | None = None) -> None:

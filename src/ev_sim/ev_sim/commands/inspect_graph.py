@@ -12,9 +12,9 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
-from ev_msgs_py.parameters.shown import LINE, quoted, shown
-from ev_msgs_py.wire.message_classes import message_class
-from ev_sim.commands.refusal import Parser
+from ev_msgs_py.refusal import LINE, quoted, shown
+from ev_msgs_py.wire.layout import message_class
+from ev_sim.command_line.refusal import Parser
 from ev_sim.running.domain import reserved_domains
 
 _OWN_NAME = "inspect_graph"

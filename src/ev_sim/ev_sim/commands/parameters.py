@@ -9,15 +9,15 @@ import json
 import sys
 from pathlib import Path
 
-from ev_msgs_py.parameters.config_folders import config_folders
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.commands.command_line import add_overrides, overrides
-from ev_sim.commands.refusal import Parser, refuse
+from ev_core.parameters.data_file import config_folders
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line.options import add_overrides, overrides
+from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.interface.driving import only_run
-from ev_sim.running.files_of_run import PARAMETERS
-from ev_sim.running.node_command import package_of
+from ev_sim.recording.files_of_run import PARAMETERS
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
-from ev_sim.running.outcome import RunFailed
+from ev_sim.running.node_process import package_of
 from ev_sim.running.output_folder import OutputFolder
 
 

@@ -8,17 +8,15 @@ import sys
 import traceback
 from importlib import import_module
 
-from ev_msgs_py.contract.shape import SignalError
-from ev_msgs_py.lockstep.installed_methods import not_loaded
-from ev_msgs_py.lockstep.methods import all_methods
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.shown import shown
-from ev_sim.commands.command_line import TRACEBACK, arguments
-from ev_sim.commands.refusal import refuse
-from ev_sim.running.outcome import RunFailed
-from ev_sim.running.scenarios.about import describe_scenario
-from ev_sim.running.scenarios.scenario import scenario_names
-from ev_sim.study.study import STUDIES, study_named
+from ev_core.methods.register import all_methods, not_loaded
+from ev_msgs_py.contract.fields import SignalError
+from ev_msgs_py.refusal import ParameterError, shown
+from ev_sim.command_line.options import TRACEBACK, arguments
+from ev_sim.command_line.refusal import refuse
+from ev_sim.recording.outcome import RunFailed
+from ev_sim.scenarios.about import describe_scenario
+from ev_sim.scenarios.scenario import scenario_names
+from ev_sim.study.study import study_named, study_names
 
 REVIEWS = {  # commands of their own, in modules of their names
     "verdicts": "a verdict on every number, curve and claim of all sources, in one table",
@@ -37,13 +35,13 @@ def main(argv: list[str] | None = None) -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal may know ASCII only
     try:
-        if words and words[0] in STUDIES:
+        if words and words[0] in study_names():
             from ev_sim.study.run_study import run_study
 
             run_study(words[0], words[1:])
             return
         if words and words[0] in REVIEWS:
-            command = import_module(f"ev_sim.commands.{words[0]}")
+            command = import_module(f"ev_sim.commands.reviews.{words[0]}")
             getattr(command, f"run_{words[0]}")(words[1:])
             return
         given = arguments(words)
@@ -82,7 +80,7 @@ def print_list() -> None:
     for name in scenario_names():
         print(f"  {shown(name):24} {shown(describe_scenario(name))}")
     print("studies, of many runs (scripts/run.sh STUDY --help)")
-    for name in STUDIES:
+    for name in study_names():
         print(f"  {name:24} {study_named(name).ABOUT}")
     print("reviews of runs, and of what the sources published (scripts/run.sh NAME --help)")
     for name, about in REVIEWS.items():

@@ -7,14 +7,14 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.register import methods_of
+from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.parameters.declaration import Entry, Spec, entries
+from ev_core.parameters.values import units_for
+from ev_core.sensors.quantities import sensors_for
 from ev_msgs_py.contract.roles import MASTER, ROLES
-from ev_msgs_py.lockstep.common_parameters import CommonParameters
-from ev_msgs_py.lockstep.methods import methods_of
-from ev_msgs_py.nodes.master_parameters import MasterParameters
-from ev_msgs_py.parameters.declaration import Entry, Spec, entries
-from ev_msgs_py.parameters.units import units_for
-from ev_msgs_py.sensors.quantities import sensors_for
-from ev_sim.running.scenarios.about import ScenarioParameters
+from ev_sim.scenarios.about import ScenarioParameters
 
 _NUMBER = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*"
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}

@@ -12,10 +12,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.validate_namespace import validate_namespace
 
-from ev_sim.commands.refusal import Parser, refuse
-from ev_sim.security.permissions import permissions
-from ev_sim.security.policy_file import policy_file
-from ev_sim.security.running_graph import permissions_in_use, violations
+from ev_sim.command_line.refusal import Parser, refuse
+from ev_sim.security.permissions import permissions, permissions_in_use, policy_file, violations
 
 _DISCOVERY_TIME = 2.0  # s that nodes have to answer before the graph is taken as complete
 

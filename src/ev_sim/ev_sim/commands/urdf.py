@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.commands.refusal import Parser, refuse
-from ev_sim.dashboard.urdf import urdf
-from ev_sim.running.scenarios.configured_file import VEHICLE, vehicle_file
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.command_line.refusal import Parser, refuse
+from ev_sim.dashboard.ros_views import urdf
+from ev_sim.scenarios.about import VEHICLE, vehicle_file
 
 
 def main(argv: list[str] | None = None) -> None:

@@ -8,7 +8,7 @@ import time
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-from ev_msgs_py.nodes.stop_request import StopRequest
+from ev_core.nodes.stop_request import StopRequest
 from ev_sim.dashboard.controls import Controls
 from ev_sim.dashboard.live_frames import LiveFrames
 from ev_sim.dashboard.ros_views import RosViews

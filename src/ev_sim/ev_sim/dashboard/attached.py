@@ -12,8 +12,8 @@ from ev_sim.dashboard.controls import Controls
 from ev_sim.dashboard.live_frames import LiveFrames
 from ev_sim.dashboard.reports import Reported
 from ev_sim.dashboard.server import Pages
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.observing import observing
-from ev_sim.running.outcome import RunFailed
 
 NAME = "dashboard"  # in the graph
 _PERIOD = 0.05  # s of wall time between two looks

@@ -10,20 +10,19 @@ import numpy as np
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
+from ev_core.nodes.signal_io import SignalReader
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, TIME
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import BodyVelocity
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.nodes.signal_io import SignalReader
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import build
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.refusal import ParameterError
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of
-from ev_sim.report.page.quantities import groups_of
-from ev_sim.report.page.top_view import PREFIX, car_of, view_channels
-from ev_sim.running.recording.recording import Recording, recording_of
+from ev_sim.recording.recording import Recording, recording_of
+from ev_sim.report.page.top_view import PREFIX, car_of, groups_of, view_channels
 
 # Of the messages between two looks only the last one counts, and no writer waits for a page or sends to it again.
 _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -10,12 +10,11 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
+from ev_core.nodes.reports import HEALTH, NOTED
+from ev_core.nodes.runner_line import TIME, TIMING
+from ev_core.nodes.signal_io import HELD, Reader
 from ev_msgs_py.contract.roles import RECORDER, ROLES
-from ev_msgs_py.nodes.health import HEALTH
-from ev_msgs_py.nodes.reports import NOTED
-from ev_msgs_py.nodes.runner_line import TIME, TIMING
-from ev_msgs_py.nodes.signal_io import HELD, Reader
-from ev_msgs_py.parameters.shown import shown
+from ev_msgs_py.refusal import shown
 
 _MOST = 1000  # different ones that are remembered
 

@@ -12,8 +12,8 @@ import tornado.websocket
 from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.page.writing import filled
-from ev_sim.running.outcome import RunFailed
 
 ADDRESS = "127.0.0.1"  # nobody else's machine can ask
 _KEPT = 1200  # rows that a page gets when it is opened

@@ -7,25 +7,21 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.motion import speed_along_path
-from ev_msgs_py.contract.record import entry, part
+from ev_core.methods.law import named_after
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group
+from ev_core.parameters.record import entry, part
+from ev_core.vehicle.car import Car, speed_along_path
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.layout import Need
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
-from ev_msgs_py.lockstep.law import named_after
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import group
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.layout import Need
 from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
-from ev_sim.driver.path import Path, path_of
-from ev_sim.driver.road_edge import edge_notes
+from ev_sim.driver.path import Path, edge_notes, path_of
 from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
-from ev_sim.profiles.cycle_modes import CycleModes, CycleModesParameters, cycle_modes, mode_at
+from ev_sim.profiles.cycle_windows import TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.profile import Profile, value_at
-from ev_sim.profiles.profile_file import with_speed_profile_from_file
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
-from ev_sim.profiles.windows_by_rule import TRACTION
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_speed_profile_from_file
 
 D = TypeVar("D", bound=Callable[..., float])
 

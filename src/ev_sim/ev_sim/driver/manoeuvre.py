@@ -1,14 +1,107 @@
-"""A driver who only works the pedals: the steering wheel is left to a steering robot."""
+"""The pedals of standard manoeuvres, and a driver who works only these: the wheel is left to a steering robot."""
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.motion import speed_along_path
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import entry, part
+from ev_core.vehicle.car import Car, speed_along_path
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.vehicle.car import Car
-from ev_sim.driver.pedal_profile import UNBOUNDED, FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
-from ev_sim.profiles.profile_file import with_speed_profile_from_file
+from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
+from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_speed_profile_from_file
+
+UNBOUNDED = 1e9  # [m/s], of a driver whom nothing but the profile bounds
+
+
+@dataclass(frozen=True, slots=True)
+class PedalProfileParameters:
+    """Drive and brake torque over the time since the driver stopped to care about the speed."""
+
+    begin: bool = parameter(False, about="false: follow the speed profile throughout; true: change to these pedals")
+    begin_time: float = parameter(0.0, unit="s", low=0.0, high=1e5, about="not before this time")
+    begin_speed: float = parameter(
+        0.0, unit="m/s", low=0.0, high=100.0, about="not before the car is this fast, either way"
+    )
+    time: tuple[float, ...] = parameter((0.0,), unit="s", about="times of the points since then, increasing")
+    drive_torque: tuple[float, ...] = parameter(
+        (0.0,), unit="N m", low=-1e6, high=1e6, about="drive torques at these times, of all wheels together"
+    )
+    brake_torque: tuple[float, ...] = parameter(
+        (0.0,), unit="N m", low=0.0, high=1e6, about="brake torques at these times, of all wheels together"
+    )
+    interpolation: str = interpolation_parameter("linear")
+
+    def __post_init__(self) -> None:
+        check_points("time", self.time, "drive_torque", self.drive_torque)
+        check_points("time", self.time, "brake_torque", self.brake_torque)
+
+
+@dataclass(frozen=True, slots=True)
+class FeetParameters:
+    """The speed to follow, how, and the pedals that may take its place."""
+
+    speed_profile: SpeedProfileParameters = group(SpeedProfileParameters)
+    speed_control: SpeedControlParameters = group(SpeedControlParameters)
+    pedals: PedalProfileParameters = group(PedalProfileParameters)
+
+
+@dataclass(slots=True)
+class FeetState:
+    """What the feet remember."""
+
+    speed_control: SpeedControlState = part(SpeedControlState)
+    has_begun: float = entry(unit="", about="whether the pedal profile has begun")
+    begin: float = entry(unit="s", about="when it began")
+
+
+class FeetProfiles(NamedTuple):
+    """The speed to follow over time [m/s], and both pedals over the time since they took its place [N m]."""
+
+    speed: Profile
+    drive_torque: Profile
+    brake_torque: Profile
+
+
+def feet_profiles(parameters: FeetParameters, vehicle: Vehicle, period: float) -> FeetProfiles:
+    """The profiles of the parameters; ParameterError if the speed profile names a file that has not been read."""
+    pedals = parameters.pedals
+    return FeetProfiles(
+        wanted_speed(parameters.speed_profile),
+        profile_of(pedals.time, pedals.drive_torque, pedals.interpolation),
+        profile_of(pedals.time, pedals.brake_torque, pedals.interpolation),
+    )
+
+
+@compilable
+def work_pedals(
+    p: FeetParameters,
+    car: Car,
+    profiles: FeetProfiles,
+    s: FeetState,
+    period: float,
+    t: float,
+    speed: float,
+    fastest: float,
+) -> tuple[float, float]:
+    """Drive and brake torque [N m] at the time t [s] and the speed along the path [m/s].
+
+    The speed profile is followed, but no faster than `fastest` [m/s], until the pedal profile begins, then that is.
+    """
+    pedals = p.pedals
+    if s.has_begun == 0.0 and pedals.begin == 1.0 and t >= pedals.begin_time and abs(speed) >= pedals.begin_speed:
+        s.has_begun = 1.0
+        s.begin = t
+    if s.has_begun == 1.0:
+        since = t - s.begin
+        return value_at(profiles.drive_torque, since), value_at(profiles.brake_torque, since)
+    wanted = min(max(value_at(profiles.speed, t), -fastest), fastest)
+    return follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
 
 
 @method(

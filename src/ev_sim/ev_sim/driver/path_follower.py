@@ -5,18 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.motion import speed_along_path
-from ev_msgs_py.contract.record import part
+from ev_core.methods.register import method
+from ev_core.parameters.record import part
+from ev_core.vehicle.car import Car, speed_along_path
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
-from ev_sim.driver.path import Path, path_of
-from ev_sim.driver.pedal_profile import UNBOUNDED, FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
-from ev_sim.driver.road_edge import edge_notes
-from ev_sim.profiles.profile_file import with_speed_profile_from_file
+from ev_sim.driver.manoeuvre import UNBOUNDED, FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
+from ev_sim.driver.path import Path, edge_notes, path_of
+from ev_sim.profiles.speed_profile import with_speed_profile_from_file
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,12 +4,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry
-from ev_msgs_py.elementary import copysign
-from ev_msgs_py.parameters.declaration import parameter
-from ev_msgs_py.vehicle.car import GRAVITY, Car
-from ev_sim.driver.limited_pid import limited_pid
+from ev_core.elementary import copysign
+from ev_core.parameters.declaration import parameter
+from ev_core.parameters.record import entry
+from ev_core.vehicle.car import GRAVITY, Car
+from ev_msgs_py.compilable import compilable
+
+
+@compilable
+def limited_pid(direct: float, growth: float, integral: float, low: float, high: float) -> tuple[float, float]:
+    """Output within low..high and the new integral part, all in units of the output.
+
+    The output is `direct`, the proportional and derivative action, plus the integral part with its `growth` in this
+    period. The integral part holds while the output is limited, unless the error leads it back (clamping).
+    """
+    grown = integral + growth
+    wanted = direct + grown
+    if wanted > high:
+        return high, min(grown, integral)
+    if wanted < low:
+        return low, max(grown, integral)
+    return wanted, grown
 
 
 @dataclass(frozen=True, slots=True)

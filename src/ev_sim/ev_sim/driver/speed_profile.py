@@ -5,19 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.motion import speed_along_path
-from ev_msgs_py.contract.record import part
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group
+from ev_core.parameters.record import part
+from ev_core.vehicle.car import Car, speed_along_path
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import group
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.driver.steering import HAND_TORQUE, AngleControlState, SteeringParameters, turn_to_angle
 from ev_sim.profiles.profile import Profile, profile_of, value_at
-from ev_sim.profiles.profile_file import with_speed_profile_from_file
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_speed_profile_from_file
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import entry
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import SteeringColumnState
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_sim.driver.limited_pid import limited_pid
+from ev_sim.driver.speed_control import limited_pid
 from ev_sim.profiles.profile import check_points, interpolation_parameter
 
 WAYS = ("hand_torque", "angle")

@@ -4,13 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters.declaration import group, parameter
+from ev_core.parameters.declaration import group, parameter
+from ev_msgs_py.compilable import compilable
 from ev_sim.drives.averaged import AveragedDriveParameters, advance_averaged
-from ev_sim.drives.ideal import advance_ideal
-from ev_sim.drives.motor import MotorParameters, limited_reference
-from ev_sim.drives.state import DriveState
+from ev_sim.drives.brushless_motor import DriveState, MotorParameters, limited_reference, torque_constant
 from ev_sim.drives.switched import SwitchedDriveParameters, advance_switched
+
+
+@compilable
+def advance_ideal(s: DriveState, motor: MotorParameters, torque_reference: float, speed: float) -> None:
+    """Set the outputs of the state to the reference [N m] at a shaft speed [rad/s]; see `drive.advance_drive`.
+
+    The current is the one that the torque needs; the bus voltage limits nothing.
+    """
+    s.torque = torque_reference
+    s.mean_torque = torque_reference
+    s.current = torque_reference / torque_constant(motor)
+    s.electrical_power = torque_reference * speed
+
 
 DRIVES = ("ideal", "averaged", "switched")
 IDEAL, AVERAGED, SWITCHED = range(len(DRIVES))

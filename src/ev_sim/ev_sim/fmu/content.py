@@ -9,13 +9,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from ev_core.lockstep.configuration import Configuration, configure
+from ev_core.nodes.master.parameters import MasterParameters
 from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.lockstep.configuration import Configuration, configure
-from ev_msgs_py.nodes.master_parameters import MasterParameters
-from ev_sim.running.scenarios.scenario import Run
+from ev_sim.scenarios.scenario import Run
 
 FILE = "content.json"
-NEEDED = ("ev_sim", "ev_control", "ev_msgs_py", "numba", "llvmlite")  # what decides the bits
+NEEDED = ("ev_sim", "ev_control", "ev_core", "ev_msgs_py", "numba", "llvmlite")  # what decides the bits
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import unknown_name
+from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.fmu.content import FILE, Content
 from ev_sim.interface.extras import extra
+from ev_sim.recording.atomic import atomic_file
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.running.recording.atomic import atomic_file
 
 _MODULE = '''"""An FMU of ev_sim; all about it is in {file}."""
 

@@ -13,7 +13,7 @@ from pythonfmu.enums import Fmi2Status
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import units
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.fmu.content import read_content, versions
 from ev_sim.interface.law import SteppedLaw
 from ev_sim.interface.simulation import Simulation

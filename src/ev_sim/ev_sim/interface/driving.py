@@ -7,16 +7,14 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.shown import quoted
-from ev_msgs_py.parameters.values import unknown_name
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.batches.batch import BatchResult
 from ev_sim.batches.batch import batch as batch_of
-from ev_sim.batches.reductions import Reduction
+from ev_sim.batches.observer import Reduction
 from ev_sim.report.result import Result
 from ev_sim.running.offline import drive_offline
-from ev_sim.running.scenarios.cycle import cycle_values
-from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
+from ev_sim.scenarios.cycle import cycle_values
+from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 
 def run(scenario: str | PathLike[str], runs: Sequence[str] = (), **changed: Any) -> Result:

@@ -6,14 +6,14 @@ import copy
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from ev_core.lockstep.configuration import Configuration
+from ev_core.lockstep.parts import part_of
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.parts import part_of
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 
 
 class SteppedLaw:

@@ -11,19 +11,17 @@ from typing import Any
 
 import numpy as np
 
+from ev_core.faults.row import of_signals
+from ev_core.lockstep.parts import compiled_parts
+from ev_core.lockstep.run import call, refuse_not_finite, roles_in_order
+from ev_core.sensors.row import imperfect
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.faults.row import of_signals
-from ev_msgs_py.lockstep.parts import compiled_parts
-from ev_msgs_py.lockstep.run import call, refuse_not_finite, roles_in_order
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.shown import quoted
-from ev_msgs_py.parameters.values import unknown_name
-from ev_msgs_py.sensors.row import imperfect
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.interface.driving import only_run, overrides
-from ev_sim.running.recording.recording import Recording, recording_of
-from ev_sim.running.scenarios.scenario import Run
+from ev_sim.recording.recording import Recording, recording_of
+from ev_sim.scenarios.scenario import Run
 
 
 @dataclass(frozen=True)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.can.codec import inserted
-from ev_msgs_py.can.conventions import RPM
-from ev_msgs_py.can.frames import SENT, BenchFrames, DeviceFrames, guarded
+from ev_core.elementary import sqrt
+from ev_msgs_py.can.frames import RPM, SENT, BenchFrames, DeviceFrames, guarded
+from ev_msgs_py.can.payload import inserted
 from ev_msgs_py.can.protection import last_counter, next_counter
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.elementary import sqrt
+from ev_msgs_py.compilable import compilable
 from ev_sim.inverter.inverter import statusword
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.state import Inverter
-from ev_sim.inverter.temperatures import coolant_outlet, inverter_temperature, winding_temperature
+from ev_sim.inverter.torque import coolant_outlet, inverter_temperature, winding_temperature
 
 MOTION, ELECTRICAL, TEMPERATURES, FAULTS = range(len(SENT))
 _WRONG = 0xFF  # what a corrupted checksum is changed by

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.can.conventions import NO_MODE, SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.drive_states import (
     INTERNAL_LIMIT,
     OPERATION_ENABLED,
@@ -15,7 +14,7 @@ from ev_msgs_py.can.drive_states import (
     WARNING,
     next_state,
 )
-from ev_msgs_py.can.faults import (
+from ev_msgs_py.can.frames import (
     DC_LINK_LOW,
     DERATING,
     DIRECTION_CHANGED,
@@ -23,12 +22,15 @@ from ev_msgs_py.can.faults import (
     FRAME_REFUSED,
     FRAMES_LOST,
     MODE_REFUSED,
+    NO_MODE,
     OVER_CURRENT,
     OVER_SPEED,
+    SPEED_MODE,
+    TORQUE_MODE,
     TRIP,
     WARM,
 )
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.compilable import compilable
 from ev_sim.inverter.dc_link import advance_dc_link, dc_link_faults
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.set_points import (
@@ -37,8 +39,7 @@ from ev_sim.inverter.set_points import (
     missing_set_point,
 )
 from ev_sim.inverter.state import Inverter
-from ev_sim.inverter.temperatures import advance_temperatures, derating, temperature_faults
-from ev_sim.inverter.torque import advance_torque
+from ev_sim.inverter.torque import advance_temperatures, advance_torque, derating, temperature_faults
 
 _NO_TORQUE = 1.0  # N m, the error of the torque transducer: below it a quick stop is over
 _CODES = tuple(float(fault.code) for fault in FAULTS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.can.checking import (
+from ev_core.bus.checking import (
     OK_SOME_LOST,
     REPEATED,
     TOLERANCES,
@@ -12,12 +12,10 @@ from ev_msgs_py.can.checking import (
     is_valid,
     no_new_data,
 )
-from ev_msgs_py.can.codec import extracted
-from ev_msgs_py.can.conventions import RPM
 from ev_msgs_py.can.drive_states import ENABLE_OPERATION, FAULT_RESET
-from ev_msgs_py.can.faults import COMMAND_TIMEOUT, WRONG_COUNTER, WRONG_CRC_FAULT
-from ev_msgs_py.can.frames import DeviceFrames, SetPointLayout
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.can.frames import COMMAND_TIMEOUT, RPM, WRONG_COUNTER, WRONG_CRC_FAULT, DeviceFrames, SetPointLayout
+from ev_msgs_py.can.payload import extracted
+from ev_msgs_py.compilable import compilable
 from ev_sim.inverter.state import Inverter
 
 

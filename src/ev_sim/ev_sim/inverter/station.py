@@ -4,18 +4,28 @@ from __future__ import annotations
 
 from typing import Any
 
-from ev_msgs_py.can.channel import Frame
-from ev_msgs_py.can.checking import is_valid
+from ev_core.bus.channel import Frame
+from ev_core.bus.checking import is_valid
+from ev_core.methods.law import namespace
+from ev_core.parameters.declaration import number_tree
 from ev_msgs_py.can.database import Database
-from ev_msgs_py.can.frames import SENT, BenchFrames, DeviceFrames, bench_frames
-from ev_msgs_py.can.schedule import TICK, is_due
-from ev_msgs_py.lockstep.law import namespace
-from ev_msgs_py.parameters.declaration import number_tree
-from ev_sim.inverter.circuit import advance_circuit
+from ev_msgs_py.can.frames import SENT, TICK, BenchFrames, DeviceFrames, bench_frames, is_due
+from ev_msgs_py.compilable import compilable
 from ev_sim.inverter.frames import made, ticks_between
+from ev_sim.inverter.inverter import advance_inverter
 from ev_sim.inverter.parameters import CircuitParameters
 from ev_sim.inverter.set_points import grow_older, receive_set_point
 from ev_sim.inverter.state import Circuit, Inverter
+
+
+@compilable
+def advance_circuit(p: CircuitParameters, s: Circuit, period: float) -> None:
+    """Advance both inverters, then the shaft, which is rigid: (J_drive + J_load) w' = T_drive + T_load - b w."""
+    advance_inverter(p.drive, s.drive, s.speed, period)
+    advance_inverter(p.load, s.load, s.speed, period)
+    inertia = p.drive.machine.rotor_inertia + p.load.machine.rotor_inertia
+    s.speed = (s.speed + period * (s.drive.torque + s.load.torque) / inertia) / (1.0 + period * p.friction / inertia)
+
 
 _MADE_GOOD = 5  # cycles that are made up for at once
 _DAMAGED = 0xFF  # a payload whose checksum is wrong

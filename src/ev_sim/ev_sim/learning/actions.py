@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.vehicle.description import Vehicle
 
 Frame = Mapping[str, float]
 

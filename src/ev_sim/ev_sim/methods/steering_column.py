@@ -1,7 +1,6 @@
 """Registers the steering columns."""
 
-import ev_sim.steering_column.actuated
-import ev_sim.steering_column.by_wire
-import ev_sim.steering_column.manual
-import ev_sim.steering_column.powered
-import ev_sim.steering_column.steering_robot  # noqa: F401
+import ev_sim.steering.actuated
+import ev_sim.steering.by_wire
+import ev_sim.steering.driven_by_hand
+import ev_sim.steering.steering_robot  # noqa: F401

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from ev_msgs_py.can.bus_parameters import CIRCUITS
-from ev_msgs_py.can.channel import Frame
-from ev_msgs_py.nodes.bus_node import BusNode
-from ev_msgs_py.nodes.run_role import run_node
+from ev_core.bus.channel import Frame
+from ev_core.bus.parameters import CIRCUITS
+from ev_core.nodes.on_bus.node import BusNode
+from ev_core.run_role import run_node
 from ev_sim.inverter.injection import inject
 from ev_sim.inverter.parameters import InverterNodeParameters
 from ev_sim.inverter.station import CircuitStation

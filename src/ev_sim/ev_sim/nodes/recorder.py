@@ -9,21 +9,19 @@ from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
 
+from ev_core.nodes import ros_parameters
+from ev_core.nodes.ending import wait_until_heard
+from ev_core.nodes.reports import Reports
+from ev_core.nodes.runner_line import PROGRESS, Waiting, Word
+from ev_core.nodes.signal_io import SignalWriter
+from ev_core.parameters.declaration import entries
+from ev_core.parameters.values import build
+from ev_core.run_role import run_node
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import MASTER, RECORDER, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_msgs_py.nodes import ros_parameters
-from ev_msgs_py.nodes.last_words import wait_until_heard
-from ev_msgs_py.nodes.reports import Reports
-from ev_msgs_py.nodes.run_role import run_node
-from ev_msgs_py.nodes.runner_line import PROGRESS, Word
-from ev_msgs_py.nodes.signal_io import SignalWriter
-from ev_msgs_py.nodes.waiting import Waiting
-from ev_msgs_py.parameters.declaration import entries
-from ev_msgs_py.parameters.values import build
-from ev_sim.running.recording.output_of_run import OutputOfRun
-from ev_sim.running.recording.recorder_input import POLL_PERIOD, RecorderInput
-from ev_sim.running.recording.recorder_parameters import RecorderParameters
+from ev_sim.recording.output_of_run import OutputOfRun, RecorderParameters
+from ev_sim.recording.recorder_input import POLL_PERIOD, RecorderInput
 
 _PATIENCE = 2.0  # s
 _LONG = 3.0  # s for a topic to be heard for the first time

@@ -9,10 +9,10 @@ from typing import Any
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.part import Part
-from ev_msgs_py.nodes.run_role import run_node, told
-from ev_msgs_py.nodes.stepped_node import SteppedNode
+from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.part import Part
+from ev_core.nodes.stepped_node import SteppedNode
+from ev_core.run_role import run_node, told
 from ev_sim.test_bench.sequence import OBJECTS, STEPS, Sequence, begun
 
 _ROLE, _ENABLED = "test_bench", "enabled"

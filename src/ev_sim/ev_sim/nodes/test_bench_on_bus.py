@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from ev_msgs_py.can.bus_meter import BusMeter
-from ev_msgs_py.can.channels import Channels
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.nodes.role_on_bus import RoleOnBus
+from ev_core.bus.channel import BusMeter
+from ev_core.bus.channels import Channels
+from ev_core.lockstep.configuration import Configuration
+from ev_core.nodes.on_bus.role import RoleOnBus
 from ev_sim.nodes.test_bench import TestBenchNode
 from ev_sim.test_bench.on_bus import BenchOnBus, meters_of
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.parameters.declaration import ParameterError, parameter
+from ev_core.parameters.declaration import parameter
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.refusal import ParameterError
 
 INTERPOLATIONS = LINEAR, STEP = "linear", "step"
 

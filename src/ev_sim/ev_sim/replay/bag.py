@@ -13,18 +13,18 @@ from pathlib import Path
 
 import numpy as np
 
+from ev_core.parameters.data_file import MEGABYTE, SIGNALS, TEXT, open_data
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_msgs_py.parameters.data_file import MEGABYTE, SIGNALS, TEXT, open_data
-from ev_msgs_py.parameters.declaration import ParameterError
+from ev_msgs_py.refusal import ParameterError
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import stamp_of
+from ev_sim.recording.outcome import RunFailed
+from ev_sim.recording.recording import recording_of
+from ev_sim.recording.spool import MessageTable
 from ev_sim.replay.recorded import Recorded, refuse_short
-from ev_sim.running.outcome import RunFailed
-from ev_sim.running.recording.message_table import MessageTable
-from ev_sim.running.recording.recording import recording_of
-from ev_sim.running.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.parameter_file import ParameterFile
 
 
 @dataclass(frozen=True)

@@ -7,19 +7,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ev_core.lockstep.configuration import Configuration, configure, refuse_unused
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.parameters.values import entries_by_name
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.common_parameters import CommonParameters
-from ev_msgs_py.lockstep.configuration import Configuration, configure, refuse_unused
-from ev_msgs_py.nodes.master_parameters import MasterParameters
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.values import entries_by_name, unknown_name
+from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.replay.recorded import Recorded
-from ev_sim.running.scenarios.configured_file import VEHICLE, vehicle_file
-from ev_sim.running.scenarios.parameter_file import ParameterFile
-from ev_sim.running.scenarios.scenario import Overrides, Run
+from ev_sim.scenarios.about import VEHICLE, vehicle_file
+from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.scenario import Overrides, Run
 
 REPLAYED = "replayed"
 _OF_WALL_TIME = ("mode", "scheduling_priority", "lock_memory", "real_time_factor", "duration", "await_recorder")

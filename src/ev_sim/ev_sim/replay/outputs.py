@@ -8,23 +8,30 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.parameters.declaration import ParameterError, flatten
-from ev_sim.replay.comparing import Difference, in_words, table_files, table_of
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.figures.saving import FORMATS, figure_files, save_figures
+from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.files_of_run import LOG, OF_ALL_RUNS, PAGE, PARAMETERS, SIGNALS, SUMMARY
+from ev_sim.recording.outcome import Outcome
+from ev_sim.recording.recording import Recording, save
+from ev_sim.replay.comparing import (
+    Difference,
+    in_words,
+    latencies_in_words,
+    latency_of,
+    latency_sheet,
+    table_files,
+    table_of,
+)
 from ev_sim.replay.graph import Replay
-from ev_sim.replay.latency import in_words as latency_in_words
-from ev_sim.replay.latency import latency_of, latency_sheet
-from ev_sim.report.figures.saving import FORMATS, figure_files, save_figures
 from ev_sim.report.summary import Summary, write_summary
 from ev_sim.report.table_files import TABLES
-from ev_sim.running.files_of_run import LOG, OF_ALL_RUNS, PAGE, PARAMETERS, SIGNALS, SUMMARY
 from ev_sim.running.node_parameters import write_parameter_file
-from ev_sim.running.outcome import Outcome
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.running.recording.atomic import atomic_file
-from ev_sim.running.recording.recording import Recording, save
-from ev_sim.running.scenarios.scenario import Run
+from ev_sim.scenarios.scenario import Run
 
 _RECORDED, _REPLAYED, _LATENCY = "recorded", "replayed", "latency"
 
@@ -93,7 +100,7 @@ class Replayed:
         return [
             *([table] if table else []),
             *(f"note: {note}" for note in self._notes),
-            *(latency_in_words(self._latency, answers) if self._latency else []),
+            *(latencies_in_words(self._latency, answers) if self._latency else []),
             f"{self.replay.role} {self._who}: {in_words(self.differences)}",
             f"{self.run.duration:g} s in {self.outcome.wall_time:.2f} s",
         ]
@@ -108,8 +115,7 @@ class Replayed:
         write_summary(folder.directory / SUMMARY, content)
         if not page:
             return ""
-        from ev_sim.report.page.images import images_of
-        from ev_sim.report.page.writing import Page, Signals, write_page
+        from ev_sim.report.page.writing import Page, Signals, images_of, write_page
 
         signals = Signals("", runs, self.replay.configuration.common.vehicle)
         said = "\n".join(line for line in (in_words(self.differences), table_of(self.differences)) if line)

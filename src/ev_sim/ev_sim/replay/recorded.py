@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
+from ev_core.playback.method import RecordingError
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.playback.signals_file import RecordingError
-from ev_sim.running.files_of_run import BAG, PARAMETERS, SIGNALS
-from ev_sim.running.recording.recording import Recording, load
-from ev_sim.running.scenarios.parameter_file import ParameterFile
-from ev_sim.running.scenarios.scenario import NAMESPACE
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.recording.files_of_run import BAG, PARAMETERS, SIGNALS
+from ev_sim.recording.recording import Recording, load
+from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.scenario import NAMESPACE
 
 _METADATA = "metadata.yaml"
 

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import inspect
-import pkgutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
+from importlib.metadata import entry_points
 from typing import Any
 
-from ev_msgs_py.parameters.values import unknown_name
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report import scenarios
-from ev_sim.report.figures.figure import Figure
-from ev_sim.report.metric import Metric
-from ev_sim.report.own_metrics import parsed
-from ev_sim.report.samples import Parameters, Runs
+from ev_core.vehicle.description import Vehicle
+from ev_sim.figures.figure import Figure
+from ev_sim.measures.metric import Metric
+from ev_sim.measures.samples import Parameters, Runs
+from ev_sim.scenarios.about import REPORTS
 
-OWN_REPORTS = tuple(module.name for module in pkgutil.iter_modules(scenarios.__path__))
 GIVEN = ("runs", "vehicle", "parameters")
 
 
@@ -48,15 +45,7 @@ def _call(function: Callable[..., Any], *given: Any) -> Any:
     return function(**{name: by_name[name] for name in names})
 
 
-def refuse_unknown_report(report: str, metrics: Sequence[str]) -> None:
-    """ParameterError if a scenario names a report that there is not, or a metric of its own that is none."""
-    if report and report not in OWN_REPORTS:
-        raise unknown_name("report", report, OWN_REPORTS)
-    for text in metrics:
-        parsed(text)
-
-
 def report_for(scenario: str) -> Report:
-    """The report of a scenario: the module of its name in `scenarios`, or the generic one if there is none."""
-    own = f"{scenarios.__name__}.{scenario}" if scenario in OWN_REPORTS else "ev_sim.report.generic"
-    return Report(import_module(own))
+    """The report of a scenario: that of its name among the installed ones, or the generic one if there is none."""
+    own = [point.value for point in entry_points(group=REPORTS, name=scenario)]
+    return Report(import_module(own[0] if own else "ev_sim.report.generic"))

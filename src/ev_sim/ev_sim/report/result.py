@@ -10,25 +10,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.nodes.master_parameters import MasterParameters
-from ev_msgs_py.parameters.config_folders import files_in_config
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.report.figures.figure import Figure
-from ev_sim.report.figures.saving import figure_files, save_figures
-from ev_sim.report.figures.timing import timing_sheet
-from ev_sim.report.metric import Metric
-from ev_sim.report.own_metrics import own_metrics
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.figures.figure import Figure
+from ev_sim.figures.saving import figure_files, save_figures
+from ev_sim.figures.timing import timing_sheet
+from ev_sim.measures.metric import Metric
+from ev_sim.measures.samples import Parameters, Runs, own_metrics
+from ev_sim.recording.files_of_run import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY
+from ev_sim.recording.outcome import Outcome
+from ev_sim.recording.recording import Recording, combined_hash, save, signal_hash
+from ev_sim.recording.truth import true_motion
 from ev_sim.report.reports import report_for
-from ev_sim.report.samples import Parameters, Runs
 from ev_sim.report.summary import Summary, write_summary
-from ev_sim.running.files_of_run import OF_ALL_RUNS, PAGE, SIGNALS, SUMMARY
-from ev_sim.running.outcome import Outcome
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.running.recording.recording import Recording, combined_hash, save, signal_hash
-from ev_sim.running.recording.truth import true_motion
-from ev_sim.running.scenarios.differences import COMMAND_LINE, Difference, differences
-from ev_sim.running.scenarios.scenario import Scenario, load_scenario
+from ev_sim.scenarios.differences import COMMAND_LINE, Difference, differences
+from ev_sim.scenarios.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -187,8 +186,7 @@ class Result:
         content = summary.as_json()
         write_summary(folder / SUMMARY, content)
         if page:
-            from ev_sim.report.page.images import images_of
-            from ev_sim.report.page.writing import Page, Signals, write_page
+            from ev_sim.report.page.writing import Page, Signals, images_of, write_page
 
             signals = Signals("", self.runs, summary.vehicle)
             shown = Page(self.scenario.name, {"": content}, (signals,), images_of(figures, folder))
@@ -196,6 +194,6 @@ class Result:
         return content
 
     def _repr_html_(self) -> str:
-        from ev_sim.report.html_of_result import html_of
+        from ev_sim.report.tables import html_of
 
         return html_of(self.metrics, self.figures(), self.hash)

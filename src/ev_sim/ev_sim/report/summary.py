@@ -10,13 +10,13 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.parameters.declaration import flatten
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.metric import Metric
-from ev_sim.report.samples import Parameters, Runs
-from ev_sim.running.recording.atomic import atomic_file
-from ev_sim.running.recording.recording import combined_hash, signal_hash
-from ev_sim.running.scenarios.differences import Difference
+from ev_core.parameters.declaration import flatten
+from ev_core.vehicle.description import Vehicle
+from ev_sim.measures.metric import Metric
+from ev_sim.measures.samples import Parameters, Runs
+from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.recording import combined_hash, signal_hash
+from ev_sim.scenarios.differences import Difference
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "rclpy")
 

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ev_sim.running.recording.atomic import atomic_file
+from ev_sim.recording.atomic import atomic_file
 
 NAME = "table"
 TABLES = tuple(f"{NAME}.{kind}" for kind in ("csv", "md", "tex", "parquet"))

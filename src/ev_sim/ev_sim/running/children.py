@@ -6,7 +6,8 @@ import ctypes
 import os
 import signal
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux
 
@@ -37,3 +38,25 @@ def ending_with_us(group: int) -> subprocess.Popen:
     """
     words = ["bash", "-c", 'read -r _; kill -KILL -- "-$0"', str(group)]
     return subprocess.Popen(words, stdin=subprocess.PIPE, start_new_session=True)
+
+
+_QUERY = 0xFFFFFFFF  # of the Linux system call `personality`: change nothing, tell what is set
+_ADDR_NO_RANDOMIZE = 0x0040000
+
+
+@contextmanager
+def same_addresses() -> Iterator[None]:
+    """Processes that are started in this block have their code at the same addresses, where the system allows it.
+
+    Nodes are one program several times, each of which runs for a moment and then waits for the others. A processor
+    predicts branches by their addresses: at different ones each node finds predictions of another (docs/lockstep.md).
+    """
+    personality = getattr(ctypes.CDLL(None), "personality", None)
+    before = -1 if personality is None else personality(ctypes.c_ulong(_QUERY))
+    if before < 0 or personality(ctypes.c_ulong(before | _ADDR_NO_RANDOMIZE)) < 0:
+        yield  # another system, or a container that forbids it: slower, and nothing else
+        return
+    try:
+        yield
+    finally:
+        personality(ctypes.c_ulong(before))

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from ev_sim.running.outcome import RunFailed
+from ev_sim.recording.outcome import RunFailed
 
 _RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _DOMAINS = range(1, 102)  # those that are safe on every operating system

@@ -12,24 +12,23 @@ from typing import Any
 import rclpy
 from rclpy.parameter import Parameter
 
+from ev_core.nodes.runner_line import LINE
+from ev_core.nodes.spinning import spin
+from ev_core.nodes.stepped_node import SteppedNode
+from ev_core.nodes.stop_request import StopRequest
+from ev_core.run_role import OF_ROS, node_maker, one_line, security_is_asked_for
 from ev_msgs_py.contract.roles import RECORDER
-from ev_msgs_py.nodes.run_role import OF_ROS, node_maker, one_line
-from ev_msgs_py.nodes.runner_line import LINE
-from ev_msgs_py.nodes.security import security_is_asked_for
-from ev_msgs_py.nodes.spinning import spin
-from ev_msgs_py.nodes.stepped_node import SteppedNode
-from ev_msgs_py.nodes.stop_request import StopRequest
 from ev_sim.nodes.recorder import RecorderNode
+from ev_sim.recording.files_of_run import PARAMETERS, SIGNALS
+from ev_sim.recording.outcome import Outcome, Progress, RunFailed
+from ev_sim.recording.progress_bar import announce
+from ev_sim.recording.recording import load
 from ev_sim.running.domain import free_domain, own_namespace
-from ev_sim.running.files_of_run import PARAMETERS, SIGNALS
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
 from ev_sim.running.observing import observing
-from ev_sim.running.outcome import Outcome, Progress, RunFailed, not_reproducible
-from ev_sim.running.progress_bar import announce
 from ev_sim.running.real_bus import real_bus
-from ev_sim.running.recording.recording import load
-from ev_sim.running.scenarios.scenario import Run
-from ev_sim.running.told import Told, told
+from ev_sim.running.told import Told, not_reproducible, told
+from ev_sim.scenarios.scenario import Run
 
 _OBSERVER = "run_scenario"  # the name of what is in the graph beside the nodes
 _LOOK_PERIOD = 0.1  # s of wall time between looks at simulated time

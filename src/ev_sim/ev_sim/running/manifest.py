@@ -10,8 +10,8 @@ import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
-from ev_msgs_py.parameters.data_file import TABLE, read_data
-from ev_sim.running.recording.atomic import atomic_file
+from ev_core.parameters.data_file import TABLE, read_data
+from ev_sim.recording.atomic import atomic_file
 
 NAME = "ev_stack_manifest.json"
 _FORMAT = 1

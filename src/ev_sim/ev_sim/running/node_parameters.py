@@ -10,8 +10,8 @@ import yaml
 
 from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_sim.running.recording.atomic import atomic_file
-from ev_sim.running.scenarios.scenario import Run
+from ev_sim.recording.atomic import atomic_file
+from ev_sim.scenarios.scenario import Run
 
 
 def recorded_topics(run: Run) -> list[Topic]:

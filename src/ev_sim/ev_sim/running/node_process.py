@@ -11,17 +11,40 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ev_msgs_py.lockstep.methods import is_code
-from ev_msgs_py.nodes.leaving import SILENTLY
-from ev_msgs_py.nodes.runner_line import LINE
-from ev_msgs_py.nodes.stop_request import hold_back
-from ev_msgs_py.parameters.shown import shown
-from ev_sim.running.children import ending_with_us, ends_with_us
+from ev_core.lockstep.finding import is_code
+from ev_core.methods.register import node_package
+from ev_core.nodes.ending import SILENTLY
+from ev_core.nodes.runner_line import LINE
+from ev_core.nodes.stop_request import hold_back
+from ev_msgs_py.contract.roles import RECORDER
+from ev_msgs_py.refusal import shown
+from ev_sim.recording.outcome import RunFailed
+from ev_sim.running.children import ending_with_us, ends_with_us, same_addresses
 from ev_sim.running.observing import enclave
-from ev_sim.running.outcome import RunFailed
-from ev_sim.running.same_addresses import same_addresses
-from ev_sim.running.scenarios.scenario import Run
 from ev_sim.running.told import Told
+from ev_sim.scenarios.scenario import Run
+
+
+def package_of(node: str) -> str:
+    """The package with the node of a role, or with the recorder; LookupError as `node_package`."""
+    return __package__.partition(".")[0] if node == RECORDER else node_package(node)
+
+
+def command(name: str) -> list[str]:
+    """What `ros2 run` would start for the node of a role: that itself would not hand on the line to the runner.
+
+    RunFailed if the workspace is not built or not sourced, or if the node comes from several packages.
+    """
+    try:
+        package = package_of(name)
+    except LookupError as error:
+        raise RunFailed(str(error)) from None
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        path = Path(prefix) / "lib" / package / name
+        if path.exists():
+            return [str(path)]
+    raise RunFailed(f"executable {package} {name} is not found: source install/local_setup.bash of the workspace")
+
 
 _ROOM = 65536  # bytes; who has less cannot even say what went wrong
 

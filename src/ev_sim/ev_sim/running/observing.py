@@ -10,11 +10,9 @@ import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
-from ev_msgs_py.nodes.alarm import Alarm
-from ev_msgs_py.nodes.run_role import one_line
-from ev_msgs_py.nodes.security import refuse_weak_security, security_is_asked_for
-from ev_msgs_py.nodes.time_of_day import refuse_late_time_of_day
-from ev_sim.running.outcome import RunFailed
+from ev_core.nodes.time_of_day import Alarm, refuse_late_time_of_day
+from ev_core.run_role import one_line, refuse_weak_security, security_is_asked_for
+from ev_sim.recording.outcome import RunFailed
 
 
 @contextmanager

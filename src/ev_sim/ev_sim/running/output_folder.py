@@ -11,13 +11,13 @@ from contextlib import ExitStack, nullcontext, suppress
 from pathlib import Path, PurePosixPath
 from types import TracebackType
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.shown import quoted
+from ev_msgs_py.contract.roles import RECORDER
+from ev_msgs_py.refusal import ParameterError, quoted
+from ev_sim.recording.files_of_run import _BEFORE_RESET, BAG, LOG, PARAMETERS, RECORDED
+from ev_sim.recording.progress_bar import announce
 from ev_sim.running import manifest
-from ev_sim.running.files_of_run import BAG, RECORDED, files_of_run
 from ev_sim.running.manifest import Files, content, digest_of, is_file, is_folder, there
-from ev_sim.running.progress_bar import announce
-from ev_sim.running.scenarios.scenario import Run
+from ev_sim.scenarios.scenario import Run
 
 
 class OutputFolder:
@@ -205,3 +205,12 @@ def forget_recording(directory: Path) -> None:
             (directory / name).unlink()
     if is_folder(directory / BAG):
         (directory / BAG).rmdir()
+
+
+def files_of_run(run: Run) -> Iterable[str]:
+    """Patterns of all files that can be there when a run has ended, however it has."""
+    yield from (PARAMETERS, *RECORDED, *_BEFORE_RESET)
+    yield from (f"{LOG}/{glob.escape(name)}.log" for name in (*run.configurations, RECORDER))
+    gateway = run.configurations.get("inverter_gateway")
+    if gateway and gateway.parameters.bus.log:
+        yield glob.escape(gateway.parameters.bus.log)

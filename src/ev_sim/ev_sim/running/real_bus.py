@@ -10,12 +10,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.can.bus_parameters import CIRCUITS, LOOPBACK, BusInterface
-from ev_msgs_py.can.socketcand_hub import HOST
+from ev_core.bus.parameters import CIRCUITS, LOOPBACK, BusInterface
+from ev_core.bus.socketcand_hub import HOST
+from ev_sim.recording.outcome import RunFailed
+from ev_sim.recording.progress_bar import announce
 from ev_sim.running.children import ends_with_us
-from ev_sim.running.outcome import RunFailed
-from ev_sim.running.progress_bar import announce
-from ev_sim.running.scenarios.scenario import Run
+from ev_sim.scenarios.scenario import Run
 
 _ENDS = ("inverter_gateway", "test_bench")
 # Two for each ROS domain, so that runs at the same time do not hear each other; below those that Linux gives to sockets
@@ -60,8 +60,8 @@ def _channels(bus: BusInterface, domain: int) -> Iterator[tuple[str, list[str]]]
 
 def _works(channel: str) -> bool:
     """Whether what is sent to a multicast group comes back."""
-    from ev_msgs_py.can.channel import Channel, Frame
-    from ev_msgs_py.can.opening import BusError
+    from ev_core.bus.channel import Channel, Frame
+    from ev_core.bus.opening import BusError
 
     try:
         probe = Channel("udp_multicast", channel)

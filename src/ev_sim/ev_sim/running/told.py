@@ -11,16 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.compiling.tally import Tally
+from ev_core.lockstep.stepper import WRITERS
+from ev_core.lockstep.tally import Tally
+from ev_core.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME, TIMING, WAITS, WARNING, ListeningEnd, Word
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, places
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.lockstep.stepper import WRITERS
-from ev_msgs_py.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME, TIMING, WAITS, WARNING, ListeningEnd, Word
-from ev_msgs_py.parameters.shown import shown
-from ev_sim.running.progress_bar import announce
-from ev_sim.running.recording.recording import Recording
+from ev_msgs_py.refusal import shown
+from ev_sim.recording.progress_bar import announce
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import Run
 
 _BLOCK = 256  # steps
 _NAMED = 20  # warnings; more than these are counted only
@@ -164,3 +165,8 @@ def told(namespace: str) -> Iterator[Told]:
         raise
     finally:
         found.close()
+
+
+def not_reproducible(run: Run, told: Told, recording: Recording) -> tuple[str, ...]:
+    """Why a run that was driven over DDS may not give the same numbers again."""
+    return (*(["driven by the wall clock"] if run.realtime else []), *told.warnings, *told.others_heard(recording))

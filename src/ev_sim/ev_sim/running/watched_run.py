@@ -4,21 +4,110 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from ev_core.nodes.stop_request import StopRequest
+from ev_core.nodes.time_of_day import SetBack, ahead
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER
-from ev_msgs_py.nodes.stop_request import StopRequest
-from ev_sim.running.beginning import Beginning
-from ev_sim.running.files_of_run import SIGNALS
-from ev_sim.running.hanging import Hanging
+from ev_sim.recording.files_of_run import SIGNALS
+from ev_sim.recording.outcome import Outcome, Progress, RunFailed
+from ev_sim.recording.progress_bar import announce
+from ev_sim.recording.recording import load
 from ev_sim.running.node_process import NodeProcess
-from ev_sim.running.outcome import Outcome, Progress, RunFailed, not_reproducible
-from ev_sim.running.progress_bar import announce
-from ev_sim.running.recording.recording import load
-from ev_sim.running.scenarios.scenario import Run
-from ev_sim.running.told import Told
+from ev_sim.running.told import Told, not_reproducible
+from ev_sim.scenarios.scenario import Run
+
+_TO_BEGIN = 3.0  # s for the first step behind a time of day that was set back; nodes tell each other things again
+_AT_ALL = 300.0  # s for the first step of our own nodes: one that was edited compiles its plant on a busy machine
+
+
+class Beginning:
+    """Watches a run up to its first step; made before its nodes are, and `is_missed` is to be asked often.
+
+    It is `patient` with nodes of others, which may load for long, or stand at a breakpoint.
+    The middleware keeps what processes tell about themselves in the order of the time of day. Where that is set back
+    while they find each other, one of them may never learn what another one has told. Processes that are started
+    behind it do.
+    """
+
+    def __init__(self, patient: bool = False) -> None:
+        self._set_back = SetBack(ahead())
+        self._deadline = math.inf
+        self._given_up = math.inf if patient else time.monotonic() + _AT_ALL
+
+    def is_missed(self, told: Told) -> bool:
+        """Whether the time of day was set back and no step was taken in the seconds behind it.
+
+        RunFailed if no step has been taken for so long that there will be none.
+        """
+        if told.time > 0 or told.rests:
+            self._given_up = math.inf
+        if time.monotonic() > self._given_up:
+            raise RunFailed(f"no step was taken within {_AT_ALL:g} s: the nodes do not find or answer each other")
+        if self._set_back.is_seen() or (told.rests and self._deadline < math.inf):
+            self._deadline = time.monotonic() + _TO_BEGIN
+        if told.time > 0:
+            self._deadline = math.inf
+        return time.monotonic() > self._deadline
+
+
+_HEARKEN = 0.6  # s for nodes to say, every 0.2 s, for whom they wait
+_TO_COME_UP = 10.0  # s that nodes may take to start
+
+
+class Hanging:
+    """Names the node that a run waits for when nothing has gone on for some wall time; `look` is to be called often.
+
+    Who waits says for whom; so it is the one at the end of that chain, who says nothing. A chain that comes back ends
+    with who cannot be heard: he waits for what the others wait to have from him. In lockstep all wait for the master,
+    and he waits for one of them. In real time he waits for nobody, and the recorder is the one to ask.
+    """
+
+    def __init__(self, told: Told, pids: Mapping[str, int], patience: float, realtime: bool) -> None:
+        self._told, self._pids, self._realtime = told, dict(pids), realtime
+        self._wait = max(patience - 0.2, _HEARKEN)
+        self._since = time.monotonic()
+        self._time = told.time
+        self._named = False
+
+    def look(self) -> str | None:
+        """One line on who does not answer, once for each time that the run stands still."""
+        now = time.monotonic()
+        waits_for_its_time = self._told.waits_for(MASTER, _HEARKEN) == []  # a step may take seconds at a slow pace
+        if self._told.time != self._time or self._told.rests or waits_for_its_time:
+            self._time, self._since, self._named = self._told.time, now, False
+        elif not self._named and now - self._since > (self._wait if self._time else _TO_COME_UP):
+            self._named = True
+            stopped = [name for name, pid in self._pids.items() if _is_stopped(pid)]
+            if stopped:
+                return f"stopped by a signal: {', '.join(stopped)}, at {self._time:g} s of simulated time"
+            return f"node {self._who()} does not answer, at {self._time:g} s of simulated time"
+        return None
+
+    def has_ended(self, name: str) -> None:
+        """A node has come to its end: it need not answer any more."""
+        self._pids.pop(name, None)
+
+    def _who(self) -> str:
+        if MASTER not in self._pids:
+            return RECORDER
+        chain = [RECORDER if self._realtime else MASTER]
+        while whom := [each for each in self._told.waits_for(chain[-1], _HEARKEN) or () if each in self._pids]:
+            if whom[0] in chain:
+                break
+            chain.append(whom[0])
+        return chain[-1]
+
+
+def _is_stopped(pid: int) -> bool:
+    """Whether a process stands still by SIGSTOP or the like."""
+    try:
+        return (Path("/proc") / str(pid) / "stat").read_text().rpartition(")")[2].split()[0] in "Tt"
+    except (OSError, IndexError):
+        return False
+
 
 _LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
 _PATIENCE = 2.0  # s for a last word to arrive

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from xml.etree import ElementTree
 
+from rclpy.node import Node
+
+from ev_core.nodes.master.time_services import TIME_SERVICES
 from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES, Role
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.nodes.time_services import TIME_SERVICES
 from ev_sim.running.node_parameters import RECORDER
 from ev_sim.test_bench.sequence import SERVICES
 
@@ -85,3 +89,54 @@ def _topics(signals: tuple[type, ...], namespace: str) -> frozenset[str]:
 
 def _services(node: str, names: tuple[str, ...], namespace: str) -> frozenset[str]:
     return frozenset(f"{namespace}/{node}/{name}" for name in names)
+
+
+def policy_file(namespace: str, permissions: Iterable[Permissions]) -> str:
+    """The XML text, with one enclave NAMESPACE/NODE for each node."""
+    policy = ElementTree.Element("policy", version="0.2.0")
+    enclaves = ElementTree.SubElement(policy, "enclaves")
+    for each in permissions:
+        enclave = ElementTree.SubElement(enclaves, "enclave", path=f"{namespace}/{each.node}")
+        profiles = ElementTree.SubElement(enclave, "profiles")
+        profile = ElementTree.SubElement(profiles, "profile", ns=namespace or "/", node=each.node)
+        _allow(profile, "topics", "topic", "publish", each.publishes)
+        _allow(profile, "topics", "topic", "subscribe", each.subscribes)
+        _allow(profile, "services", "service", "reply", each.serves)
+    ElementTree.indent(policy)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(policy, encoding="unicode") + "\n"
+
+
+def _allow(profile: ElementTree.Element, group: str, kind: str, what: str, names: frozenset[str]) -> None:
+    if not names:
+        return
+    allowed = ElementTree.SubElement(profile, group, {what: "ALLOW"})
+    for name in sorted(names):
+        ElementTree.SubElement(allowed, kind).text = name
+
+
+def permissions_in_use(observer: Node, namespace: str) -> dict[str, Permissions]:
+    """Topics and services of every node in a namespace, as discovery knows them now."""
+    return {
+        name: Permissions(
+            name,
+            publishes=_names(observer.get_publisher_names_and_types_by_node(name, namespace)),
+            subscribes=_names(observer.get_subscriber_names_and_types_by_node(name, namespace)),
+            serves=_names(observer.get_service_names_and_types_by_node(name, namespace)),
+        )
+        for name, space in observer.get_node_names_and_namespaces()
+        if space == (namespace or "/") and name != observer.get_name()
+    }
+
+
+def violations(allowed: Mapping[str, Permissions], used: Iterable[Permissions]) -> tuple[str, ...]:
+    """One line for each thing that a node does without being allowed to; an unknown node may do nothing."""
+    nothing = frozenset[str]()
+    return tuple(
+        line
+        for each in used
+        for line in allowed.get(each.node, Permissions(each.node, nothing, nothing, nothing)).lacks(each)
+    )
+
+
+def _names(found: list[tuple[str, list[str]]]) -> frozenset[str]:
+    return frozenset(name for name, _ in found)

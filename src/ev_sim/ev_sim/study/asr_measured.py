@@ -8,16 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.elementary import hypot
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_core.elementary import hypot
+from ev_core.vehicle.description import Vehicle
 from ev_sim.driver.path import nearest, path_of, point_at
-from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities import motion
-from ev_sim.report.quantities.handling import slip_powers
-from ev_sim.report.quantities.motion import distance_on_path, heading
-from ev_sim.report.samples import channel
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios.scenario import Run
+from ev_sim.measures import motion
+from ev_sim.measures.handling import slip_powers
+from ev_sim.measures.metric import NotMeasured
+from ev_sim.measures.motion import distance_on_path, heading
+from ev_sim.measures.samples import channel
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import Run
 
 SET_POINT = "speed_command.speed."
 PERIOD = 0.005  # of control, with which the runs are driven [s]

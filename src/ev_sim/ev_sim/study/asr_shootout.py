@@ -9,15 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ev_sim.report.figures.drawing import sheet
-from ev_sim.report.figures.figure import Figure
-from ev_sim.report.figures.panels import Curve, Panel
-from ev_sim.report.metric import Metric, metric
-from ev_sim.report.text_table import text_table
-from ev_sim.study.asr_controls import controls, values_of
+from ev_sim.figures.drawing import sheet
+from ev_sim.figures.figure import Figure
+from ev_sim.figures.panels import Curve, Panel
+from ev_sim.measures.metric import Metric, metric
+from ev_sim.report.tables import text_table
+from ev_sim.study.asr_cases import SITUATIONS, controls, values_of
 from ev_sim.study.asr_measured import PERIOD
 from ev_sim.study.asr_measured import measure as measure
-from ev_sim.study.asr_situations import SITUATIONS
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 

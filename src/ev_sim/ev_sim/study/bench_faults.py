@@ -3,19 +3,149 @@
 from __future__ import annotations
 
 import argparse
+import random
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.report.figures.figure import Figure
-from ev_sim.report.metric import Metric, metric
-from ev_sim.report.text_table import text_table
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios.scenario import Run
-from ev_sim.study import bench_fault_trial
-from ev_sim.study.bench_fault_trial import CYCLE, END, FAULTS, LATEST, trial
+import numpy as np
+
+from ev_core.bus.database_file import load_database
+from ev_msgs_py.can.payload import joined
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.figures.figure import Figure
+from ev_sim.measures.metric import Metric, metric
+from ev_sim.recording.recording import Recording
+from ev_sim.report.tables import text_table
+from ev_sim.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult
 from ev_sim.study.study import Results
+
+SCENARIO = "bench_fault"
+CYCLE = 0.001  # s, of the bus
+EARLIEST, LATEST = 0.8, 1.0  # s, begin of a fault
+LASTS = 0.1  # s, that the cause is there
+ENABLED_IN_VAIN, RESET, END = 0.2, 0.3, 0.6  # s after the fault
+_SLOW = 0.02  # s until a frame with faults and a heartbeat have come, both every 10 ms
+_SIDES = {"right": ("11", "front_right"), "left": ("12", "front_left")}
+_LEAST_TORQUE = 5.0  # N m, of a drive that works
+
+
+class Fault(NamedTuple):
+    """Kind and value as in test_bench.inject, the name that it must get; no name: it is to be lived with."""
+
+    kind: str
+    value: float
+    named: str
+    both: bool = False  # a fault of one drive stops the other one, too
+
+
+FAULTS = {
+    "lost frames": Fault("lost_frames", 0.0, "CommandTimeout"),
+    "wrong counter": Fault("wrong_counter", 0.0, "WrongCounter"),
+    "wrong CRC": Fault("wrong_crc", 0.0, "WrongCrc"),
+    "stale feedback: silent": Fault("silent", 0.0, "StaleFeedback"),
+    "stale feedback: wrong CRC": Fault("feedback_wrong_crc", 0.0, "StaleFeedback"),
+    "stale feedback: wrong counter": Fault("feedback_wrong_counter", 0.0, "StaleFeedback"),
+    "derating by heat": Fault("hot_winding", 98.0, ""),
+    "over-temperature, winding": Fault("hot_winding", 120.0, "WindingTemperature"),
+    "over-temperature, inverter": Fault("hot_inverter", 80.0, "InverterTemperature"),
+    "transducer offset": Fault("transducer_offset", 100.0, "Implausible"),
+    "transducer gain": Fault("transducer_gain", 2.0, "Implausible"),
+    "load machine at its limit": Fault("load_limit", 0.0, "Implausible"),
+    "inverter trip": Fault("trip", 0.0, "Trip"),
+    "inverter trip, both stop": Fault("trip", 0.0, "Trip", both=True),
+    "DC-link loss": Fault("dc_link_loss", 0.0, "DcLinkLoss"),
+    "DC-link loss, both stop": Fault("dc_link_loss", 0.0, "DcLinkLoss", both=True),
+    "DC-link over-voltage": Fault("over_voltage", 200.0, "DcOverVoltage"),
+    "over-current": Fault("over_current", 700.0, "OverCurrent"),
+}
+
+
+def trial(what: str, seed: int) -> Case:
+    """A fault at a random instant, side and torque."""
+    fault, chance = FAULTS[what], random.Random(f"{what} {seed}")
+    begin = EARLIEST + CYCLE * chance.randrange(round((LATEST - EARLIEST) / CYCLE))
+    value = float(chance.randrange(64)) if fault.kind == "wrong_crc" else fault.value
+    return Case(
+        f"{what} {seed}",
+        SCENARIO,
+        (
+            ("test_bench", "inject.kind", fault.kind),
+            ("test_bench", "inject.drive", chance.choice(tuple(_SIDES))),
+            ("test_bench", "inject.value", value),
+            ("test_bench", "inject.begin", begin),
+            ("test_bench", "inject.end", begin + LASTS),
+            ("inverter_gateway", "enable_at", begin + ENABLED_IN_VAIN),
+            ("inverter_gateway", "reset_at", begin + RESET),
+            ("inverter_gateway", "fault_stops", "both" if fault.both else "drive"),
+            ("driver", "pedals.drive_torque", [chance.uniform(900.0, 1800.0)]),
+        ),
+        duration=begin + END,
+    )
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """When which torque was gone, what stood on the bus, and how it went on."""
+    p, gateway = run.configurations["test_bench"].parameters.inject, run.configurations["inverter_gateway"]
+    side, other = p.drive, "left" if p.drive == "right" else "right"
+    t = recording.time - p.begin
+    since = 0.0
+    if p.kind == "load_limit":
+        ratio = gateway.common.vehicle.gear_ratio
+        since = _apart_after(recording, side, ratio, t, gateway.parameters.plausibility.speed)
+    torque, others = _torque(recording, side), _torque(recording, other)
+    faulty = (t > CYCLE) & (t < RESET)
+    return {
+        "gone_after": _gone_after(t, torque) - since,
+        "other_gone_after": _gone_after(t, others),
+        "least": float(np.abs(torque[(t > LASTS / 2) & (t < LASTS)]).max()),
+        "before": float(torque[t < 0.0][-1]),
+        "named": sorted(_named(recording, side, gateway.parameters.bus.database, (t > 0.0) & (t < LASTS + _SLOW))),
+        "latched": bool(np.all(torque[(t > LASTS) & (t < RESET)] == 0.0)),
+        "other_kept": bool(np.all(np.abs(others[faulty]) > _LEAST_TORQUE)),
+        "back": bool(torque[-1] > _LEAST_TORQUE and others[-1] > _LEAST_TORQUE),
+    }
+
+
+def _torque(recording: Recording, side: str) -> np.ndarray:
+    return recording.channels[f"bench.shafts.machine_torque.{_SIDES[side][1]}"]
+
+
+def _gone_after(t: np.ndarray, torque: np.ndarray) -> float:
+    """End of the last cycle before the reset in which there was torque [s]; each number is the mean of a cycle."""
+    return float(t[(t < RESET) & (torque != 0.0)][-1])
+
+
+def _apart_after(recording: Recording, side: str, gear_ratio: float, t: np.ndarray, least: float) -> float:
+    """When the shaft is so far [rad/s] from the wheel that it stands for [s]; before that nothing can be noticed."""
+    wheel = _SIDES[side][1]
+    speed = recording.channels[f"bench.shafts.speed.{wheel}"]
+    turned = gear_ratio * recording.channels[f"wheel_states.velocity.{wheel}"]
+    return float(t[(t > 0.0) & (np.abs(speed - turned) > least)][0])
+
+
+def _named(recording: Recording, side: str, database: str, when: np.ndarray) -> set[str]:
+    """The names of what is set in frames with faults of a drive and in heartbeats."""
+    circuit = _SIDES[side][0]
+    faults, heartbeat = _layouts(circuit, database)
+    words = [recording.channels[f"can.feedback.drive_{circuit}_faults_{half}"][when] for half in ("low", "high")]
+    names = {name for low, high in zip(*words, strict=True) if low >= 0.0 for name in _set(faults, joined(low, high))}
+    for low in recording.channels[f"can.set_points.heartbeat_{circuit}"][when]:
+        if low >= 0.0:
+            own = {name for name in _set(heartbeat, int(low)) if name.endswith(f"Drive{circuit}")}
+            names |= {f"{name.removesuffix(f'Drive{circuit}')}" for name in own}
+    renamed = {"Stale": "StaleFeedback"}
+    return {renamed.get(name, name) for name in names if name not in ("Enable", "ErrorCode")}
+
+
+def _set(layout: Any, payload: int) -> set[str]:
+    return {name for name, value in layout.values(payload).items() if value != 0.0}
+
+
+def _layouts(circuit: str, name: str) -> tuple[Any, Any]:
+    database = load_database(name)
+    return database[f"Drive{circuit}_Faults"], database["Ecu_Heartbeat"]
+
 
 ABOUT = "Faults of bus, inverters and bench in the loop: zero torque in time, latched, named, reset (--seeds N)"
 SEEDS = 100
@@ -37,11 +167,6 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
     if given.seeds < 1:
         raise ParameterError(f"--seeds: {given.seeds} is refused, allowed is 1 and more")
     return [trial(what, seed) for what in FAULTS for seed in range(given.seeds)]
-
-
-def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """See `bench_fault_trial.measure`."""
-    return bench_fault_trial.measure(recording, run)
 
 
 def wrong(what: str, result: CaseResult) -> str:

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.report.metric import NotMeasured
-from ev_sim.running.recording.recording import Recording, signal_hash
-from ev_sim.running.recording.truth import true_motion
-from ev_sim.running.scenarios.scenario import Overrides, Run, load_scenario
+from ev_msgs_py.refusal import unknown_name
+from ev_sim.measures.metric import NotMeasured
+from ev_sim.recording.recording import Recording, signal_hash
+from ev_sim.recording.truth import true_motion
+from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 Measure = Callable[[Recording, Run], Mapping[str, Any]]  # of the true motion
 
@@ -58,7 +58,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     A case that its parameters, a law on this vehicle, or a signal that is not finite forbid comes back as refused, and
     so does one that is driven, with its hash, and cannot be measured. OSError if its signals cannot be written.
     """
-    from ev_sim.running.offline import run_offline  # numba is slow to import, and a list of studies drives nothing
+    from ev_sim.recording.offline import run_offline  # numba is slow to import, and a list of studies drives nothing
 
     try:
         run = run_of(case)

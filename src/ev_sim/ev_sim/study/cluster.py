@@ -8,8 +8,8 @@ from contextlib import contextmanager
 
 from distributed import Client, as_completed
 
+from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.summary import versions
-from ev_sim.running.outcome import RunFailed
 from ev_sim.study.case import Case, CaseResult, Measure, drive_case
 from ev_sim.study.depends import digest_of_sources
 

@@ -8,12 +8,11 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.shown import quoted
-from ev_sim.commands.command_line import add_outputs, add_overrides, overrides
-from ev_sim.commands.refusal import Parser
-from ev_sim.running.scenarios.parameter_file import ParameterFile
-from ev_sim.running.scenarios.scenario import Overrides, refuse_unused_values
+from ev_msgs_py.refusal import ParameterError, quoted
+from ev_sim.command_line.options import add_outputs, add_overrides, overrides
+from ev_sim.command_line.refusal import Parser
+from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.scenario import Overrides, refuse_unused_values
 from ev_sim.study.case import Case, run_of
 from ev_sim.study.study import Study, study_named
 

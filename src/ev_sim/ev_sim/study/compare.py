@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 
+from ev_core.methods.register import methods_of
 from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.lockstep.methods import methods_of
-from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.report.figures.drawing import sheet
-from ev_sim.report.figures.figure import Figure
-from ev_sim.report.figures.panels import Curve, panel
-from ev_sim.report.figures.plan_view import plan_view
-from ev_sim.report.metric import Metric, NotMeasured
-from ev_sim.report.quantities import derived, handling, motion
-from ev_sim.report.samples import channel
-from ev_sim.report.text_table import text_table
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios.scenario import Run, load_scenario
+from ev_msgs_py.refusal import unknown_name
+from ev_sim.figures.drawing import sheet
+from ev_sim.figures.figure import Figure
+from ev_sim.figures.panels import Curve, panel
+from ev_sim.figures.plan_view import plan_view
+from ev_sim.measures import handling, motion
+from ev_sim.measures.metric import Metric, NotMeasured
+from ev_sim.measures.samples import channel
+from ev_sim.recording.recording import Recording
+from ev_sim.report.tables import text_table
+from ev_sim.scenarios.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 from ev_sim.surfaces.road import RoadParameters, left_and_right
@@ -79,7 +79,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
         "y": channel(recording, "pose.y"),
         "yaw_rate": channel(recording, motion.YAW_RATE),
         "sideslip": np.degrees(motion.sideslip_angle(recording)),
-        "speed": derived.speed(recording),
+        "speed": motion.path_speed(recording),
         "torque_difference": _right_minus_left(recording),
     }
 

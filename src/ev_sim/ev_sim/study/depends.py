@@ -2,21 +2,67 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
-from collections.abc import Iterable, Sequence
+import sys
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import cache
 from importlib import import_module
+from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
-from ev_msgs_py.lockstep.methods import Method
-from ev_msgs_py.parameters.config_folders import config_folders
-from ev_msgs_py.parameters.data_file import files_read
+from ev_core.methods.register import Method
+from ev_core.parameters.data_file import config_folders, files_read
 from ev_sim.report.summary import PACKAGES, versions
 from ev_sim.study.case import Case, run_of
-from ev_sim.study.imported_files import imported_files
+
+_INSTALLED = frozenset(("site-packages", "dist-packages"))
+
+
+def imported_files(module: str, but: Collection[str]) -> list[Path]:
+    """Those of a module by its name, apart from Python's own and those of some packages; libraries in C as well.
+
+    What somebody else's installed package imports in its turn is left out.
+    """
+    found: dict[str, Path] = {}
+    waiting, own = [module], module.partition(".")[0]
+    for name in waiting:
+        top = name.partition(".")[0]
+        file = None if name in found or top in but or top in sys.stdlib_module_names else _file(name)
+        if file is not None:
+            found[name] = file
+            waiting += _imports(name, file) if top == own or not _INSTALLED.intersection(file.parts) else ()
+    return list(dict.fromkeys(found.values()))
+
+
+def _file(module: str) -> Path | None:
+    try:
+        spec = find_spec(module)
+    except (ImportError, AttributeError, ValueError):  # a name in a module, no module; or none of this machine
+        return None
+    return Path(spec.origin) if spec is not None and spec.has_location and spec.origin else None
+
+
+def _imports(module: str, file: Path) -> Iterator[str]:
+    """The modules that a text may mean; a name that is imported from a package may be one, too."""
+    if file.suffix != ".py":
+        return
+    package = module if file.name == "__init__.py" else module.rpartition(".")[0]
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = resolve_name("." * node.level + (node.module or ""), package)
+            names = [base, *(f"{base}.{alias.name}" for alias in node.names)]
+        else:
+            continue
+        for name in names:
+            parts = name.split(".")
+            yield from (".".join(parts[: n + 1]) for n in range(len(parts)))
+
 
 NEVER_DRIVES = ("ev_sim/commands", "ev_sim/dashboard", "ev_sim/report/page")
-_OURS = ("ev_msgs_py", "ev_control", "ev_sim")
+_OURS = ("ev_msgs_py", "ev_core", "ev_control", "ev_sim", "ev_papers")
 _LENGTH = 24  # hexadecimal digits
 
 

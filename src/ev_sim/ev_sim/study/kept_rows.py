@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.parameters.data_file import SIGNALS, read_data
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_sim.running.outcome import RunFailed
-from ev_sim.running.recording.atomic import atomic_file
-from ev_sim.running.recording.recording import Recording, save
-from ev_sim.running.scenarios.scenario import Run
+from ev_core.parameters.data_file import SIGNALS, read_data
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.outcome import RunFailed
+from ev_sim.recording.recording import Recording, save
+from ev_sim.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.depends import digest_of_sources, row_key
 

@@ -9,19 +9,18 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.shown import LINE, shown
-from ev_sim.commands.command_line import command_of
-from ev_sim.report.figures.figure import Figure
-from ev_sim.report.figures.saving import figure_files, save_figures
-from ev_sim.report.metric import Metric
-from ev_sim.report.metric_table import print_metrics
+from ev_msgs_py.refusal import LINE, ParameterError, shown
+from ev_sim.command_line.options import command_of
+from ev_sim.figures.figure import Figure
+from ev_sim.figures.saving import figure_files, save_figures
+from ev_sim.measures.metric import Metric
+from ev_sim.recording.files_of_run import OF_ALL_RUNS, PAGE, SUMMARY
+from ev_sim.recording.outcome import RunFailed
+from ev_sim.recording.progress_bar import bar_of_runs
 from ev_sim.report.summary import versions, write_summary
 from ev_sim.report.table_files import TABLES, write_tables
-from ev_sim.running.files_of_run import OF_ALL_RUNS, PAGE, SUMMARY
-from ev_sim.running.outcome import RunFailed
+from ev_sim.report.tables import print_metrics
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.running.progress_bar import bar_of_runs
 from ev_sim.study.case import Case, CaseResult
 from ev_sim.study.command import arguments, study_cases
 from ev_sim.study.kept_rows import NAME, KeptRows, MeasureAndSave
@@ -54,9 +53,8 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         if table is not None:
             write_tables(folder.directory, *table)
         if not given.no_report:
-            from ev_sim.report.page.images import images_of
-            from ev_sim.report.page.measured import measured_signals
-            from ev_sim.report.page.writing import Page, write_page
+            from ev_sim.report.page.content import measured_signals
+            from ev_sim.report.page.writing import Page, images_of, write_page
 
             series = measured_signals({case: result.measured for case, result in results.items()})
             shown = Page(name, {"": content}, series, images_of(figures, folder.directory), tables)

@@ -5,29 +5,17 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping, Sequence
 from importlib import import_module
+from importlib.metadata import entry_points
 from typing import Any, Protocol
 
-from ev_msgs_py.parameters.values import unknown_name
-from ev_sim.report.figures.figure import Figure
-from ev_sim.report.metric import Metric
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios.scenario import Run
+from ev_msgs_py.refusal import unknown_name
+from ev_sim.figures.figure import Figure
+from ev_sim.measures.metric import Metric
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import Run
 from ev_sim.study.case import Case, CaseResult
 
-STUDIES = (
-    "asr_shootout",
-    "bench_convergence",
-    "bench_difference",
-    "bench_faults",
-    "compare",
-    "faults",
-    "five_methods",
-    "ge_ni2005_periods",
-    "sweep",
-    "urban_sensitivity",
-    "zhileykin2018_sweep",
-    "zhileykin2018_variants",
-)
+GROUP = "ev_stack.studies"  # of entry points: the name of a study, and its module
 
 Results = Mapping[str, CaseResult]  # name of the case -> what came out
 
@@ -65,8 +53,14 @@ class Study(Protocol):
         """Figures by the name of their file without suffix."""
 
 
+def study_names() -> list[str]:
+    """The names of all installed studies."""
+    return sorted({point.name for point in entry_points(group=GROUP)})
+
+
 def study_named(name: str) -> Study:
     """The module of a study; ParameterError that lists the known ones if there is none."""
-    if name not in STUDIES:
-        raise unknown_name("study", name, STUDIES)
-    return import_module(f"{__package__}.{name}")
+    found = [point.value for point in entry_points(group=GROUP, name=name)]
+    if not found:
+        raise unknown_name("study", name, study_names())
+    return import_module(found[0])

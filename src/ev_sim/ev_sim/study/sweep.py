@@ -11,18 +11,17 @@ import numpy as np
 import yaml
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.parameters.shown import quoted
-from ev_sim.report.figures.figure import Figure
-from ev_sim.report.figures.over_values import lines_with_bands, maps
-from ev_sim.report.metric import Metric
-from ev_sim.report.own_metrics import own_metrics
+from ev_msgs_py.refusal import ParameterError, quoted
+from ev_sim.figures.figure import Figure
+from ev_sim.figures.over_values import lines_with_bands, maps
+from ev_sim.measures.metric import Metric
+from ev_sim.measures.samples import own_metrics
+from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import report_for
 from ev_sim.report.table_files import cell
-from ev_sim.report.text_table import text_table
-from ev_sim.running.recording.recording import Recording
-from ev_sim.running.scenarios.scenario import Run, load_scenario
-from ev_sim.running.scenarios.yaml_text import read_yaml
+from ev_sim.report.tables import text_table
+from ev_sim.scenarios.parameter_file import read_yaml
+from ev_sim.scenarios.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
 

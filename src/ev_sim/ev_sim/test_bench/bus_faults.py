@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.can.payload_words import NO_FRAME
-from ev_msgs_py.can.schedule import TICK
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry
-from ev_msgs_py.parameters.declaration import parameter
+from ev_core.parameters.declaration import parameter
+from ev_core.parameters.record import entry
+from ev_msgs_py.can.frames import TICK
+from ev_msgs_py.can.payload import NO_FRAME
+from ev_msgs_py.compilable import compilable
 from ev_sim.test_bench.state import CircuitState
 
 KINDS = (

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.can.bus_model import (
+from ev_core.bus.model import (
     ChannelFrames,
     ChannelState,
     advance_channel,
@@ -18,21 +18,88 @@ from ev_msgs_py.can.bus_model import (
     release,
     take,
 )
-from ev_msgs_py.can.frames import DeviceFrames
-from ev_msgs_py.can.payload_words import NO_FRAME, are_words, joined, words
-from ev_msgs_py.can.schedule import TICK, is_due
-from ev_msgs_py.compiling.compilable import compilable
+from ev_core.parameters.record import part, series
+from ev_msgs_py.can.drive_states import DISABLE_VOLTAGE, OPERATION_ENABLED
+from ev_msgs_py.can.frames import TICK, BenchFrames, DeviceFrames, is_due
+from ev_msgs_py.can.payload import NO_FRAME, are_words, joined, words
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.bus_signals import MOST_TICKS
-from ev_msgs_py.contract.record import part, series
 from ev_sim.inverter.frames import FAULTS, MOTION, made, ticks_between
+from ev_sim.inverter.inverter import end_inverter_cycle, lead_inverter
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.set_points import receive_set_point
 from ev_sim.inverter.state import Inverter
 from ev_sim.test_bench.bus_faults import LOAD_LIMIT, FaultState, on_the_way, present, put_in
-from ev_sim.test_bench.can_cycle import CanConstants, make_cycle
-from ev_sim.test_bench.can_parameters import CanCircuitsParameters
-from ev_sim.test_bench.circuit import begin_period, end_period
+from ev_sim.test_bench.circuit import (
+    CircuitsConstants,
+    begin_period,
+    end_period,
+    follow,
+    follow_of_load,
+    largest_torques,
+    send,
+    send_to_load,
+    turn_shaft,
+)
+from ev_sim.test_bench.parameters import BOTH, LEFT, RIGHT, CanCircuitsParameters
 from ev_sim.test_bench.state import CircuitState
+
+
+class CanConstants(NamedTuple):
+    """What is computed once."""
+
+    circuits: CircuitsConstants
+    ticks: float  # of 1 ms in a control period
+    steps: float  # of the shafts in a tick
+    frames: BenchFrames
+    channel_11: ChannelFrames
+    channel_12: ChannelFrames
+    right: float  # place of its wheel
+    left: float
+
+
+@compilable
+def make_cycle(
+    p: CanCircuitsParameters, c: CanConstants, number: int, s: CircuitState, now: float, limited: bool
+) -> None:
+    """The cycle of both inverters after their set-points have come: states, machines and shaft, warnings.
+
+    The operator's enabling of a circuit is a line of its own beside the bus: without it nothing is switched on.
+    """
+    machine = c.circuits.machine
+    released = p.enabled == BOTH or p.enabled == (RIGHT if number == 0 else LEFT)
+    s.machine.remote = s.load.remote = 1.0 if released else 0.0
+    if not released:
+        s.machine.command.controlword = s.load.command.controlword = float(DISABLE_VOLTAGE)
+    lead_inverter(machine, s.machine, s.speed, TICK)
+    lead_inverter(p.load, s.load, s.load_speed, TICK)
+    _follow(p, c, s, now, limited)
+    end_inverter_cycle(machine, s.machine, TICK)
+    end_inverter_cycle(p.load, s.load, TICK)
+
+
+@compilable
+def _follow(p: CanCircuitsParameters, c: CanConstants, s: CircuitState, now: float, limited: bool) -> None:
+    """The machines and the shaft over a tick; the inverters take what has arrived as they would without a bus."""
+    machine, load, path, steps = s.machine, s.load, s.torque_path, int(c.steps)
+    asked, asked_load, asked_speed, limit = (
+        machine.command.torque, load.command.torque, load.command.speed, load.command.torque_limit
+    )  # fmt: skip
+    change = c.circuits.h * p.set_point.torque_rate
+    send(path, now, asked, c.circuits.machine.machine.peak_torque, p.set_point.torque_resolution)
+    send_to_load(p, s, now, -asked_load, asked_speed)
+    if limited:
+        load.command.torque_limit = p.inject.value
+    largest = largest_torques(p, c.circuits, s)
+    for n in range(steps):
+        machine.command.torque = follow(path, now, steps, n, c.circuits.delay, change)
+        follow_of_load(p, c.circuits, s, now, steps, n)
+        if machine.state != OPERATION_ENABLED:
+            path.now = 0.0
+        turn_shaft(p, c.circuits, s, largest)
+    machine.command.torque = asked
+    load.command.torque, load.command.speed, load.command.torque_limit = asked_load, asked_speed, limit
+
 
 DRIVE, LOAD = range(2)  # the two devices of a channel
 # Places of frames on a channel, in the order of their identifiers; those of the load machine are one higher.

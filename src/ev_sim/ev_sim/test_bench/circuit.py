@@ -4,17 +4,104 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_msgs_py.can.conventions import SPEED_MODE, TORQUE_MODE
+from ev_core.elementary import floor, remainder
+from ev_core.vehicle.car import Car
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, SWITCH_ON_DISABLED
-from ev_msgs_py.compiling.compilable import compilable
+from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
+from ev_msgs_py.compilable import compilable, inlined
+from ev_msgs_py.contract.optional_signals import LoadCommand
+from ev_msgs_py.contract.signals import WheelTorqueCommand
+from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.drives.losses import loss_power
 from ev_sim.inverter.parameters import InverterParameters
-from ev_sim.inverter.temperatures import advance_temperatures
-from ev_sim.inverter.torque import advance_electrical, follow_reference, largest_torque
-from ev_sim.test_bench.parameters import CircuitsParameters
-from ev_sim.test_bench.set_points import follow, send
-from ev_sim.test_bench.shaft import Motion, turn
-from ev_sim.test_bench.state import CircuitState
+from ev_sim.inverter.torque import advance_electrical, advance_temperatures, follow_reference, largest_torque
+from ev_sim.test_bench.parameters import CircuitsParameters, ShaftParameters
+from ev_sim.test_bench.state import LINE, CircuitState, SetPointState
+
+
+class Motion(NamedTuple):
+    """Over one step: torque in the shaft [N m], and the mean speeds of both machines [rad/s]."""
+
+    torque: float
+    speed: float
+    load_speed: float
+
+
+@inlined
+def turn(
+    p: ShaftParameters, s: CircuitState, inertia: float, load_inertia: float, torque: float, load: float, h: float
+) -> Motion:
+    """Turn two rotors by torques that are held over h [s], forwards positive.
+
+        J_1 w_1' = M_1 - M,    J_2 w_2' = M + M_2 - b w_2,    M = k theta + d (w_1 - w_2),    theta' = w_1 - w_2
+
+    Implicit midpoint rule: stable for any stiffness, and work = heat + what is stored, up to rounding.
+    """
+    free, free_load = 0.5 * h / inertia, 0.5 * h / load_inertia
+    slowed = 1.0 + free_load * p.friction
+    yielding = 0.5 * h * p.stiffness + p.damping
+    apart = s.speed + free * torque - (s.load_speed + free_load * load) / slowed
+    shaft = (p.stiffness * s.twist + yielding * apart) / (1.0 + yielding * (free + free_load / slowed))
+    mean = s.speed + free * (torque - shaft)
+    mean_load = (s.load_speed + free_load * (shaft + load)) / slowed
+    s.twist += h * (mean - mean_load)
+    s.speed += 2.0 * (mean - s.speed)
+    s.load_speed += 2.0 * (mean_load - s.load_speed)
+    return Motion(shaft, mean, mean_load)
+
+
+class SetPoints(NamedTuple):
+    """What the inverters of all circuits are told in a period: the one way into the bench.
+
+    Here, between controller and inverters, is the place of a bus. The way out is `circuits.outputs`.
+    """
+
+    torque: Wheels  # of the machines under test, at the shaft [N m]
+    load_mode: Wheels  # TORQUE_MODE or SPEED_MODE of the load machines
+    load_torque: Wheels  # of the load machines, positive against forwards [N m]
+    load_speed: Wheels  # of the load machines [rad/s]
+
+
+@compilable
+def set_points(car: Car, command: WheelTorqueCommand, load: LoadCommand) -> SetPoints:
+    """The set-points of a period: torque at the shaft is torque at the wheel over the gear ratio (section 4.1)."""
+    torque, gear = command.drive, car.gear_ratio
+    shaft = Wheels(torque[0] / gear, torque[1] / gear, torque[2] / gear, torque[3] / gear)
+    return SetPoints(shaft, load.mode, load.torque, load.speed)
+
+
+@compilable
+def send(path: SetPointState, periods: float, value: float, largest: float, resolution: float) -> None:
+    """Let a set-point set out, within its range and rounded; at the start everything was zero."""
+    sent = min(max(value, -largest), largest)
+    # What came over a bus is mostly such a multiple already.
+    if resolution > 0.0 and resolution * floor(sent / resolution + 0.5) != sent:
+        sent -= remainder(sent, resolution)
+    path.line[int(periods) % LINE] = sent
+
+
+@compilable
+def follow(path: SetPointState, periods: float, steps: int, step: int, delay: float, change: float) -> float:
+    """What an inverter follows in a step of a period, `delay` in steps; it changes by `change` at most.
+
+    The step in which a set-point arrives gets its share of the old and of the new one.
+    """
+    whole = int(delay)
+    late = delay - whole
+    asked = _sent(path, periods, steps, step - whole)
+    if late > 0.0:
+        asked += late * (_sent(path, periods, steps, step - whole - 1) - asked)
+    path.now += min(max(asked - path.now, -change), change)
+    return path.now
+
+
+@compilable
+def _sent(path: SetPointState, periods: float, steps: int, step: int) -> float:
+    """The set-point of the period in which a step lies, which is counted from the beginning of the present one."""
+    back = 0 if step >= 0 else (steps - 1 - step) // steps
+    period = int(periods) - back
+    return path.line[period % LINE] if period >= 0 else 0.0
+
 
 _NO_LIMIT = 2.0  # times its largest speed: the machine's own limit comes first
 

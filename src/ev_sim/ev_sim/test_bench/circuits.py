@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import fields
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.bench_signals import (
+from ev_core.methods.register import method
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.layout import any_driven
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.optional_signals import (
     BenchElectrical,
     BenchEnergy,
     BenchShafts,
@@ -15,24 +19,18 @@ from ev_msgs_py.contract.bench_signals import (
 )
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.layout import any_driven
-from ev_sim.inverter.machine import Machine
-from ev_sim.inverter.parameters import InverterParameters
-from ev_sim.inverter.temperatures import coolant_outlet, winding_temperature
-from ev_sim.inverter.torque import share_of_lag
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.inverter.parameters import InverterParameters, Machine
+from ev_sim.inverter.torque import coolant_outlet, share_of_lag, winding_temperature
 from ev_sim.test_bench.circuit import (
     CircuitsConstants,
     CircuitSetPoint,
     advance_circuit,
     power,
+    set_points,
     stored_energy,
 )
 from ev_sim.test_bench.parameters import BOTH, LEFT, RIGHT, CircuitsParameters
-from ev_sim.test_bench.set_points import set_points
 from ev_sim.test_bench.state import LINE, CircuitsState
 
 _ROUNDING = 1e-12  # a period of a whole number of steps gets no more than that

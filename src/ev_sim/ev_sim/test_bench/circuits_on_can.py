@@ -5,29 +5,28 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from ev_msgs_py.can.bus_model import channel_frames
-from ev_msgs_py.can.database import Database, load_database
+from ev_core.bus.database_file import load_database
+from ev_core.bus.model import channel_frames
+from ev_core.methods.register import method
+from ev_core.parameters.record import part, series
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.frame_layout import FrameLayout
-from ev_msgs_py.can.frames import bench_frames
-from ev_msgs_py.can.payload_words import NO_FRAME
-from ev_msgs_py.can.schedule import TICK, ticks_of
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures
+from ev_msgs_py.can.frames import TICK, bench_frames, ticks_of
+from ev_msgs_py.can.payload import NO_FRAME
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, BusStates, FeedbackFrames, SetPointFrames
-from ev_msgs_py.contract.record import part, series
+from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures
 from ev_msgs_py.contract.signals import BatteryCondition
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.test_bench.bus_faults import measured, present
-from ev_sim.test_bench.can_circuit import SAID, Circuit, Line, advance_can_circuit
-from ev_sim.test_bench.can_cycle import CanConstants
-from ev_sim.test_bench.can_parameters import CanCircuitsParameters
+from ev_sim.test_bench.can_circuit import SAID, CanConstants, Circuit, Line, advance_can_circuit
 from ev_sim.test_bench.circuits import constants
 from ev_sim.test_bench.circuits import outputs as outputs_of_circuits
 from ev_sim.test_bench.circuits import prepare as prepare_circuits
+from ev_sim.test_bench.parameters import CanCircuitsParameters
 from ev_sim.test_bench.state import LINE, CircuitsState
 
 _FRAMES = ("Faults", "Motion", "SetPoint", "Electrical", "Temperatures")  # by identifier

@@ -6,22 +6,19 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
-from ev_msgs_py.can.bus_meter import BusMeter
-from ev_msgs_py.can.bus_parameters import CIRCUITS
-from ev_msgs_py.can.channel import Frame
-from ev_msgs_py.can.database import load_database
-from ev_msgs_py.can.frames import bench_frames
-from ev_msgs_py.can.payload_words import NO_FRAME, joined, words
-from ev_msgs_py.can.schedule import TICK
+from ev_core.bus.channel import BusMeter, Frame
+from ev_core.bus.database_file import load_database
+from ev_core.bus.parameters import CIRCUITS
+from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.law import LawObject
+from ev_msgs_py.can.frames import TICK, bench_frames
+from ev_msgs_py.can.payload import NO_FRAME, joined, words
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, SetPointFrames
 from ev_msgs_py.contract.signals import BatteryCondition
-from ev_msgs_py.lockstep.configuration import Configuration
-from ev_msgs_py.lockstep.law import LawObject
 from ev_sim.inverter.frames import MOTION
 from ev_sim.inverter.station import ChannelStation, InverterStation
 from ev_sim.test_bench.bus_faults import LOAD_LIMIT, on_the_way, present, put_in
-from ev_sim.test_bench.can_circuit import HEARD, SAID, Line
-from ev_sim.test_bench.can_cycle import CanConstants, make_cycle
+from ev_sim.test_bench.can_circuit import HEARD, SAID, CanConstants, Line, make_cycle
 from ev_sim.test_bench.circuit import begin_period, end_period
 from ev_sim.test_bench.state import CircuitState
 

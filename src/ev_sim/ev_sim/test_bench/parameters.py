@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.parameters.declaration import group, parameter
-from ev_sim.inverter.parameters import LoadInverter
+from ev_core.bus.model import BusModelParameters
+from ev_core.parameters.declaration import group, parameter
+from ev_sim.inverter.parameters import DcLinkParameters, LoadInverter
+from ev_sim.test_bench.bus_faults import BusFaultParameters
 
 _ASSUMED = "assumption: not printed"
 _ANY_RATE = 1e9
@@ -65,3 +67,15 @@ class CircuitsParameters:
     )  # fmt: skip
     shaft: ShaftParameters = group(ShaftParameters)
     load: LoadInverter = group(LoadInverter, speed_gain=60.0, speed_integral_time=0.05)
+
+
+@dataclass(frozen=True, slots=True)
+class CanCircuitsParameters(CircuitsParameters):
+    """The same devices; set-points and feedback of the machines under test go over a bus."""
+
+    bus: BusModelParameters = group(BusModelParameters)
+    command_timeout: float = parameter(
+        0.01, unit="s", low=0.001, high=1.0, about="without a valid set-point for longer than this: fault"
+    )
+    dc_link: DcLinkParameters = group(DcLinkParameters)
+    inject: BusFaultParameters = group(BusFaultParameters)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.contract.record import each_wheel, entry, part, series
+from ev_core.parameters.record import each_wheel, entry, part, series
 from ev_sim.inverter.state import Inverter
 
 LINE = 64  # set-points that are kept, one for each control period

@@ -1,12 +1,63 @@
-"""The friction curve of a tyre, chosen by name."""
+"""The friction curves of tyres over the slip, chosen by name, their peaks, and those of softer tyres."""
 
 from __future__ import annotations
 
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from ev_msgs_py.compiling.compilable import inlined
-from ev_sim.tyres import burckhardt, linear, magic_formula, rational, two_exponential
+from ev_core.elementary import atan, exp, sin
+from ev_msgs_py.compilable import compilable, inlined
+
+
+@inlined
+def burckhardt(slip: float, c1: float, c2: float, c3: float, _unused: float) -> float:
+    """Friction use over slip, phi = C1 (1 - exp(-C2 S)) - C3 S.
+
+    Slip S [1] is at least 0; returns [1]. Source: dissertation, table 2.3; Kiencke & Nielsen, Automotive Control
+    Systems, 2nd ed. 2005, chapter on vehicle modelling.
+    """
+    return c1 * (1.0 - exp(-c2 * slip)) - c3 * slip
+
+
+@inlined
+def linear(slip: float, slope: float, _second: float, _third: float, _fourth: float) -> float:
+    """Friction use over slip, mu = c S, without a peak.
+
+    Slip S [1] is at least 0; `slope` is c, the slip stiffness per load [1]; returns [1].
+    """
+    return slope * slip
+
+
+@inlined
+def magic_formula(slip: float, b: float, c: float, d: float, e: float) -> float:
+    """Friction use over slip, mu = D sin(C atan(B S - E (B S - atan(B S)))).
+
+    Slip S [1] is at least 0; stiffness factor B, shape factor C, peak D, curvature factor E [1]; returns [1].
+    Source: Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, section 4.3, without shifts.
+    """
+    bs = b * slip
+    return d * sin(c * atan(bs - e * (bs - atan(bs))))
+
+
+@inlined
+def rational(slip: float, peak: float, peak_slip: float, _third: float, _fourth: float) -> float:
+    """Friction use over slip, mu = 2 mu_p l_p l / (l^2 + l_p^2).
+
+    Slip l [1] is at least 0; `peak` is mu_p [1] at the slip `peak_slip` l_p [1]; returns [1].
+    Source: Ge & Ni 2005, tyre model.
+    """
+    return 2.0 * peak * peak_slip * slip / (slip * slip + peak_slip * peak_slip)
+
+
+@inlined
+def two_exponential(slip: float, full_slip: float, rise: float, fall: float, _fourth: float) -> float:
+    """Friction use over slip, mu = mu_s (1 - exp(-S/S0)) (1 + exp(-S/S1)).
+
+    Slip S [1] is at least 0; `full_slip` is mu_s [1], `rise` S0 and `fall` S1 [1]; returns [1].
+    Source: Zhileykin & Eranosyan 2018, tyre model.
+    """
+    return full_slip * (1.0 - exp(-slip / rise)) * (1.0 + exp(-slip / fall))
+
 
 # One curve over the slip each, but for mf_tyre (`mf_tyre.forces`).
 CURVES = ("burckhardt", "rational", "two_exponential", "magic_formula", "linear", "mf_tyre")
@@ -32,14 +83,14 @@ class Coefficients(NamedTuple):
 def friction(curve: float, slip: float, c: Coefficients) -> float:
     """Friction use [1] at a slip [1] of at least 0, of the curve with this place in `CURVES`."""
     if curve == BURCKHARDT:
-        return burckhardt.friction(slip, c.c0, c.c1, c.c2, c.c3)
+        return burckhardt(slip, c.c0, c.c1, c.c2, c.c3)
     if curve == RATIONAL:
-        return rational.friction(slip, c.c0, c.c1, c.c2, c.c3)
+        return rational(slip, c.c0, c.c1, c.c2, c.c3)
     if curve == TWO_EXPONENTIAL:
-        return two_exponential.friction(slip, c.c0, c.c1, c.c2, c.c3)
+        return two_exponential(slip, c.c0, c.c1, c.c2, c.c3)
     if curve == MAGIC_FORMULA:
-        return magic_formula.friction(slip, c.c0, c.c1, c.c2, c.c3)
-    return linear.friction(slip, c.c0, c.c1, c.c2, c.c3)
+        return magic_formula(slip, c.c0, c.c1, c.c2, c.c3)
+    return linear(slip, c.c0, c.c1, c.c2, c.c3)
 
 
 @inlined
@@ -77,3 +128,23 @@ def peak_slip(curve: str, coefficients: tuple[float, float, float, float]) -> fl
 
     coarse = highest(range(0, _STEPS + 1, _CELL))
     return highest(range(max(coarse - _CELL, 0), min(coarse + _CELL, _STEPS) + 1)) * _STEP
+
+
+@compilable
+def soften(curve: float, tyre: Any, share: float) -> None:
+    """Let a record with the coefficients c0 to c3 of a curve give at a slip what it gave at `share` [1] of it.
+
+    The slope at zero slip is `share` of what it was, the peak is as high as before.
+    """
+    if curve == BURCKHARDT:
+        tyre.c1 *= share
+        tyre.c2 *= share
+    elif curve == RATIONAL:
+        tyre.c1 /= share
+    elif curve == TWO_EXPONENTIAL:
+        tyre.c1 /= share
+        tyre.c2 /= share
+    elif curve in (MAGIC_FORMULA, LINEAR):
+        tyre.c0 *= share
+    elif curve == MF_TYRE:
+        tyre.c1 *= share

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from importlib import import_module
 
-from ev_sim.report.metric import Metric
+from ev_sim.measures.metric import Metric
 from ev_sim.verdicts.declaration import Declaration, by_id
 from ev_sim.verdicts.need import Driven, Need, ScenarioNeed, ScenarioRuns
-from ev_sim.verdicts.published import published
+from ev_sim.verdicts.sources import published, source_named, sources
 from ev_sim.verdicts.verdict import Verdict, verdict
-
-SOURCES = ("shchur2019", "ge_ni2005", "tatar_chudzik", "dissertation", "zhileykin2018")
 
 
 @cache
 def declarations(source: str) -> Mapping[str, Declaration]:
     """How each id of a source is judged, in the order of its list of published things."""
-    found = by_id(source, import_module(f"ev_sim.verdicts.sources.{source}").DECLARATIONS)
+    found = by_id(source, source_named(source).DECLARATIONS)
     return {id: found[id] for id in published(source) if id in found}
 
 
@@ -31,7 +28,7 @@ def wanted(only: Sequence[str], quick: bool) -> list[tuple[str, Declaration]]:
     """The declarations, with their source, of some sources or ids (all if none is named); `quick`: no slow needs."""
     return [
         (source, declaration)
-        for source in SOURCES
+        for source in sources()
         for id, declaration in declarations(source).items()
         if not only or any(word in (source, id) or id.startswith(f"{word}.") for word in only)
         if not (quick and any(need.slow for need in declaration.needs))

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ev_sim.report.metric import Metric
+from ev_sim.measures.metric import Metric
 from ev_sim.verdicts.check import Basis, Check
 from ev_sim.verdicts.need import Need
-from ev_sim.verdicts.published import Published, published
+from ev_sim.verdicts.sources import Published, published
 
 Assumption = str | Callable[..., str]
 
@@ -64,7 +64,7 @@ def by_id(source: str, declarations: Sequence[Declaration]) -> Mapping[str, Decl
     found: dict[str, Declaration] = {}
     for declaration in declarations:
         if declaration.id not in published(source):
-            raise ValueError(f"{declaration.id} is not in config/published/{source}.csv")
+            raise ValueError(f"{declaration.id} is not in the list of what {source} published")
         if declaration.id in found:
             raise ValueError(f"{declaration.id} is declared twice")
         found[declaration.id] = declaration

@@ -6,8 +6,8 @@ import argparse
 from dataclasses import dataclass
 from typing import Any
 
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.samples import Parameters, Runs
+from ev_core.vehicle.description import Vehicle
+from ev_sim.measures.samples import Parameters, Runs
 from ev_sim.study.study import Results
 
 Value = tuple[str, str, Any]  # node, parameter, value

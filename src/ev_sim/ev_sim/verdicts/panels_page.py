@@ -3,15 +3,74 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping, Sequence
-from importlib import import_module
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
-from ev_sim.report.figures.saving import save_figures
-from ev_sim.running.recording.atomic import atomic_file
+from ev_sim.figures.drawing import sheet
+from ev_sim.figures.figure import Figure
+from ev_sim.figures.panels import Panel
+from ev_sim.figures.saving import save_figures
+from ev_sim.recording.atomic import atomic_file
 from ev_sim.verdicts.need import Driven, Need
-from ev_sim.verdicts.panel import PublishedPanel
+from ev_sim.verdicts.sources import source_named
+
+WIDTH = 6.2  # of a panel with its labels [inch]
+Draw = Callable[..., "Figure"]  # takes what was driven, one argument for each of the needs
+
+
+@dataclass(frozen=True, slots=True)
+class PublishedPanel:
+    """One panel of a source: `figure` is its number there, `letter` that of the panel, empty if there is one only.
+
+    `row`: what the panels have in common that stand side by side. `ids`: the published ids that it shows.
+    `needs`: what is driven; `draw` makes the figure of it. A panel that cannot be drawn has `why_not` instead.
+    """
+
+    figure: str
+    letter: str
+    row: str
+    ids: tuple[str, ...] = ()
+    needs: tuple[Need, ...] = ()
+    draw: Draw | None = None
+    why_not: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name of the file without suffix and source."""
+        return "_".join(["fig", self.figure.replace(".", "_"), *([self.letter] if self.letter else [])])
+
+    @property
+    def title(self) -> str:
+        """What it is called on the page."""
+        return f"Fig {self.figure}{' ' if self.letter else ''}{self.letter}"
+
+
+def over_time(
+    panel: Callable[..., Panel],
+    xlabel: str = "time [s]",
+    start: float | None = None,
+    ends: tuple[float, float] | None = None,
+) -> Draw:
+    """The function that draws one pair of axes over time, or over another abscissa.
+
+    `start` is the begin of the abscissa, `ends` are those of the ordinate where the source has them.
+    """
+
+    def draw(*driven: object) -> Figure:
+        figure = sheet([panel(*driven)], xlabel, columns=1, start=start, panel_width=WIDTH)
+        if ends:
+            figure.axes[0].set_ylim(*ends)
+        return figure
+
+    return draw
+
+
+def cannot_be_drawn(figure: str, letter: str, row: str, why: str, *ids: str) -> PublishedPanel:
+    """A panel of which too little is left to draw it."""
+    return PublishedPanel(figure, letter, row, ids, why_not=why)
+
 
 INDEX = "index.html"
 _STYLE = """
@@ -23,7 +82,7 @@ figure { margin: 0; } img { max-width: 100%; } figcaption { color: #444; } .lost
 
 def panels(source: str) -> tuple[PublishedPanel, ...]:
     """The panels of a source, in its order."""
-    return import_module(f"ev_sim.verdicts.panels.{source}").PANELS
+    return source_named(source).PANELS
 
 
 def file_name(source: str, panel: PublishedPanel) -> str:

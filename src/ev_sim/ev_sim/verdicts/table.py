@@ -7,8 +7,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ev_sim.report.text_table import text_table
-from ev_sim.running.recording.atomic import atomic_file
+from ev_sim.recording.atomic import atomic_file
+from ev_sim.report.tables import text_table
 from ev_sim.verdicts.verdict import SORTS, Verdict, sort_of
 
 FILES = ("verdicts.json", "verdicts.md")

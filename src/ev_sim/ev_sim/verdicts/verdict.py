@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ev_sim.report.metric import FROM_INPUTS, NOT_MEASURED, NOT_REPRODUCED, REPRODUCED, Metric
+from ev_sim.measures.metric import FROM_INPUTS, NOT_MEASURED, NOT_REPRODUCED, REPRODUCED, Metric
 from ev_sim.verdicts.declaration import Declaration
-from ev_sim.verdicts.published import Published
+from ev_sim.verdicts.sources import Published
 
 # The sorts of verdicts, by the words with which their texts begin.
 WITH_ASSUMPTION = "reproduced with assumption"

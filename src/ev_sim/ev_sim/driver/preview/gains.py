@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ev_msgs_py.parameters.declaration import parameter
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.vehicle.understeer import axle_cornering_stiffnesses
+from ev_core.parameters.declaration import parameter
+from ev_core.vehicle.description import Vehicle
+from ev_sim.measures.understeer import axle_cornering_stiffnesses
 
 STEP = 0.05  # [s] from one point of the path that the driver looks at to the next
 STATES = ("lateral_velocity", "yaw_rate", "heading_error", "lateral_error", "wheels", "arms", "intended")

@@ -5,17 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.motion import speed_along_path
-from ev_msgs_py.contract.record import part
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group
+from ev_core.parameters.record import part
+from ev_core.vehicle.car import Car, speed_along_path
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.parameters.declaration import group
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.lane_keeping import STANDING, HandParameters
-from ev_sim.driver.path import Path, PathParameters, path_of
-from ev_sim.driver.pedal_profile import FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
+from ev_sim.driver.manoeuvre import FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
+from ev_sim.driver.path import Path, PathParameters, RoadEdgeState, edge_notes, path_of, watch_edge
 from ev_sim.driver.preview.gains import PreviewParameters
 from ev_sim.driver.preview.speed_plan import (
     SpeedPlan,
@@ -26,9 +25,8 @@ from ev_sim.driver.preview.speed_plan import (
     speed_plan,
 )
 from ev_sim.driver.preview.steering import Preview, PreviewState, look_ahead, preview_of
-from ev_sim.driver.road_edge import RoadEdgeState, edge_notes, watch_edge
 from ev_sim.driver.steering import AngleControlState, turn_to_angle
-from ev_sim.profiles.profile_file import with_speed_profile_from_file
+from ev_sim.profiles.speed_profile import with_speed_profile_from_file
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry
-from ev_msgs_py.elementary import atan2, cos, sqrt, tan
-from ev_msgs_py.parameters.declaration import parameter
-from ev_msgs_py.vehicle.car import GRAVITY
+from ev_core.elementary import atan2, cos, sqrt, tan
+from ev_core.parameters.declaration import parameter
+from ev_core.parameters.record import entry
+from ev_core.vehicle.car import GRAVITY
+from ev_msgs_py.compilable import compilable
+from ev_sim.driver.manoeuvre import UNBOUNDED
 from ev_sim.driver.path import Path, passed_on
-from ev_sim.driver.pedal_profile import UNBOUNDED
 
 _UNBOUNDED_SQUARE = UNBOUNDED * UNBOUNDED  # [m^2/s^2]
 _BENT = 0.99  # share of a leg within the circles at its ends from which on the leg is a chord of a bend

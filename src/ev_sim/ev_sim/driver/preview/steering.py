@@ -6,15 +6,15 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import compilable
-from ev_msgs_py.contract.record import entry
+from ev_core.elementary import atan2, exp
+from ev_core.parameters.record import entry
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity
-from ev_msgs_py.elementary import atan2, exp
-from ev_msgs_py.vehicle.description import Vehicle
 from ev_sim.driver.path import Path, nearest, point_at
 from ev_sim.driver.preview.gains import SPEEDS, STATES, STEP, Gains, PreviewParameters, preview_gains
+from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 from ev_sim.profiles.profile import number_until
-from ev_sim.vehicle.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 
 _SIZE = len(STATES)
 _TURNS_ALONG = 0.5  # ratio of rear to front angle from which on a car goes aside more than it turns: nothing to learn

@@ -10,9 +10,9 @@ Everywhere: delta is the mean road-wheel angle, left positive [rad], |delta| < p
 
 from __future__ import annotations
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_core.elementary import atan2, cos, hypot, sin
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.elementary import atan2, cos, hypot, sin
 
 
 @compilable

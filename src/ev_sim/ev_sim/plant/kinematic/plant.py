@@ -4,21 +4,48 @@ from __future__ import annotations
 
 import math
 
-from ev_msgs_py.compiling.compilable import compilable
+from ev_core.elementary import copysign, cos, sin
+from ev_core.methods.register import method
+from ev_core.vehicle.car import GRAVITY, Car
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.layout import equal_motors
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.elementary import cos, sin
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.vehicle.car import GRAVITY, Car
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.layout import equal_motors
 from ev_sim.drives.drive import advance_drive
 from ev_sim.plant.commands import GuardLimits, guard_limits, guarded_angle, guarded_torques
 from ev_sim.plant.kinematic.ackermann import course_offset, path_curvature, wheel_speed_ratios
-from ev_sim.plant.kinematic.dry_friction import move_with_dry_friction
-from ev_sim.plant.kinematic.outputs import SIGNALS, outputs
-from ev_sim.plant.kinematic.parameters import KinematicPlantParameters
-from ev_sim.plant.kinematic.state import KinematicPlantState, notes, rolling_straight
+from ev_sim.plant.kinematic.state import (
+    SIGNALS,
+    KinematicPlantParameters,
+    KinematicPlantState,
+    notes,
+    outputs,
+    rolling_straight,
+)
+
+
+@compilable
+def move_with_dry_friction(
+    speed: float, force: float, friction: float, mass: float, duration: float
+) -> tuple[float, float]:
+    """Speed [m/s] and travelled distance [m] after `duration` [s] of m V' = F - F_friction sgn(V).
+
+    The force is constant, `friction` >= 0 and `mass` > 0. Exact: a motion that friction brings to rest stops at its
+    instant; at rest friction takes up any force within +-`friction`, a larger one breaks loose in its own direction.
+    """
+    distance = 0.0
+    if speed != 0.0:
+        acceleration = (force - copysign(friction, speed)) / mass
+        stops = speed * acceleration < 0.0 and -speed / acceleration <= duration
+        if not stops:
+            return speed + acceleration * duration, (speed + acceleration * duration / 2.0) * duration
+        distance = -speed * speed / (2.0 * acceleration)
+        duration += speed / acceleration
+    if abs(force) <= friction:
+        return 0.0, distance
+    acceleration = (force - copysign(friction, force)) / mass
+    return acceleration * duration, distance + acceleration * duration * duration / 2.0
 
 
 def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float) -> GuardLimits:

@@ -1,13 +1,36 @@
-"""What the kinematic plant keeps from step to step, and how it starts."""
+"""What the kinematic plant is told, what it keeps from step to step, how it starts, and what it shows."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.contract.record import each_wheel, entry, part
-from ev_sim.drives.state import DriveState
+from ev_core.elementary import cos, sin
+from ev_core.parameters.declaration import parameter
+from ev_core.parameters.record import each_wheel, entry, part
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, InertialMeasurement, MotorStates, WheelStates
+from ev_msgs_py.contract.wheels import Wheels
+from ev_sim.drives.brushless_motor import DriveState
+from ev_sim.drives.drive import DriveParameters
 from ev_sim.plant.commands import GuardState, guard_notes
-from ev_sim.plant.kinematic.parameters import KinematicPlantParameters
+
+
+@dataclass(frozen=True, slots=True)
+class KinematicPlantParameters(DriveParameters):
+    """Drives, supply and integration of the kinematic plant; the car itself is the vehicle description."""
+
+    bus_voltage: float = parameter(
+        480.0,
+        unit="V",
+        low=1.0,
+        high=2000.0,
+        about="constant voltage of the bus; assumed, the paper's second turn needs more than the 381 V of the EMF",
+    )
+    sub_step: float = parameter(
+        1e-3, unit="s", low=1e-6, high=1e-3, about="longest step of the motion, over which the drives see one speed"
+    )
+    initial_speed: float = parameter(0.0, unit="m/s", low=-100.0, high=100.0, about="speed at the start")
 
 
 @dataclass(slots=True)
@@ -43,3 +66,54 @@ def rolling_straight(p: KinematicPlantParameters) -> KinematicPlantState:
 def notes(s: KinematicPlantState) -> tuple[str, ...]:
     """Commands that were not taken as they came."""
     return guard_notes(s.guard)
+
+
+SIGNALS = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose)
+
+
+@compilable
+def outputs(car: Car, s: KinematicPlantState) -> tuple:
+    """The signals of this instant; wheel torques and acceleration are means over the control period before it.
+
+    The means are what moved the car, chopping and commutation ripple included; the motors' torque is the one of
+    this instant, so it shows the ripple. Of the road-wheel angle the plant knows what was held until now.
+    """
+    yaw_rate = s.speed * s.path_curvature
+    along, across = cos(s.course_offset), sin(s.course_offset)
+    centripetal = s.speed * yaw_rate
+    one, two, three, four = s.wheels[0], s.wheels[1], s.wheels[2], s.wheels[3]
+    velocity = Wheels(
+        one.speed_ratio * s.speed / car.wheel_radius,
+        two.speed_ratio * s.speed / car.wheel_radius,
+        three.speed_ratio * s.speed / car.wheel_radius,
+        four.speed_ratio * s.speed / car.wheel_radius,
+    )
+    return (
+        WheelStates(
+            Wheels(one.position, two.position, three.position, four.position),
+            velocity,
+            Wheels(one.mean_torque, two.mean_torque, three.mean_torque, four.mean_torque),
+        ),
+        MotorStates(
+            Wheels(
+                shaft_speed(car, 0, velocity[0]),
+                shaft_speed(car, 1, velocity[1]),
+                shaft_speed(car, 2, velocity[2]),
+                shaft_speed(car, 3, velocity[3]),
+            ),
+            Wheels(s.drives[0].torque, s.drives[1].torque, s.drives[2].torque, s.drives[3].torque),
+        ),
+        InertialMeasurement(
+            yaw_rate,
+            s.acceleration * along - centripetal * across,
+            s.acceleration * across + centripetal * along,
+        ),
+        BodyVelocity(s.speed * along, s.speed * across, yaw_rate),
+        BodyPose(s.x, s.y, sin(s.heading / 2), cos(s.heading / 2)),
+    )
+
+
+@compilable
+def shaft_speed(car: Car, wheel: int, wheel_speed: float) -> float:
+    """Speed of the motor of a wheel at its shaft [rad/s]; 0 where there is none."""
+    return car.gear_ratio * wheel_speed if car.driven[wheel] == 1.0 else 0.0

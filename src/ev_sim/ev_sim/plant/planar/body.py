@@ -1,19 +1,15 @@
-"""Newton-Euler for the body in the plane and its four wheels.
-
-Frame: x forward, y left, z up, at the centre of mass. Equations: dissertation, eqs 2.20-2.26, and Ge & Ni 2005, with
-the signs of one right-handed frame.
-"""
+"""Newton-Euler for the body in the plane and its four wheels, with their loads and steering angles."""
 
 from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
 
-from ev_msgs_py.compiling.compilable import inlined
-from ev_msgs_py.vehicle.car import Car
+from ev_core.elementary import cos, sin, sqrt, tan
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import inlined
+from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.contact import look, within_friction
-from ev_sim.plant.planar.loads import loads
-from ev_sim.plant.planar.memory import Step
 from ev_sim.plant.planar.parameters import FREE, PlanarParameters
 from ev_sim.plant.planar.state import (
     BODY_DISTANCE,
@@ -35,8 +31,85 @@ from ev_sim.plant.planar.state import (
     WHEEL_ANGLE,
     WHEEL_SPEED,
     YAW_RATE,
+    Step,
 )
 from ev_sim.tyres.carcass import force_and_rate, slip_rate
+
+
+@inlined
+def steer(car: Car, step: Step, angle: float, apart: float) -> None:
+    """Set the direction of the wheels from the mean road-wheel angle of the front ones [rad].
+
+    Both rear wheels follow it by the vehicle's `rear_steering_ratio`, 0 for straight ones, and an actuator of their own
+    may turn them `apart` from that [rad]. Source: Ge & Ni 2005, eq 3.
+    """
+    cos_left, sin_left, cos_right, sin_right = front_wheels(car, angle)
+    step.cos_steer[0], step.sin_steer[0] = cos_left, sin_left
+    step.cos_steer[1], step.sin_steer[1] = cos_right, sin_right
+    rear = car.rear_steering_ratio * angle + apart
+    step.cos_steer[2] = step.cos_steer[3] = cos(rear) if rear != 0.0 else 1.0
+    step.sin_steer[2] = step.sin_steer[3] = sin(rear)
+
+
+@inlined
+def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
+    """Cosine and sine of the left, cosine and sine of the right front wheel's angle.
+
+    Mean angle delta [rad], left positive; Ackermann geometry, the first choice of the vehicle's `steering_geometry`, or
+    both wheels parallel, the second. Written with tan(delta) in the numerator, so that straight ahead needs no case of
+    its own. Source: Shchur 2019, eq. 8.
+    """
+    t = tan(angle)
+    outward = t * (0.5 * car.front_track) * (1.0 - car.steering_geometry)
+    left = car.wheelbase * t / (car.wheelbase - outward)
+    right = car.wheelbase * t / (car.wheelbase + outward)
+    cos_left = 1.0 / sqrt(1.0 + left * left)
+    cos_right = 1.0 / sqrt(1.0 + right * right)
+    return cos_left, left * cos_left, cos_right, right * cos_right
+
+
+@inlined
+def loads(y: Sequence[float], car: Car, gravity_z: float) -> Wheels:
+    """Loads of the four wheels [N] in a state, under gravity that presses the car on the road [m/s^2]."""
+    pitch_arm, roll_arm = car.pitch_height * car.mass, car.roll_height * car.mass
+    return wheel_loads(car, car.mass * gravity_z, pitch_arm * y[TRANSFER_X], roll_arm * y[TRANSFER_Y])
+
+
+@inlined
+def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float) -> Wheels:
+    """Loads of the four wheels [N]; their sum is always `normal`, none is below zero.
+
+    `normal` [N] presses the car on the road; `pitch_moment` and `roll_moment` [N m] are the moments of the tyre
+    forces about the centre of mass that unload the front axle and the left wheels. What an axle cannot take of its
+    part of the roll moment, because a wheel has lifted, goes to the other axle (rigid frame).
+    Source: Ge & Ni 2005, loads N_1..N_4; dissertation, eqs 2.28-2.31.
+    """
+    offset, share = car.centre_of_mass_offset, car.front_roll_share
+    front = min(max((normal * car.centre_of_mass_to_rear_axle - pitch_moment) / car.wheelbase, 0.0), normal)
+    rear = normal - front
+    # The moment that an axle takes before a wheel lifts.
+    front_limit = 0.5 * front * car.front_track
+    rear_limit = 0.5 * rear * car.rear_track
+    front_wanted = share * roll_moment - front * offset
+    rear_wanted = (1.0 - share) * roll_moment - rear * offset
+    front_excess = front_wanted - _within(front_wanted, front_limit)
+    rear_excess = rear_wanted - _within(rear_wanted, rear_limit)
+    front_taken = _within(front_wanted + rear_excess, front_limit)
+    rear_taken = _within(rear_wanted + front_excess, rear_limit)
+    # As shares of the limits, so that the load of a lifted wheel is exactly zero.
+    front_share = front_taken / front_limit if front_limit > 0.0 else 0.0
+    rear_share = rear_taken / rear_limit if rear_limit > 0.0 else 0.0
+    return Wheels(
+        0.5 * front * (1.0 - front_share),
+        0.5 * front * (1.0 + front_share),
+        0.5 * rear * (1.0 - rear_share),
+        0.5 * rear * (1.0 + rear_share),
+    )
+
+
+@inlined
+def _within(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)
 
 
 @inlined

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.contract.record import entry, part, per_wheel
-from ev_msgs_py.parameters.declaration import ParameterError
-from ev_msgs_py.vehicle.car import GRAVITY
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.drive_train import wheel_inertias
-from ev_msgs_py.vehicle.mf_tyre import MfTyres, mf_tyres
+from ev_core.parameters.record import entry, part, per_wheel
+from ev_core.vehicle.car import GRAVITY
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.drive_train import wheel_inertias
+from ev_core.vehicle.tyre import MfTyres, mf_tyres
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.tyres.mf_tyre import is_plain
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_msgs_py.compiling.compilable import inlined
-from ev_msgs_py.vehicle.car import Car
-from ev_sim.driveline.couplings import (
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import inlined
+from ev_sim.drives.controlled_motor import limited_torque
+from ev_sim.drives.couplings import (
     CLUTCH,
     follow_shares,
     motor_commands,
@@ -16,13 +17,10 @@ from ev_sim.driveline.couplings import (
 )
 from ev_sim.drives.drive import advance_drive
 from ev_sim.drives.engine import advance_engine
-from ev_sim.drives.torque_controlled import limited_torque
-from ev_sim.plant.planar.electrical import within_electrical_limits
-from ev_sim.plant.planar.energy import PowerConstants, battery_scale, terminal_voltage
-from ev_sim.plant.planar.faults.striking import strike_motors
-from ev_sim.plant.planar.memory import Step
+from ev_sim.plant.planar.car_faults import strike_motors
+from ev_sim.plant.planar.energy import PowerConstants, battery_scale, terminal_voltage, within_electrical_limits
 from ev_sim.plant.planar.parameters import TORQUE_CONTROLLED, PlanarParameters
-from ev_sim.plant.planar.state import WHEEL_SPEED, PlanarState
+from ev_sim.plant.planar.state import WHEEL_SPEED, PlanarState, Step
 
 
 class Lags(NamedTuple):

@@ -7,26 +7,52 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.can.conventions import SPEED_MODE
-from ev_msgs_py.compiling.compilable import compilable, inlined
-from ev_msgs_py.contract.bench_signals import BenchElectrical, BenchShafts, LoadCommand
-from ev_msgs_py.contract.record import entry, per_wheel, working_memory
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import parameter
+from ev_core.parameters.record import entry, per_wheel, working_memory
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.drive_train import has_equal_motors, has_own_motors
+from ev_msgs_py.can.frames import SPEED_MODE
+from ev_msgs_py.compilable import compilable, inlined
+from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchShafts, LoadCommand
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelTorqueCommand
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.vehicle.car import Car
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_msgs_py.vehicle.drive_train import has_equal_motors, has_own_motors
-from ev_sim.battery.resistive import current_at_power
+from ev_sim.drives.battery import current_at_power
 from ev_sim.plant.commands import accepted
 from ev_sim.plant.planar.drive_torques import Lags, behind_gear
 from ev_sim.plant.planar.energy import PowerConstants, source_voltage
-from ev_sim.plant.planar.memory import STAGES, STEP, Step
-from ev_sim.plant.planar.on_bench_parameters import LOAD_MACHINE, PlanarOnBenchParameters
 from ev_sim.plant.planar.outputs import SIGNALS, Seen, seen, wheels_from
+from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.plant import PLANAR, advance
 from ev_sim.plant.planar.prepare import PlanarConstants
 from ev_sim.plant.planar.start import begin
-from ev_sim.plant.planar.state import VX, WHEEL_SPEED, PlanarState
+from ev_sim.plant.planar.state import STAGES, STEP, VX, WHEEL_SPEED, PlanarState, Step
+
+WHEEL_SPEEDS = ("virtual", "load_machine")
+VIRTUAL, LOAD_MACHINE = range(len(WHEEL_SPEEDS))
+
+
+@dataclass(frozen=True, slots=True)
+class PlanarOnBenchParameters(PlanarParameters):
+    """The planar plant, and how it takes what the bench measures."""
+
+    rotor_share: float = parameter(
+        1.0,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="share of the rotor's torque J w' that is added to the measured one: the virtual car's wheel has the "
+        "rotor's inertia, but the torque behind the rotor, where the transducer sits, has moved the rotor already",
+        source="assumption: the source drives the wheel with the measured torque and does not speak of the rotor",
+    )
+    wheel_speed: str = parameter(
+        "load_machine",
+        choices=WHEEL_SPEEDS,
+        about="with which speed a driven wheel meets the road: load_machine: the one measured at its load machine; "
+        "virtual: the one that the load machine is told to hold, the default behind a real bus",
+        source="dissertation, section 4.1: the speed of the load machine is that of the virtual driven wheel",
+    )
+
 
 _BEYOND = 2.0  # times its largest torque is what a machine is believed to give: the transducer may err
 _MOST_POWER = 1e7  # W, believed of the electrical measurement

@@ -5,12 +5,11 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-from ev_msgs_py.faults.fault import faults_parameter
-from ev_msgs_py.parameters.declaration import group, parameter
+from ev_core.faults.fault import faults_parameter
+from ev_core.parameters.declaration import group, parameter
 from ev_sim.drives.drive import DRIVES, DriveParameters
-from ev_sim.plant.planar.faults.parameters import PunctureParameters
-from ev_sim.profiles.profile_file import with_profile_from_file
-from ev_sim.profiles.speed_profile import SpeedProfileParameters
+from ev_sim.plant.planar.car_faults import PunctureParameters
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, with_profile_from_file
 from ev_sim.surfaces.road import RoadParameters
 
 TORQUE_CONTROLLED = len(DRIVES)

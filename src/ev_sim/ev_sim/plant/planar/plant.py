@@ -5,27 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from ev_msgs_py.compiling.compilable import inlined
-from ev_msgs_py.contract.record import working_memory
+from ev_core.elementary import cos, sin
+from ev_core.methods.register import method
+from ev_core.parameters.record import working_memory
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import inlined
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
-from ev_msgs_py.elementary import cos, sin
-from ev_msgs_py.lockstep.methods import method
-from ev_msgs_py.vehicle.car import Car
 from ev_sim.plant.commands import guarded_steering, guarded_torques
+from ev_sim.plant.planar.body import steer
+from ev_sim.plant.planar.car_faults import deflate, delay_commands, find_faults
+from ev_sim.plant.planar.contact import find_road
 from ev_sim.plant.planar.drive_torques import apply_drives
-from ev_sim.plant.planar.electrical_outputs import ELECTRICAL_SIGNALS, electrical_outputs
 from ev_sim.plant.planar.energy import account
-from ev_sim.plant.planar.faults.striking import deflate, delay_commands, find_faults
-from ev_sim.plant.planar.integrator import integrate
-from ev_sim.plant.planar.memory import STAGES, STEP, Stages, Step
-from ev_sim.plant.planar.notes import keep_noted, notes
-from ev_sim.plant.planar.outputs import SIGNALS, outputs
+from ev_sim.plant.planar.equations import integrate
+from ev_sim.plant.planar.outputs import ELECTRICAL_SIGNALS, SIGNALS, electrical_outputs, outputs
 from ev_sim.plant.planar.parameters import IMPOSED, PlanarParameters, load_files
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
-from ev_sim.plant.planar.road_under_wheels import find_road
-from ev_sim.plant.planar.start import at_start
-from ev_sim.plant.planar.state import HEADING, VX, VY, WHEEL_ANGLE, PlanarState
-from ev_sim.plant.planar.steering import steer
+from ev_sim.plant.planar.start import at_start, keep_noted, notes
+from ev_sim.plant.planar.state import HEADING, STAGES, STEP, VX, VY, WHEEL_ANGLE, PlanarState, Stages, Step
 from ev_sim.profiles.profile import value_at
 
 # What all methods of this plant have, but for what they say themselves.

@@ -1,27 +1,105 @@
-"""The planar plant at the start of a run."""
+"""The planar plant at the start of a run, at rest or in equilibrium, and what it says about the run."""
 
 from __future__ import annotations
 
-from ev_msgs_py.vehicle.car import Car
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import inlined
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.drives.engine import begin_engine
-from ev_sim.plant.planar.contact import look, within_friction
-from ev_sim.plant.planar.equilibrium import begin_driven
-from ev_sim.plant.planar.loads import loads
-from ev_sim.plant.planar.memory import Step
-from ev_sim.plant.planar.notes import keep_noted
+from ev_sim.plant.commands import guard_notes
+from ev_sim.plant.planar.body import loads
+from ev_sim.plant.planar.contact import RoadTables, find_road, gravity_at, look, within_friction
 from ev_sim.plant.planar.parameters import PlanarParameters
 from ev_sim.plant.planar.prepare import PlanarConstants
-from ev_sim.plant.planar.road_under_wheels import find_road
 from ev_sim.plant.planar.state import (
+    BODY_DISTANCE,
     DEFLECTION_X,
     DEFLECTION_Y,
     HEADING,
+    SLIP_X,
     TRANSFER_X,
     TRANSFER_Y,
     VX,
     WHEEL_SPEED,
     PlanarState,
+    Step,
 )
+from ev_sim.tyres.curve import CURVES, Coefficients, friction, peak_slip
+
+_REFUSED = (
+    "more torque was asked against the gear than the engine's drag: the gear stayed, the selector moves below "
+    "vehicle.engine.gearbox.selector_speed"
+)
+
+
+@inlined
+def keep_noted(s: PlanarState, car: Car, road: RoadTables) -> None:
+    """Keep which wheels are off the ground in this state, and whether the battery is empty."""
+    if s.state_of_charge <= 0.0:
+        s.battery_empty = 1.0
+    _, _, gravity_z = gravity_at(road.slope, s.motion[BODY_DISTANCE])
+    load = loads(s.motion, car, gravity_z)
+    for i in range(4):
+        if load[i] == 0.0:
+            s.lifted[i] = 1.0
+
+
+def notes(s: PlanarState) -> tuple[str, ...]:
+    """Commands that were not taken as they came, counted by powers of ten, and what has happened at least once."""
+    lifted = (f"{name} wheel left the ground" for name, was in zip(WHEEL_NAMES, s.lifted, strict=True) if was)
+    empty = ("the battery was empty: no drive torque from it",) if s.battery_empty else ()
+    refused = (_REFUSED,) if s.engine.refused else ()
+    return (*guard_notes(s.guard), *lifted, *empty, *refused)
+
+
+_HALVINGS = 60  # of an interval of at most 1: to rounding
+
+
+def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
+    """Set wheels, carcasses and motors to what holds `c.initial_drive_torque` against the road at the car's speed.
+
+    The body does not accelerate: whatever holds its speed until the run begins takes the force of the tyres
+    in the plane of the road, so that drag and slope alone pitch it.
+    ParameterError if a tyre cannot hold its torque.
+    """
+    y, step, radius, speed = s.motion, Step(), c.body.wheel_radius, s.motion[VX]
+    find_road(y, c.body, step, c.road, True)
+    y[TRANSFER_X] = c.body.drag * abs(speed) * speed / car.mass - step.gravity_x
+    load = loads(y, car, step.gravity_z)
+    rolling = car.rolling_resistance + car.rolling_resistance_growth * speed * speed
+    for i in range(4):
+        asked, tyre, efficiency = c.initial_drive_torque[i], step.tyre[i], car.motor.gear_efficiency
+        torque = asked * efficiency if asked * speed > 0.0 else asked / efficiency
+        resistance = load[i] * (rolling + tyre.rolling_resistance)
+        force = torque / radius[i] - (resistance if speed > 0.0 else -resistance)
+        slip = _slip_at(car, Coefficients(tyre.c0, tyre.c1, tyre.c2, tyre.c3), abs(force) / max(load[i], 1e-9))
+        if slip is None:
+            raise ParameterError(
+                f"initial_drive_torque is {asked:g} N m at {WHEEL_NAMES[i]}, "
+                f"allowed is what its tyre holds, {tyre.friction * load[i] * radius[i]:.5g} N m"
+            )
+        # Slip is over the faster one of rim and road.
+        y[WHEEL_SPEED + i] = (speed / (1.0 - slip) if force * speed > 0.0 else speed * (1.0 - slip)) / radius[i]
+        y[SLIP_X + i] = slip if force >= 0.0 else -slip
+        y[DEFLECTION_X + i] = force / car.tyre.longitudinal_stiffness
+        s.motor_torque[i] = asked / car.gear[i] / car.motors[i]
+        s.mean_drive[i] = torque
+
+
+def _slip_at(car: Car, curve: Coefficients, use: float) -> float | None:
+    """The slip [1] on the rising part of the friction curve at a friction use [1]; None beyond its peak."""
+    kind = car.tyre.curve
+    low, high = 0.0, peak_slip(CURVES[int(kind)], tuple(curve))
+    if use > friction(kind, high, curve):
+        return None
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if friction(kind, middle, curve) < use:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
 
 
 def at_start(p: PlanarParameters, car: Car, c: PlanarConstants) -> PlanarState:

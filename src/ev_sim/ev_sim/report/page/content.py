@@ -2,19 +2,96 @@
 
 from __future__ import annotations
 
+import base64
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.page.codec import Packed, levels, pack
-from ev_sim.report.page.envelope import envelope
-from ev_sim.report.page.quantities import groups_of
-from ev_sim.report.page.top_view import PREFIX, car_of, view_channels
-from ev_sim.report.samples import Runs
-from ev_sim.running.recording.recording import Recording
+from ev_core.playback.method import TIME
+from ev_core.vehicle.description import Vehicle
+from ev_sim.measures.samples import Runs
+from ev_sim.recording.recording import Recording
+from ev_sim.report.page.top_view import PREFIX, car_of, groups_of, view_channels
+
+GAP = 0  # the code of what is not finite; numbers have the codes from 1 on
+_LEVEL = 1  # of deflate: higher ones take twice the time for a tenth of the size
+
+
+@dataclass(frozen=True, slots=True)
+class Packed:
+    """A series of `count` numbers: the n-th is low + (code_n - 1) step, a gap where its code is GAP.
+
+    `text` holds the codes: base64 of deflate of `planes` rows of bytes, the lowest byte of every code first, of the
+    differences of the codes modulo 256^planes (the first one against 0).
+    """
+
+    text: str
+    low: float
+    step: float
+    count: int
+    planes: int
+
+
+def levels(planes: int) -> int:
+    """Into how many steps the range of a series is divided."""
+    return 256**planes - 4  # the code of a gap is none of them, and two are lost where zero is made one of them
+
+
+def pack(values: np.ndarray, planes: int, step: float | None = None) -> Packed:
+    """Pack values (n,), rounded to multiples of a step, the range over `levels` unless it is given: zero stays zero."""
+    finite = np.isfinite(values)
+    held = values[finite]
+    low, high = (float(held.min()), float(held.max())) if len(held) else (0.0, 0.0)
+    if step is None or (high - low) / step > levels(planes):
+        step = (high - low) / levels(planes)
+    if step > 0.0:
+        low = float(np.floor(low / step)) * step
+    codes = np.zeros(len(values), np.int64)
+    codes[finite] = (np.rint((held - low) / step) if step > 0.0 else 0) + 1
+    changes = np.diff(codes, prepend=0) & (256**planes - 1)
+    rows = [(changes >> 8 * plane & 255).astype(np.uint8).tobytes() for plane in range(planes)]
+    text = base64.b64encode(zlib.compress(b"".join(rows), _LEVEL)).decode()
+    return Packed(text, low, step, len(values), planes)
+
+
+def unpack(packed: Packed) -> np.ndarray:
+    """The values (count,), NaN where there is a gap, as the page computes them."""
+    raw = np.frombuffer(zlib.decompress(base64.b64decode(packed.text)), np.uint8)
+    rows = raw.reshape(packed.planes, packed.count).astype(np.int64)
+    codes = np.cumsum(sum(row << 8 * plane for plane, row in enumerate(rows))) & (256**packed.planes - 1)
+    return np.where(codes == GAP, np.nan, packed.low + (codes - 1) * packed.step)
+
+
+def envelope(run: Recording, every: int) -> Recording:
+    """Two samples of each 2 `every`: lowest and highest of every channel, in the order in which they came.
+
+    They stand at the first and the middle instant, so no sample moves by more than 2 `every` of them; a gap stays a
+    gap. Of the rest at the end, shorter than that, they stand at its first and last instant. A run comes back as it is
+    if `every` is 1.
+    """
+    size = 2 * every
+    whole = len(run.time) // size * size
+    if every == 1 or not whole:
+        return run
+    last = sorted({whole, len(run.time) - 1}) if whole < len(run.time) else []
+    time = np.concatenate([run.time[:whole:every], run.time[last]])
+
+    def thinned(values: np.ndarray) -> np.ndarray:
+        rest = _ends(values[whole:], len(values) - whole)[: len(last)] if last else values[:0]
+        return np.concatenate([_ends(values[:whole], size), rest])
+
+    return Recording(time, {name: thinned(values) for name, values in run.channels.items()})
+
+
+def _ends(values: np.ndarray, size: int) -> np.ndarray:
+    bins = values.reshape(-1, size)
+    lowest, highest = bins.argmin(axis=1), bins.argmax(axis=1)
+    places = np.stack([np.minimum(lowest, highest), np.maximum(lowest, highest)], axis=1)
+    return np.take_along_axis(bins, places, axis=1).ravel()
+
 
 MOST_TEXT = 10_000_000  # characters of all signals of a page: room for figures below the 15 MB that a page may have
 _PLANES = (3, 2)  # bytes of a sample that are tried, one after the other
@@ -106,3 +183,22 @@ def by_result(summaries: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]
         told = next(metric for metric in found if metric)
         rows.append({"name": name, "unit": told["unit"], "found": found, "told": told})
     return rows
+
+
+def measured_signals(measured: Mapping[str, Mapping[str, Any]]) -> tuple[Signals, ...]:
+    """What was measured over `time` on each case, if there is such a thing on any."""
+    series = {name: _series(values) for name, values in measured.items()}
+    runs = {name: found for name, found in series.items() if found is not None}
+    return (Signals("", runs, None),) if runs else ()
+
+
+def _series(values: Mapping[str, Any]) -> Recording | None:
+    time = values.get(TIME)
+    if not isinstance(time, np.ndarray):
+        return None
+    others = {
+        name: np.asarray(each, dtype=np.float64)
+        for name, each in values.items()
+        if name != TIME and isinstance(each, np.ndarray) and each.shape == time.shape
+    }
+    return Recording(time, others) if others else None

@@ -1,19 +1,69 @@
-"""What the car seen from above needs beyond the recorded channels."""
+"""Which channels are plotted together on a page, and what the car seen from above needs besides."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
+from ev_core.vehicle.car import GRAVITY
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.vehicle.car import GRAVITY
-from ev_msgs_py.vehicle.description import Vehicle
-from ev_sim.report.metric import NotMeasured
-from ev_sim.report.quantities.car_axes import wheel_directions
-from ev_sim.report.quantities.motion import heading
-from ev_sim.running.recording.recording import Recording
+from ev_sim.measures.car_axes import wheel_directions
+from ev_sim.measures.metric import NotMeasured
+from ev_sim.measures.motion import heading
+from ev_sim.recording.recording import Recording
+
+
+def groups_of(channels: Iterable[str]) -> list[dict[str, Any]]:
+    """Topics with their fields and these with their curves, in the order of the table of topics.
+
+    What stands in no topic makes groups by the first part of its name if there is one, without unit and meaning.
+    """
+    names = set(channels)
+    known = [group for topic in TOPICS.values() if (group := _of_topic(topic, names))["plots"]]
+    listed = {curve["channel"] for group in known for plot in group["plots"] for curve in plot["curves"]}
+    others: dict[str, list[str]] = {}
+    for name in sorted(names - listed):
+        first, dot, _ = name.partition(".")
+        others.setdefault(first if dot else "measured", []).append(name)
+    return [*known, *(_unknown(first, members) for first, members in others.items())]
+
+
+def _of_topic(topic: Topic, names: set[str]) -> dict[str, Any]:
+    plots = []
+    prefix = topic.name.replace("/", ".")
+    for field, said in topic.shape.fields.items():
+        start = f"{prefix}.{field}"
+        found = [channel for channel in topic.channels if channel in names and _belongs(channel, start)]
+        if found:
+            curves = [_curve(channel, start) for channel in found]
+            plots.append({"title": _words(field), "unit": said.unit, "about": said.about, "curves": curves})
+    about = (topic.signal.__doc__ or "").partition("\n")[0]
+    return {"title": topic.name, "about": about, "plots": plots}
+
+
+def _unknown(first: str, members: Sequence[str]) -> dict[str, Any]:
+    plots = [
+        {"title": _words(name.partition(".")[2] or name), "unit": "", "about": "", "curves": [_curve(name, name)]}
+        for name in members
+    ]
+    return {"title": first, "about": "", "plots": plots}
+
+
+def _belongs(channel: str, start: str) -> bool:
+    return channel == start or channel.startswith(start + ".")
+
+
+def _curve(channel: str, start: str) -> dict[str, str]:
+    return {"channel": channel, "label": _words(channel.removeprefix(start).removeprefix("."))}
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ").replace(".", " ")
+
 
 PREFIX = "view."
 

@@ -11,10 +11,11 @@ from typing import Any
 
 from jinja2 import Environment, FunctionLoader
 
-from ev_msgs_py.parameters.declaration import entries
-from ev_msgs_py.vehicle.description import Vehicle
+from ev_core.parameters.declaration import entries
+from ev_core.vehicle.description import Vehicle
+from ev_sim.figures.figure import Figure
+from ev_sim.recording.atomic import atomic_file
 from ev_sim.report.page.content import Signals, by_result, signal_data
-from ev_sim.running.recording.atomic import atomic_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,3 +73,17 @@ def _number(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     return ", ".join(map(_number, value)) if isinstance(value, list | tuple) else str(value)
+
+
+def images_of(figures: Mapping[str, Figure], folder: Path) -> dict[str, Image]:
+    """The files NAME.png that were saved in a folder; what they show are titles and labels of their axes."""
+    return {name: Image((folder / f"{name}.png").read_bytes(), _shown(figure)) for name, figure in figures.items()}
+
+
+def _shown(figure: Figure) -> str:
+    panels = []
+    for axes in figure.axes:
+        title = axes.get_title(loc="left") or axes.get_title()
+        labels = " over ".join(filter(None, (axes.get_ylabel(), axes.get_xlabel())))
+        panels.append(": ".join(filter(None, (title, labels))))
+    return "; ".join(dict.fromkeys(filter(None, panels)))

@@ -1,0 +1,1 @@
+"""Traction controls that set each wheel a speed, for drives in speed mode."""

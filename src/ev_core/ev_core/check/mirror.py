@@ -1,0 +1,109 @@
+"""Left and right alike: a mirrored car in mirrored motion gets the mirrored answer, to the bit.
+
+Mirrored means: values of left and right wheels are exchanged, and `lateral` quantities change their sign, which say it
+where they are declared, at the field of the signal or at the parameter. Zero has no sign here.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ev_core.check.stepping import Subject, difference, said
+from ev_core.lockstep.configuration import Configuration
+from ev_core.parameters.declaration import Entry
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.frame import Frame
+
+_SIDES = {"left": "right", "right": "left"}
+
+
+def asymmetry(subject: Subject, seed: int) -> str:
+    """What differs between the mirror image of a run and the run of the mirror image; empty if nothing."""
+    other = Subject(mirrored_configuration(subject.configuration), subject.compiled, subject.steps, subject.inputs)
+    frames = subject.frames(seed)
+    image = [mirrored(raw) for raw in said(subject.part(), frames)]
+    of_image = [_unsigned_zeros(raw) for raw in said(other.part(), [_mirrored_frame(here) for here in frames])]
+    found = difference(subject, image, of_image)
+    return (
+        f"left and right are not alike: the mirror image and the run of the mirror image differ, {found}"
+        if found
+        else ""
+    )
+
+
+def mirrored(raw: bytes) -> bytes:
+    """The mirror image of a frame; zeros in it are positive."""
+    order, sign = _in_the_mirror()
+    return _unsigned_zeros((np.frombuffer(raw)[order] * sign).tobytes())
+
+
+def mirrored_numbers(kind: type, numbers: Sequence[float]) -> list[float]:
+    """The numbers of a signal in the mirror."""
+    return [-numbers[i] if shape_of(kind).lateral[i] else numbers[i] for i in _order(kind)]
+
+
+@cache
+def _in_the_mirror() -> tuple[np.ndarray, np.ndarray]:
+    """Of the mirror image of a frame: the places from which its numbers come, and their signs."""
+    order, sign = np.arange(frame.SIZE), np.ones(frame.SIZE)
+    for kind, place in frame.PLACES.items():
+        order[place] = [place.start + i for i in _order(kind)]
+        sign[place] = mirrored_numbers(kind, [1.0] * shape_of(kind).size)
+    return order, sign
+
+
+def _order(kind: type) -> Sequence[int]:
+    """The places of a signal from which the numbers of its mirror image come."""
+    shape = shape_of(kind)
+    return _exchanged(range(shape.size)) if shape.per_wheel else range(shape.size)
+
+
+def _exchanged(row: Sequence[Any]) -> list[Any]:
+    """A row of values by wheel, once or several times, with left and right exchanged."""
+    return [row[i ^ 1] for i in range(len(row))]
+
+
+def _mirrored_frame(here: Frame) -> Frame:
+    image = Frame()
+    image.numbers[:] = memoryview(mirrored(here.numbers.tobytes())).cast("d")
+    return image
+
+
+def _unsigned_zeros(raw: bytes) -> bytes:
+    return (np.frombuffer(raw) + 0.0).tobytes()
+
+
+def mirrored_configuration(configuration: Configuration) -> Configuration:
+    """The configuration of the mirror image: its vehicle, its parameters."""
+    known = {entry.name: entry for entry in configuration.entries()}
+    values = {_among(known, name): _mirrored_value(entry) for name, entry in known.items()}
+    return configuration.changed({name: value for name, value in values.items() if value != known[name].default})
+
+
+def _among(known: Collection[str], name: str) -> str:
+    """The name of the other side, if it is one of the known ones, else the name itself."""
+    other = _other_side(name)
+    return other if other in known else name
+
+
+def _other_side(text: str) -> str:
+    return "".join(_SIDES.get(word, word) for word in re.split(r"([\W_]+)", text))
+
+
+def _mirrored_value(entry: Entry) -> Any:
+    value, spec = entry.default, entry.spec
+    if spec.lateral:
+        return tuple(-element for element in value) if entry.is_array else -value
+    if spec.per_wheel:
+        return tuple(_exchanged(value))
+    if entry.name == "faults":  # of wheels and sides; those of signals act behind the part that is checked
+        return tuple(map(_other_side, value))
+    if entry.type is str:
+        return tuple(_among(spec.choices, each) for each in value) if entry.is_array else _among(spec.choices, value)
+    return value

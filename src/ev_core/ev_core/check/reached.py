@@ -1,0 +1,110 @@
+"""How often the lines of a law were reached in plain Python, and which of its functions were never called.
+
+What no input reaches no check has looked at: a law that does its work only while the pedal is free would pass all of
+them with the brakes pressed.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from types import CodeType, FunctionType
+from typing import Any
+
+from ev_core.check.stepping import Subject, said
+from ev_core.compiling.fingerprint import Reach
+from ev_core.methods.register import Method
+
+_BESIDES = ("reports", "goes_on", "state")  # what a run may do without
+_Line = tuple[CodeType, int]
+
+
+@dataclass(frozen=True)
+class Reached:
+    """By function of a law's own module how often it was called, and by line how often that was reached.
+
+    Nothing where plain Python was not stepped, or a debugger is at work.
+    """
+
+    calls: dict[str, int]
+    lines: dict[tuple[str, int], int]
+
+    @property
+    def never_called(self) -> tuple[str, ...]:
+        """The functions that no input has reached."""
+        return tuple(name for name, count in self.calls.items() if not count)
+
+    def __str__(self) -> str:
+        """A line for each function and, line by line of the file, how often what is rarest was reached."""
+        called = [f"{name}: called {count} times" for name, count in self.calls.items()]
+        return "\n".join((*called, *self._seldom()))
+
+    def _seldom(self) -> Iterator[str]:
+        for file, of_file in groupby(sorted(self.lines), key=lambda place: place[0]):
+            counts = {line: self.lines[file, line] for _, line in of_file}
+            never = [line for line, count in counts.items() if not count]
+            rarest = sorted((count, line) for line, count in counts.items() if count)[:3]
+            shown = ", ".join(f"line {line} {count} times" for count, line in rarest)
+            missed = f"; never {', '.join(map(str, never))}" if never else ""
+            yield f"{file}: {len(counts) - len(never)} of {len(counts)} lines, {shown}{missed}"
+
+
+def reached(subject: Subject, seeds: Sequence[int]) -> Reached:
+    """What steps of a method with all these seeds reach of it."""
+    codes = {function.__code__: _named(function) for function in _functions(subject.configuration.method)}
+    calls, lines = dict.fromkeys(codes.values(), 0), Counter[_Line]()
+    if subject.compiled or sys.gettrace() is not None:
+        return Reached({}, {})
+    with _counting(codes, calls, lines):
+        for seed in seeds:
+            said(subject.part(), subject.frames(seed))
+    known = {(code, line) for code in codes for line in _lines_of(code)}
+    return Reached(calls, {(Path(code.co_filename).name, line): lines[code, line] for code, line in known})
+
+
+@contextmanager
+def _counting(
+    codes: dict[CodeType, str], calls: dict[str, int], lines: Counter[tuple[CodeType, int]]
+) -> Iterator[None]:
+    def entered(frame: Any, event: str, _: Any) -> Any:
+        if frame.f_code not in codes:
+            return None
+        calls[codes[frame.f_code]] += 1
+        return in_function
+
+    def in_function(frame: Any, event: str, _: Any) -> Any:
+        if event == "line":
+            lines[frame.f_code, frame.f_lineno] += 1
+        return in_function
+
+    sys.settrace(entered)
+    try:
+        yield
+    finally:
+        sys.settrace(None)
+
+
+def _lines_of(code: CodeType) -> set[int]:
+    return {line for _, _, line in code.co_lines() if line is not None and line > code.co_firstlineno}
+
+
+def _functions(method: Method) -> list[FunctionType]:
+    """Those of the module of a law or class that its steps may call."""
+    law, factory = method.law, method.factory
+    if law is not None:
+        roots = [law.function, *([law.outputs] if law.outputs else [])]
+    elif isinstance(factory, type):
+        found = {name: getattr(factory, name) for name in dir(factory) if not name.startswith("__")}
+        roots = [each for name, each in found.items() if isinstance(each, FunctionType) and name not in _BESIDES]
+    else:
+        return []  # a library, a recording
+    return [each for each in Reach(*roots).functions.values() if each.__module__ == roots[0].__module__]
+
+
+def _named(function: FunctionType) -> str:
+    return f"{function.__qualname__} ({Path(function.__code__.co_filename).name}:{function.__code__.co_firstlineno})"

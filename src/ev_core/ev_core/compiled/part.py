@@ -1,0 +1,166 @@
+"""A law whose functions run compiled, and the sensors and faults behind it, as the compiled loop calls them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ev_core.compiled.constants import constants_row
+from ev_core.compiled.part_source import part_source
+from ev_core.compiling import machine_code
+from ev_core.compiling.foreign import FUNCTION
+from ev_core.compiling.machine_code import function_address
+from ev_core.faults import striking
+from ev_core.faults.row import FaultRow
+from ev_core.methods.law import Given, Law
+from ev_core.methods.register import Method
+from ev_core.parameters.record import fill, numbers
+from ev_core.sensors import measuring
+from ev_core.sensors.row import SensorRow
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.refusal import ParameterError
+
+
+def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
+    """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
+    given = Given(_law(method), parameters, vehicle, period)
+    return machine_code.is_kept(_name(method), *part_source(method, given))
+
+
+def _law(method: Method) -> Law:
+    assert method.law is not None, f"{method.role} {method.name} is not made of functions"
+    return method.law
+
+
+def _name(method: Method) -> str:
+    return f"{Path(method.name).stem}_{method.role}"  # of a law file, whose name is a path
+
+
+def _address(method: Method, given: Given) -> int:
+    """Of the compiled function of a method (`part_source`); `given` is that of any of its objects."""
+    return machine_code.function_address(_name(method), *part_source(method, given))
+
+
+class CompiledPart:
+    """Plays a role by the compiled form of its law; the state is a row of numbers, advanced in place."""
+
+    error: BaseException | None = None
+
+    def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
+        law = _law(method)
+        self.given = Given(law, parameters, vehicle, period)
+        try:
+            self.function = _address(method, self.given)
+        except (ParameterError, OSError, MemoryError):
+            raise
+        except Exception as error:  # of many kinds: whatever the compiler stumbles over
+            from ev_core.compiled.mistakes import mistake
+
+            raise ParameterError(mistake(method, parameters, vehicle, period, error)) from error
+        self.constants = constants_row(self.given.trees, self.given.values["c"], period)
+        self._state = np.array(numbers(self.given.values["s"]) or [0.0])
+        self._notes = self.given.bound(law.notes) if law.notes else None
+        self._writes = [(shape_of(signal), frame.PLACES[signal]) for signal in method.writes]
+        self._begin, self._end = frame.span(method.writes)
+        self._call = FUNCTION(self.function)
+        self._memory = (self._state.ctypes.data, self.constants.ctypes.data)
+
+    @property
+    def state(self) -> np.ndarray:
+        """The numbers of the state; may be set to those of another part of the law."""
+        return self._state
+
+    @state.setter
+    def state(self, row: Any) -> None:
+        self._state[:] = row
+
+    def start(self, there: Frame) -> None:
+        """Write the initial outputs."""
+        self._call(None, there.address, *self._memory)
+        self.refuse_not_finite(there)
+
+    def step(self, here: Frame, there: Frame) -> None:
+        """One compiled step."""
+        self._call(here.address, there.address, *self._memory)
+        self.refuse_not_finite(there)
+
+    def refuse_not_finite(self, there: Frame) -> None:
+        """SignalError if a number that it wrote is not finite."""
+        numbers = there.numbers
+        if not math.isfinite(sum(numbers[self._begin : self._end])):  # or just large: their sum overflows
+            for shape, place in self._writes:
+                shape.refuse_not_finite(numbers[place])
+
+    def addresses(self) -> tuple[int, int, int]:
+        """Of the function, the state and the constants."""
+        return self.function, *self._memory
+
+    def notes(self) -> tuple[str, ...]:
+        """What the law says of its state."""
+        if self._notes is None:
+            return ()
+        fill(self.given.values["s"], self._state.tolist())
+        notes: tuple[str, ...] = self._notes()
+        return notes
+
+
+_TEXT = '''"""Behind a part: generated, do not edit."""
+
+from numba import carray, cfunc, types
+
+P = types.voidptr
+
+
+@cfunc(types.int32(P, P, P, P), error_model="numpy")
+def step(now, next, state, constants):
+    head = carray(constants, {head}, FLOAT)
+    row = carray(constants, int(head[0]), FLOAT)
+    change(carray(next, {size}, FLOAT), carray(state, int(head[1]), FLOAT), row)
+    return 0
+'''
+
+
+@cache
+def _function(name: str, head: int, change: Callable[..., None]) -> int:
+    text = _TEXT.format(head=head, size=frame.SIZE)
+    return function_address(name, text, {"FLOAT": np.float64, "change": change})
+
+
+def function() -> int:
+    """The address of the one function of all sensors."""
+    return _function("sensors", measuring.HEAD, measuring.measure)
+
+
+def fault_function() -> int:
+    """The address of the one function of all faults of signals."""
+    return _function("faults", striking.HEAD, striking.strike)
+
+
+class RowPart:
+    """What a row of sensors or of faults says, behind one object; `state` are its numbers, advanced in place."""
+
+    def __init__(self, row: SensorRow | FaultRow) -> None:
+        self.constants, self.state = np.array(row.constants), np.array(row.state)
+        self._function = function() if isinstance(row, SensorRow) else fault_function()
+
+    def addresses(self) -> tuple[int, int, int]:
+        """Of the function, the state and the constants."""
+        return self._function, self.state.ctypes.data, self.constants.ctypes.data
+
+    def notes(self) -> tuple[str, ...]:
+        """Nothing: what sensors and faults do stands in their parameters."""
+        return ()
+
+
+class SensorPart(RowPart):
+    """The sensors of one object that integrates."""
+
+    def __init__(self, parameters: Any, seed: int) -> None:
+        super().__init__(SensorRow(parameters, seed))

@@ -1,0 +1,112 @@
+"""The source text of a compiled part: a C function that reads signals from a frame, calls the law, writes its answer.
+
+    int step(double *now, double *next, double *state, double *constants)
+
+A role that answers reads and writes `now`. One that integrates advances its state by what it reads in `now` and writes
+`next`; with `now` a null pointer it only writes what its state shows. The result is 0, also where the law has raised an
+exception, which nobody could catch: so what it writes begins as NaN, which no frame may hold, and stays so then.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ev_core.compiled.constants import Unpacking, constants_type
+from ev_core.methods.law import Given, given_names
+from ev_core.methods.register import Method
+from ev_core.parameters.record import record_type
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.contract.wheels import Wheels
+
+_TEXT = '''"""{title}: generated, do not edit."""
+
+from numba import carray, cfunc, types
+
+P = types.voidptr
+
+
+@cfunc(types.int32(P, P, P, P), error_model="numpy")
+def step(now, next, state, constants):
+    k = carray(constants, 1, CONSTANTS)[0]
+    row = carray(constants, int(k.total), FLOAT)
+    period = k.period
+{given}
+    there = carray(next, {size}, FLOAT)
+{body}
+    return 0
+'''
+
+
+def part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
+    """The text, and the names that it uses."""
+    law = method.law
+    assert law is not None
+    layout = constants_type(given.trees, given.values["c"])
+    unpacking = Unpacking(given.values["c"], layout.itemsize // 8)
+    names: dict[str, Any] = {"CONSTANTS": layout, "FLOAT": np.float64, "law": law.function, "Wheels": Wheels}
+    names.update(unpacking.names)
+    lines = [f"{name} = k.{name}" for name, tree in given.trees.items() if tree]
+    lines.append(f"c = {unpacking.text}")
+    state = record_type(given.values["s"])
+    if state.itemsize:
+        names["STATE"] = state
+        lines.append("s = carray(state, 1, STATE)[0]")
+    reading = [f"here = carray(now, {frame.SIZE}, FLOAT)"]
+    arguments = list(given_names(law.function))
+    for signal in method.reads:
+        names[signal.__name__] = signal
+        argument = f"signal_{len(arguments)}"
+        reading.append(f"{argument} = {_reading(signal)}")
+        arguments.append(argument)
+    call = f"law({', '.join(arguments)})"
+    if ROLES[method.role].kind is RoleKind.INTEGRATES:
+        names["outputs"] = law.outputs
+        shown = f"outputs({', '.join(given_names(law.outputs))})"
+        here, *signals = reading
+        body = [here, "if here.ctypes.data:", *_indented([*signals, call]), *_writing(method.writes, shown)]
+    else:
+        body = [*reading, *_writing(method.writes, call)]
+    names["NAN"] = math.nan
+    body = [f"there[{frame.PLACES[signal].start}] = NAN" for signal in method.writes] + body
+    title = f"{method.role} {method.name}"
+    text = _TEXT.format(
+        title=title, given="\n".join(_indented(lines)), size=frame.SIZE, body="\n".join(_indented(body))
+    )
+    return text, names
+
+
+def _indented(lines: list[str]) -> list[str]:
+    return [f"    {line}" for line in lines]
+
+
+@cache
+def _reading(signal: type) -> str:
+    """The expression that makes a signal of the frame `here`."""
+    if signal is Instant:
+        return f"Instant(here[{frame.TIME}])"
+    begin, shape = frame.PLACES[signal].start, shape_of(signal)
+    values = [f"here[{begin + i}]" for i in range(shape.size)]
+    if shape.per_wheel:
+        values = [f"Wheels({', '.join(values[i : i + 4])})" for i in range(0, shape.size, 4)]
+    return f"{signal.__name__}({', '.join(values)})"
+
+
+def _writing(writes: tuple[type, ...], call: str) -> list[str]:
+    """The statements that put what a call returns into the frame `there`, as its messages carry it."""
+    lines = [f"said = {call}"]
+    for n, signal in enumerate(writes):
+        begin, shape = frame.PLACES[signal].start, shape_of(signal)
+        source = "said" if len(writes) == 1 else f"said[{n}]"
+        for i, (channel, single) in enumerate(zip(shape.channels, shape.single, strict=True)):
+            value = f"{source}.{channel}"
+            if single:
+                value = f"types.float32({value})"
+            lines.append(f"there[{begin + i}] = {value}")
+    return lines

@@ -1,0 +1,166 @@
+"""A digest of everything that the compiled form of some functions depends on, and whether all of it still is as it was.
+
+numba keeps a compiled function until its own file changes; that a function it calls, or a number that it takes from
+another module, has changed goes unnoticed, and the old results would come back.
+"""
+
+from __future__ import annotations
+
+import builtins
+import hashlib
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.compilable import INLINED
+
+_NOTHING = object()
+_OPTIONS = ("targetoptions", "_sig", "types")  # of what numba makes of a function
+_FOREIGN = ("numpy", "numba", "llvmlite")  # their versions say what is in them, as Python's does of its own
+_OF_PYTHON = os.path.dirname(os.__file__)
+
+
+def fingerprint(*roots: Any) -> str:
+    """Hexadecimal digits that change with what any function reached does, and with all their constants."""
+    return Reach(*roots).digits
+
+
+class Reach:
+    """All that some functions and values reach: by the names in their code, through modules, defaults and closures.
+
+    `digits` are its digest, `functions` those that were found.
+    """
+
+    def __init__(self, *roots: Any) -> None:
+        self.functions: dict[int, FunctionType] = {}
+        self._looked_up: list[tuple[Mapping[str, Any], str, Any]] = []
+        self._made_of: list[tuple[FunctionType, tuple[Any, ...]]] = []
+        self._arrays: list[tuple[np.ndarray | np.generic, bytes]] = []
+        self._digest = hashlib.sha256()
+        waiting = [*reversed(roots)]
+        while waiting:
+            waiting += reversed([*self._told(waiting.pop())])
+        self.digits = self._digest.hexdigest()
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing of it has changed since."""
+        return (
+            all(space.get(name, _NOTHING) is value for space, name, value in self._looked_up)
+            and all(_are_same(_parts(function), parts) for function, parts in self._made_of)
+            and all(array.tobytes() == content for array, content in self._arrays)
+        )
+
+    def _told(self, found: Any) -> Iterator[Any]:
+        """Tell the digest what was found, and give what it leads to."""
+        function = _written(found)
+        if isinstance(found, tuple | list):
+            self._tell(_constant(type(found)), len(found))
+            yield from found
+        elif isinstance(found, np.ndarray | np.generic):  # what numpy shows of a long array is not all of it
+            content = found.tobytes()
+            self._arrays.append((found, content))
+            self._tell(found.dtype, found.shape, hashlib.sha256(content).hexdigest())
+        elif not isinstance(function, FunctionType):
+            self._tell(_constant(found))
+            yield from _methods(found)
+        elif id(function) in self.functions:
+            self._tell("again", [*self.functions].index(id(function)))
+        else:
+            self.functions[id(function)] = function
+            self._made_of.append((function, _parts(function)))
+            options = [getattr(found, name, "") for name in _OPTIONS]
+            self._tell(f"{function.__module__}.{function.__qualname__}", function in INLINED, *options)
+            self._digest.update(_code(function.__code__) + b"\0")
+            yield from self._used_by(function)
+
+    def _tell(self, *what: Any) -> None:
+        self._digest.update(f"{' '.join(map(str, what))}\0".encode())
+
+    def _used_by(self, function: FunctionType) -> Iterator[Any]:
+        """What a function takes from outside of it, each behind its name."""
+        names = list(_names(function.__code__))
+        places: list[Mapping[str, Any]] = [function.__globals__]
+        for place in places:  # and the modules found on the way
+            for name in names:
+                found = place.get(name, _NOTHING)
+                if found is not _NOTHING or hasattr(builtins, name):  # which a global one may come to hide
+                    self._looked_up.append((place, name, found))
+                if found is not _NOTHING:
+                    yield from (name, found)
+                    if _is_looked_into(found) and not any(vars(found) is each for each in places):
+                        places.append(vars(found))
+        yield from (function.__defaults__, tuple((function.__kwdefaults__ or {}).items()))
+        yield tuple(_contents(function))
+
+
+def _written(found: Any) -> Any:
+    """The function that somebody has written of what numba made of it (njit, cfunc, vectorize); else what was found."""
+    if isinstance(found, FunctionType):
+        return found
+    return getattr(found, "py_func", getattr(found, "__wrapped__", found))
+
+
+def _methods(found: Any) -> Iterator[Any]:
+    """Of a jitclass its fields, and what its methods and properties do."""
+    of = getattr(found, "class_type", None)
+    if of is not None:
+        yield from (str(of.struct), tuple(of.jit_props))
+        yield from (tuple(e.items()) for e in (of.jit_methods, of.jit_static_methods, *of.jit_props.values()))
+
+
+def _are_same(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
+    """Whether two rows hold the same objects."""
+    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
+
+
+def _parts(function: FunctionType) -> tuple[Any, ...]:
+    """The objects that a function is made of and that may be put into it without its name being bound anew."""
+    by_name = function.__kwdefaults__ or {}
+    return (function.__code__, function.__defaults__, *by_name, *by_name.values(), *_contents(function))
+
+
+def _contents(function: FunctionType) -> Iterator[Any]:
+    for cell in function.__closure__ or ():
+        try:
+            yield cell.cell_contents
+        except ValueError:  # not filled yet
+            yield _NOTHING
+
+
+def _is_looked_into(found: Any) -> bool:
+    """Whether it is a module of somebody, who may call it as one of Python's is called."""
+    if not isinstance(found, ModuleType):
+        return False
+    package = found.__name__.partition(".")[0]
+    file = getattr(found, "__file__", None) or _OF_PYTHON
+    return package not in _FOREIGN and not (package in sys.stdlib_module_names and file.startswith(_OF_PYTHON))
+
+
+def _code(code: CodeType) -> bytes:
+    """What a function does, in bytes that do not depend on where its text stands."""
+    constants = [_code(each) if isinstance(each, CodeType) else repr(each).encode() for each in code.co_consts]
+    called = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
+    names = repr((code.co_names, code.co_varnames, code.co_freevars, called)).encode()
+    return b"\0".join((code.co_code, names, *constants))
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    yield from code.co_names
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _names(constant)
+
+
+def _constant(value: Any) -> str:
+    if value is _NOTHING:
+        return ""
+    if isinstance(value, ModuleType):
+        return value.__name__
+    if isinstance(value, type):
+        return f"{value.__qualname__}{getattr(value, '_fields', '')}{dict(getattr(value, '__members__', {}))}"
+    return repr(value)

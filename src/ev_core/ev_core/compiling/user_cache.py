@@ -1,0 +1,110 @@
+"""The folder of this user for what is made once and taken again, and files in it that carry a checksum.
+
+Machine code that lies there is executed. So nobody else may write there, and what a full disk, a crash or a hand has
+changed is made anew, never loaded.
+"""
+
+from __future__ import annotations
+
+import atexit
+import hashlib
+import os
+import secrets
+import shutil
+import stat
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+
+from ev_core.parameters.data_file import SIGNALS, read_data
+from ev_msgs_py.refusal import ParameterError
+
+VARIABLE = "EV_STACK_CACHE"
+_OTHERS = stat.S_IWGRP | stat.S_IWOTH
+
+
+@cache
+def cache_folder() -> Path:
+    """Where EV_STACK_CACHE says, else `ev_stack` in the user's cache folder (XDG_CACHE_HOME, ~/.cache).
+
+    Where that cannot be written, a folder that goes with this process; one line says so. ParameterError if others
+    could put something there.
+    """
+    named = os.environ.get(VARIABLE)
+    folder = Path(named).absolute() if named else _of_user()
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise PermissionError(0, "it cannot be written")
+    except OSError as error:
+        if named:
+            raise ParameterError(f"{VARIABLE}: {folder}: {error.strerror}") from None
+        return _for_now(folder)
+    if danger := _danger(folder):
+        raise ParameterError(
+            f"what is compiled is not kept in {folder}: {danger}; allowed is a folder of your own (user {os.getuid()}) "
+            f"that nobody else may write into, {VARIABLE} names another one"
+        )
+    return folder
+
+
+def _of_user() -> Path:
+    named = os.environ.get("XDG_CACHE_HOME", "")  # a relative one does not count, says its specification
+    return (Path(named) if os.path.isabs(named) else Path(os.path.expanduser("~")) / ".cache") / "ev_stack"
+
+
+def _for_now(wanted: Path) -> Path:
+    folder = Path(tempfile.mkdtemp(prefix="ev_stack-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    os.environ[VARIABLE] = str(folder)  # for the processes that are started from here
+    print(f"{wanted} cannot be written: what is compiled is kept in {folder} until this ends", file=sys.stderr)
+    return folder
+
+
+def _danger(folder: Path) -> str:
+    """Who else could put something into a folder, or another one or a link into its place; empty if nobody."""
+    user, real = os.getuid(), folder.resolve()
+    for path in dict.fromkeys((*reversed(folder.parents), folder, *reversed(real.parents), real)):
+        found = path.lstat()
+        if (path == real and found.st_uid != user) or (path.is_symlink() and found.st_uid not in (user, 0)):
+            return f"{path} belongs to user {found.st_uid}"
+        if path.is_symlink():
+            continue
+        is_everybodys = found.st_mode & (stat.S_IWOTH | stat.S_ISVTX) == stat.S_IWOTH
+        if is_everybodys or (path == real and found.st_mode & _OTHERS):
+            return f"others may write into {path} (mode {stat.S_IMODE(found.st_mode):04o})"
+    return ""
+
+
+def write_checked(file: Path, content: bytes) -> None:
+    """Write a file that other processes, also after a crash, see whole or not at all; OSError that names it."""
+    unfinished = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
+    try:
+        with unfinished.open("xb") as to:
+            to.write(_checksum(content) + content)
+            to.flush()
+            os.fsync(to.fileno())
+        unfinished.replace(file)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(file)) from None
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def read_checked(file: Path) -> bytes | None:
+    """What `write_checked` wrote; None if it is not there, or does not fit its checksum: then it is removed."""
+    try:
+        written = read_data(file, SIGNALS)
+    except FileNotFoundError:
+        return None
+    content = written[len(_checksum(b"")) :]
+    if written == _checksum(content) + content:
+        return content
+    file.unlink(missing_ok=True)
+    print(f"{file} does not fit its checksum: it is removed and made anew", file=sys.stderr, flush=True)
+    return None
+
+
+def _checksum(content: bytes) -> bytes:
+    return f"{hashlib.sha256(content).hexdigest()}\n".encode()

@@ -1,0 +1,141 @@
+"""One fault, as a text says it: KIND WHERE [VALUE] [from SECONDS] [until SECONDS], and the kinds that there are."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from ev_core.parameters.declaration import parameter
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A kind of fault; its value lies within `low` to `high` in `unit`, and there is none where they are the same."""
+
+    about: str
+    unit: str = ""
+    low: float = 0.0
+    high: float = 0.0
+
+    @property
+    def has_value(self) -> bool:
+        """Whether a fault of this kind has a value."""
+        return self.low < self.high
+
+
+# Of numbers in messages, wherever they come from: a sensor, its wire, or the bus. In the order of their codes.
+OF_SIGNALS = {
+    "constant": Kind("shows the value, whatever is true: 0 is a broken wire", "of the number", -1e6, 1e6),
+    "scaled": Kind("shows the true number times the value", "1", -100.0, 100.0),
+    "offset": Kind("shows the true number plus the value", "of the number", -1e6, 1e6),
+    "noisy": Kind("adds Gaussian noise with this standard deviation", "of the number", 0.0, 1e6),
+    "tilted": Kind("an accelerometer out of the level by this angle shows a cos + g sin of it", "rad", -1.5, 1.5),
+    "swapped": Kind("two numbers, NUMBER,NUMBER, in each other's place"),
+    "frozen": Kind("keeps what it showed last"),
+    "lost": Kind("is lost with this probability in a period: readers keep the last one", "1", 0.0, 1.0),
+    "delayed": Kind("comes so much later, in whole control periods", "s", 1e-4, 10.0),
+    "reordered": Kind("with this probability two in a row arrive in the wrong order", "1", 0.0, 1.0),
+    "restarted": Kind("the node that writes it is killed, and begins anew when the fault ends; readers keep the last"),
+}
+
+# Of the car itself; only a plant that has them knows them.
+OF_THE_CAR = {
+    "motor_share": Kind("the motor gives this share of what it is asked for: 0 is a dead motor", "1", 0.0, 1.0),
+    "motor_stuck": Kind("the motor keeps the torque that it has when the fault begins"),
+    "inverter_trip": Kind("asked for more than the value, the inverter switches off", "N m at the shaft", 0.0, 1e5),
+    "inverter_delay": Kind("the inverter gets its command later, in whole control periods", "s", 0.0, 0.5),
+    "hall_stuck": Kind("one of the three Hall sensors of a brushless motor always shows 1"),
+    "battery_share": Kind("the battery's power limits are this share of themselves: 0 is a cut-off", "1", 0.0, 1.0),
+    "puncture": Kind("the tyre loses this share of its air", "1", 0.0, 1.0),
+}
+KINDS = {**OF_SIGNALS, **OF_THE_CAR}
+
+
+SYNTAX = "KIND WHERE [VALUE] [from SECONDS] [until SECONDS]"
+BATTERY = "battery"
+_TOLERANCE = 1e-6  # of a period: 0.3 s are 30 periods of 0.01 s, though 0.3/0.01 is a little less
+_SOME_WHEELS = {
+    **{name: (name,) for name in WHEEL_NAMES},
+    **{side: tuple(name for name in WHEEL_NAMES if side in name) for side in ("front", "rear", "left", "right")},
+    "all": WHEEL_NAMES,
+}
+
+
+def faults_parameter() -> Any:
+    """Declare the one parameter `faults`."""
+    return parameter((), about=f"what goes wrong, each as {SYNTAX} (docs/faults.md)")
+
+
+@dataclass(frozen=True, slots=True)
+class FaultParameters:
+    """The faults of a node whose method does not ask for them itself."""
+
+    faults: tuple[str, ...] = faults_parameter()
+
+
+class Fault(NamedTuple):
+    """What goes wrong, where, how much, and from when until when [s]."""
+
+    text: str
+    kind: str
+    where: str
+    value: float
+    begin: float
+    end: float
+
+    def periods(self, period: float) -> tuple[float, float]:
+        """The first control period with it, and the first one without it again."""
+        begin, end = (math.ceil(time / period - _TOLERANCE) if time < math.inf else time for time in self[4:6])
+        return float(begin), min(float(end), 1e18)
+
+    def wheels(self) -> tuple[float, ...]:
+        """1 for each wheel that it strikes."""
+        return tuple(float(name in _SOME_WHEELS.get(self.where, ())) for name in WHEEL_NAMES)
+
+
+def parsed(texts: tuple[str, ...]) -> list[Fault]:
+    """The faults that these texts say; ParameterError, in one line, for one that says none."""
+    return [_fault(text) for text in texts]
+
+
+def _fault(text: str) -> Fault:
+    words = text.split()
+    if len(words) < 2:
+        raise ParameterError(f"faults: {quoted(text)} is refused, allowed is {SYNTAX}")
+    (name, where), rest = words[:2], words[2:]
+    if name not in KINDS:
+        raise ParameterError(f"faults: {quoted(text)}: {unknown_name('kind of fault', name, KINDS)}")
+    kind = KINDS[name]
+    value = 0.0
+    if kind.has_value:
+        if not rest or rest[0] in ("from", "until"):
+            raise ParameterError(f"faults: {quoted(text)} lacks its value, {kind.low:g} to {kind.high:g} {kind.unit}")
+        value = _number(text, rest.pop(0), kind.low, kind.high, kind.unit)
+    times = {"from": 0.0, "until": math.inf}
+    if len(rest) % 2 or len(set(rest[::2])) < len(rest) // 2 or not set(rest[::2]) <= set(times):
+        raise ParameterError(f"faults: {quoted(text)} is refused, allowed is {SYNTAX}")
+    times.update({word: _number(text, time, 0.0, 1e9, "s") for word, time in zip(rest[::2], rest[1::2], strict=True)})
+    if times["from"] >= times["until"]:
+        raise ParameterError(f"faults: {quoted(text)} ends at {times['until']:g} s, allowed is after its begin")
+    if name in OF_THE_CAR:
+        _refuse_place(text, name, where)
+    return Fault(text, name, where.replace("/", "."), value, times["from"], times["until"])
+
+
+def _number(text: str, word: str, low: float, high: float, unit: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not low <= value <= high:
+        raise ParameterError(f"faults: {quoted(text)}: {word} is refused, allowed is {low:g} to {high:g} {unit}")
+    return value
+
+
+def _refuse_place(text: str, name: str, where: str) -> None:
+    allowed = (BATTERY,) if name == "battery_share" else tuple(_SOME_WHEELS)
+    if where not in allowed:
+        raise ParameterError(f"faults: {quoted(text)}: {where} is refused, allowed is {', '.join(allowed)}")

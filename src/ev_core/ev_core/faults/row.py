@@ -1,0 +1,124 @@
+"""The faults behind one object, in plain Python: what they are told and what they keep, as two rows of numbers."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from ev_core.faults.fault import OF_SIGNALS, Fault, parsed
+from ev_core.faults.striking import HEAD, LENGTH, MEMORY, NAME, NUMBER, WIDTH, strike
+from ev_core.sensors.measuring import Numbers
+from ev_core.sensors.row import keep_memories
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+
+_CODES = list(OF_SIGNALS)
+_PAIR = 2
+
+
+def of_signals(texts: tuple[str, ...]) -> list[Fault]:
+    """Those of some faults that are of signals."""
+    return [fault for fault in parsed(texts) if fault.kind in OF_SIGNALS]
+
+
+class FaultRow:
+    """Faults of signals that an object with these `writes` publishes; `constants` and `state` are as `striking` says.
+
+    ParameterError for a number that is not among them.
+    """
+
+    def __init__(self, faults: Sequence[Fault], writes: tuple[type, ...], seed: int, period: float) -> None:
+        self.constants = [0.0] * HEAD
+        self._size = 0
+        texts = [fault.text for fault in faults]
+        for n, fault in enumerate(faults):
+            again = texts[:n].count(fault.text)  # of two that say the same each has random numbers of its own
+            name = zlib.crc32((f"{fault.text} {again}" if again else fault.text).encode())
+            for told in self._entries(fault, writes, seed, name, period):
+                self.constants += told
+        total = len(self.constants)
+        self.constants[:HEAD] = float(total), float(self._size), float((total - HEAD) // WIDTH), period
+        self.start()
+
+    def _entries(
+        self, fault: Fault, writes: tuple[type, ...], seed: int, name: int, period: float
+    ) -> Iterator[list[float]]:
+        begin, end = fault.periods(period)
+        struck = channels_of(fault, writes)
+        pairs = [struck] if fault.kind == "swapped" else [(channel, channel) for channel in struck]
+        lengths = {"frozen": 1, "lost": 1, "reordered": 1, "restarted": 1}
+        length = max(round(fault.value / period), 1) if fault.kind == "delayed" else lengths.get(fault.kind, 0)
+        for number, (one, other) in enumerate(pairs):
+            memory, self._size = self._size, self._size + (1 + length if length else 0)
+            places = [float(place) for _, place, _ in (one, other)]
+            told = [float(_CODES.index(fault.kind)), *places, begin, end, fault.value, float(seed), float(name)]
+            yield [*told, float(number), float(memory), float(length), float(one[2]), float(other[2])]
+
+    def start(self) -> None:
+        """Begin anew, before the first period."""
+        self.state = [0.0] * self._size
+
+    def go_on_from(self, other: Any) -> None:
+        """What the same faults remember goes on; others begin with the present numbers."""
+        keep_memories(self, other, HEAD, WIDTH, (NAME, NUMBER, LENGTH), MEMORY)
+
+    def step(self, numbers: Numbers) -> None:
+        """Put what the faults leave of them into the place of the numbers in a frame; once per period."""
+        strike(numbers, self.state, self.constants)
+
+
+def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, bool]]:
+    """Name, place in the frame, and whether in single precision, of the numbers that are struck; ParameterError."""
+    known = {
+        name: (name, place, single)
+        for signal in writes
+        for name, place, single in zip(
+            TOPICS[signal].channels, frame.places(signal), shape_of(signal).single, strict=True
+        )
+    }
+    topics = {TOPICS[signal].name.replace("/", ".") for signal in writes}
+    if fault.kind == "restarted":  # a node that is killed says nothing at all
+        if fault.where not in topics:
+            unknown = unknown_name("topic of this node", fault.where, topics)
+            raise ParameterError(f"faults: {quoted(fault.text)}: {unknown}")
+        return list(known.values())
+    found = []
+    for where in fault.where.split(","):
+        here = [known[name] for name in known if name == where or name.startswith(f"{where}.")]
+        if not here:
+            listed = [name for name in known if name.partition(".")[0] == where.partition(".")[0]] or topics
+            raise ParameterError(f"faults: {quoted(fault.text)}: {unknown_name('number of this node', where, listed)}")
+        found += here
+    if fault.kind == "swapped" and (len(found) != _PAIR or found[0] == found[1]):
+        raise ParameterError(f"faults: {quoted(fault.text)} names {len(found)} numbers, allowed are two, NUMBER,NUMBER")
+    if fault.kind == "tilted" and not all("acceleration" in name for name, _, _ in found):
+        raise ParameterError(f"faults: {quoted(fault.text)}: allowed are accelerations of imu")
+    return found
+
+
+def refuse_faults(role: str, texts: tuple[str, ...], writes: tuple[type, ...], has_car: bool, period: float) -> None:
+    """ParameterError, in one line, for a fault that a method of a role with these `writes` cannot have.
+
+    Nor may one lie between two instants, which are a control period [s] apart: it would never strike.
+    """
+    for fault in parsed(texts):
+        begin, end = fault.periods(period)
+        if begin >= end:
+            raise ParameterError(
+                f"faults: {quoted(fault.text)} strikes at no instant, allowed is one that lasts over a multiple of "
+                f"control_period, {period:g} s"
+            )
+        if fault.kind in OF_SIGNALS:
+            channels_of(fault, writes)
+        elif not has_car:
+            raise ParameterError(
+                f"faults: {quoted(fault.text)} is refused at this {role}, allowed are {', '.join(_CODES)}"
+            )
+        if fault.kind == "restarted" and ROLES[role].kind is not RoleKind.ANSWERS:
+            raise ParameterError(
+                f"faults: {quoted(fault.text)} is refused at a {role}, which is a thing and no program"
+            )

@@ -1,0 +1,208 @@
+"""What a node is told by parameters, resolved the same way for the node and for the offline runner."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from ev_core.faults.fault import FaultParameters
+from ev_core.faults.row import refuse_faults
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.hooks import ReadingFiles
+from ev_core.methods.register import Method, create, methods_of, refuse_layout, refuse_taken
+from ev_core.parameters.declaration import Entry, Spec, defaults, entries, flatten
+from ev_core.parameters.values import entries_by_name, replaced
+from ev_core.sensors.quantities import sensors_for
+from ev_core.sensors.random_numbers import seeded
+from ev_core.vehicle.files import with_files
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.refusal import ParameterError, unknown_name
+
+P = TypeVar("P")
+_METHOD, _SENSORS, _VEHICLE = "method", "sensors.", "vehicle."
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """A role, the method that plays it and all their parameters.
+
+    `sensors` are those of the signals that the method writes; `unused` values belong to other methods of the role.
+    `own_faults` are those of a method whose parameters have no `faults`. `from_files` are the names of parameters that
+    files say, and of those that name the files.
+    """
+
+    role: str
+    method: Method
+    parameters: Any
+    common: CommonParameters
+    extra: Any
+    unused: tuple[str, ...] = ()
+    sensors: Any = field(default_factory=sensors_for(()))
+    own_faults: FaultParameters | None = None
+    from_files: tuple[str, ...] = field(default=(), compare=False)
+
+    @property
+    def period(self) -> int:
+        """The control period in nanoseconds."""
+        return stamps.from_seconds(self.common.control_period)
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """What goes wrong, as texts."""
+        texts: tuple[str, ...] = getattr(self.own_faults or self.parameters, "faults", ())
+        return texts
+
+    @property
+    def is_ideal(self) -> bool:
+        """Whether all its sensors show the truth."""
+        kind: type = type(self.sensors)
+        return bool(self.sensors == defaults(kind))
+
+    @property
+    def told(self) -> Any:
+        """The parameters as the method is told them: its own seeds go with that of the node."""
+        return seeded(self.parameters, self.common.seed)
+
+    @property
+    def has_random_method(self) -> bool:
+        """Whether the method itself hangs on the seed, and not its sensors and faults alone."""
+        return seeded(self.parameters, 1) is not self.parameters
+
+    def create(self) -> Any:
+        """A new object of the method, at rest, in plain Python and in front of its sensors."""
+        return create(self.method, self.told, self.common.vehicle, self.common.control_period)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickle and deepcopy: by names and values, for a method is code."""
+        return configure, (self.role, self.values(), type(self.extra) if self.extra is not None else None)
+
+    def entries(self) -> tuple[Entry, ...]:
+        """Every parameter of the node with its present value as default."""
+        fixed = [dataclasses.replace(e, spec=dataclasses.replace(e.spec, read_only=True)) for e in entries(self.common)]
+        extra = entries(self.extra) if self.extra is not None else ()
+        faults = entries(self.own_faults) if self.own_faults is not None else ()
+        of_method = (*entries(self.parameters), *faults, *entries(self.sensors, _SENSORS))
+        return (_method_entry(self.role, self.method.name), *fixed, *extra, *of_method)
+
+    def values(self) -> dict[str, Any]:
+        """Dotted names and present values of every parameter of the node."""
+        return {entry.name: entry.default for entry in self.entries()}
+
+    def changed(self, values: Mapping[str, Any]) -> Configuration:
+        """The same configuration with other values; ParameterError if one is refused, and nothing changes then."""
+        rest = dict(values)
+        common, parameters = _replaced(rest, self.common), _replaced(rest, self.parameters)
+        sensors = _replaced(rest, self.sensors, _SENSORS)
+        own_faults = _replaced(rest, self.own_faults) if self.own_faults is not None else None
+        if not rest:
+            if self.extra is not None:
+                self.extra.refuse_beside(common)
+            changed = {"common": common, "parameters": parameters, "sensors": sensors, "own_faults": own_faults}
+            made = dataclasses.replace(self, **changed)
+            same = parameters is self.parameters and own_faults is self.own_faults
+            return made if same and common.vehicle is self.common.vehicle else _fitting(made)
+        return configure(self.role, {**self.values(), **values}, type(self.extra) if self.extra is not None else None)
+
+
+def _method_entry(role: str, name: str) -> Entry:
+    known = dict.fromkeys((*methods_of(role), name))  # a library's path as well
+    spec = Spec(f"how the {role} works", choices=tuple(known), read_only=True)
+    return Entry(_METHOD, str, False, name, spec)
+
+
+def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -> Configuration:
+    """The configuration of a role from dotted parameter names and values; what is not named keeps its default.
+
+    `extra` is a dataclass of further parameters that only this node has. Raises ParameterError for unknown names and
+    refused values. A value for another method of the same role, or for a sensor of a signal that this method does not
+    write, is checked and then listed as unused, so that one scenario file can serve several methods; `refuse_unused`
+    is for what somebody says of the chosen ones.
+    """
+    rest = dict(values)
+    method = chosen_method(role, rest)
+    rest.pop(_METHOD, None)
+    common = _take(rest, CommonParameters)
+    further = _take(rest, extra) if extra is not None else None
+    if extra is not None:
+        refuse_taken(f"{role} method {method.name}", method.parameters, entries_by_name(extra))
+    parameters: Any = _take(rest, method.parameters)
+    sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
+    own_faults = None if hasattr(parameters, "faults") else _take(rest, FaultParameters)
+    others = [(other.parameters, "") for other in methods_of(role).values()]
+    others.append((sensors_for(ROLES[role].writes), _SENSORS))
+    for of, prefix in others:
+        _take(dict(rest), of, prefix)
+    elsewhere = {name for of, prefix in others for name in entries_by_name(of, prefix)}
+    for name in rest:
+        if name not in elsewhere:
+            known = [_METHOD, *flatten(common), *flatten(parameters), "faults", *(flatten(further) if further else ())]
+            is_sensor = name.startswith(_SENSORS)  # there are many: listed where one is meant
+            raise unknown_name(f"parameter of {role}", name, flatten(sensors, _SENSORS) if is_sensor else known)
+    return _fitting(Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors, own_faults))
+
+
+def refuse_unused(name: str, configurations: Collection[Configuration]) -> None:
+    """ParameterError if the methods chosen for a role lack a parameter: it says who has it, or its name there."""
+    if not all(name in each.unused for each in configurations):
+        return
+    role = next(each.role for each in configurations)
+    here = sorted({known for each in configurations for known in each.values() if _ends_alike(known, name)})
+    having = [
+        each.name
+        for each in methods_of(role).values()
+        if name in entries_by_name(each.parameters) or name in entries_by_name(sensors_for(each.writes), _SENSORS)
+    ]
+    chosen = ", ".join(dict.fromkeys(each.method.name for each in configurations))
+    where = f"its name there is {' or '.join(here)}" if here else f"allowed with {', '.join(having)}"
+    raise ParameterError(f"parameter {name} is refused: {role} method {chosen} does not have it, {where}", name)
+
+
+def _ends_alike(one: str, other: str) -> bool:
+    return one.endswith(f".{other}") or other.endswith(f".{one}")
+
+
+def _fitting(configuration: Configuration) -> Configuration:
+    """The configuration with what its files hold; ParameterError if its method does not suit the vehicle."""
+    method, common = configuration.method, configuration.common
+    vehicle, parameters = with_files(common.vehicle), configuration.parameters
+    from_files = _changed(common.vehicle, vehicle, _VEHICLE)
+    common = dataclasses.replace(common, vehicle=vehicle)
+    if isinstance(method.factory, ReadingFiles):
+        parameters = method.factory.load_files(parameters)
+    from_files += _changed(configuration.parameters, parameters)
+    if configuration.extra is not None:
+        configuration.extra.refuse_beside(common)
+    refuse_layout(method, parameters, common.vehicle)
+    has_car, period = hasattr(parameters, "faults"), common.control_period
+    refuse_faults(configuration.role, configuration.faults, method.writes, has_car, period)
+    return dataclasses.replace(configuration, common=common, parameters=parameters, from_files=from_files)
+
+
+def _changed(before: Any, after: Any, prefix: str = "") -> tuple[str, ...]:
+    """The names of what differs between two dataclasses of parameters."""
+    if before == after:
+        return ()
+    now = flatten(after, prefix)
+    return tuple(name for name, value in flatten(before, prefix).items() if value != now[name])
+
+
+def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:
+    """A parameter dataclass with what a dictionary says about it, and that is taken out of the dictionary."""
+    kind: type = type(instance)
+    known = entries_by_name(kind, prefix)
+    return replaced(instance, {name: values.pop(name) for name in [*values] if name in known}, prefix)
+
+
+def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
+    """Build a parameter dataclass from what a dictionary says about it, and take that out of the dictionary."""
+    return _replaced(values, of(), prefix)
+
+
+def chosen_method(role: str, values: Mapping[str, Any]) -> Method:
+    """The method that the values choose for a role; ParameterError that lists the known ones if there is none."""
+    name = values.get(_METHOD, ROLES[role].default_method)
+    return find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false

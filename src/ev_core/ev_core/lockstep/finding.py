@@ -1,0 +1,97 @@
+"""Methods by name, or by the path of code or of a recording: `asr=my_law.py`, `asr=my_law.py:NAME`."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import traceback
+from dataclasses import replace
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+from ev_core.methods.register import RECORDINGS, Method, load_installed_methods, methods_of, registered_by
+from ev_core.native.method import library_method
+from ev_core.parameters.data_file import TEXT, TextOfFile, find_file, read_data, tell
+from ev_core.playback.method import playback_method
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+
+LIBRARIES = (".so", ".dylib")  # what the path of a shared library ends with
+LAW_FILE = ".py"  # that of a file with laws, which may be followed by :NAME
+_registered: dict[tuple[Path, bytes], dict[str, dict[str, Method]]] = {}  # by file and its text
+
+
+def method_of_file(role: str, name: str) -> Method:
+    """The method of a role in a file; ParameterError, in one line, if there is none, or if the file cannot be run.
+
+    A file is run once for each text that it has.
+    """
+    who, (file, _, chosen) = f"{role} method {name}", name.partition(f"{LAW_FILE}:")
+    path = find_file(file.removesuffix(LAW_FILE) + LAW_FILE).absolute()
+    try:
+        text = read_data(path, TEXT)
+    except OSError as error:
+        raise ParameterError(f"{who}: {error.strerror}", "method") from None
+    if (path, text) not in _registered:
+        _registered[path, text] = _run(who, path, text)
+    methods = _registered[path, text].get(role, {})
+    names = ", ".join(methods)
+    if not methods:
+        raise ParameterError(f'{who}: the file has no law of this node, marked @method("{role}", ...)', "method")
+    if not chosen and len(methods) > 1:
+        raise ParameterError(f"{who}: the file has several laws: {names}; choose one by {path.name}:NAME", "method")
+    if chosen and chosen not in methods:
+        raise ParameterError(f"{who}: the file has no law {quoted(chosen)}, allowed is one of {names}", "method")
+    return replace(methods[chosen or names], name=name)
+
+
+def _run(who: str, path: Path, text: bytes) -> dict[str, dict[str, Method]]:
+    """What a file registers, as a module of its own whose name goes with its path."""
+    name = f"{path.stem}_{hashlib.sha256(bytes(path)).hexdigest()[:8]}"
+    spec: Any = spec_from_file_location(name, path)
+    module = sys.modules[name] = module_from_spec(spec)
+    try:
+        return registered_by(name, lambda: exec(compile(text, path, "exec"), vars(module)))
+    except Exception as error:  # whatever somebody's file raises
+        raise ParameterError(f"{who}: {_line_of(error, path)}{type(error).__name__}: {error}", "method") from error
+
+
+def _line_of(error: BaseException, path: Path) -> str:
+    """The line of a file in which an error was raised, or whose text is no Python; empty if it is of no line of it."""
+    if isinstance(error, SyntaxError) and error.filename == str(path):
+        return f"line {error.lineno}: "
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    return f"line {lines[-1]}: " if lines else ""
+
+
+def is_code(name: str) -> bool:
+    """Whether the name of a method is the path of code: a shared library or a file with laws."""
+    return name.endswith((*LIBRARIES, LAW_FILE)) or f"{LAW_FILE}:" in name
+
+
+def find_method(role: str, name: str) -> Method:
+    """The method of a role with this name, or in the library, law file or recording of this path.
+
+    ParameterError if there is none.
+    """
+    if isinstance(name, str) and is_code(name) and isinstance(name, TextOfFile):
+        raise ParameterError(
+            f"{name.file}: parameter method: {quoted(str(name))} is refused, allowed from a file is a name: "
+            f"{', '.join(methods_of(role))}; code is named on the command line: --method {role}=PATH, for a "
+            "node -p method:=PATH"
+        )
+    if isinstance(name, str) and name.endswith(LIBRARIES):
+        found = library_method(role, name)
+        tell(find_file(name))
+        return found
+    if isinstance(name, str) and is_code(name):
+        return method_of_file(role, name)
+    if isinstance(name, str) and name.endswith(RECORDINGS):
+        found = playback_method(role, name)
+        tell(name)
+        return found
+    known = methods_of(role)
+    if not isinstance(name, str) or name not in known:
+        failed = "".join(f"; not loaded: {line}" for line in load_installed_methods(role))
+        raise ParameterError(f"{unknown_name(f'{role} method', name, known)}{failed}")
+    return known[name]

@@ -1,0 +1,109 @@
+"""Order of the roles within one step, derived from what they read and write; whether configured nodes fit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from graphlib import CycleError, TopologicalSorter
+
+from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.parameters.declaration import flatten
+from ev_msgs_py.contract.roles import Role, RoleKind
+from ev_msgs_py.refusal import ParameterError
+
+
+class GraphError(ValueError):
+    """The declared graph cannot be stepped; the message names the roles and signals concerned."""
+
+
+def writers(roles: Mapping[str, Role]) -> dict[type, str]:
+    """Which role writes each signal; GraphError if two roles write the same one."""
+    by_signal: dict[type, str] = {}
+    for role in roles.values():
+        for signal in role.may_write:
+            if signal in by_signal:
+                raise GraphError(f"{signal.__name__} is written by both {by_signal[signal]} and {role.name}")
+            by_signal[signal] = role.name
+    return by_signal
+
+
+def step_order(roles: Mapping[str, Role]) -> tuple[str, ...]:
+    """Names of the roles that answer at once, each after everything that it reads; always in the same order.
+
+    GraphError if a signal that is read is written by nobody, or if instant reads form a cycle.
+    """
+    by_signal = writers(roles)
+    sorter: TopologicalSorter[str] = TopologicalSorter()
+    for role in roles.values():
+        for signal in role.reads:
+            if signal not in by_signal:
+                raise GraphError(f"{role.name} reads {signal.__name__}, which no role writes")
+        if role.kind is RoleKind.ANSWERS:
+            instant = (by_signal[signal] for signal in role.reads)
+            sorter.add(role.name, *(name for name in instant if roles[name].kind is RoleKind.ANSWERS))
+    try:
+        return tuple(sorter.static_order())
+    except CycleError as error:
+        raise GraphError(f"roles wait for each other within one step: {' -> '.join(error.args[1])}") from None
+
+
+def polling_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
+    """Names of all roles in the order in which messages go from one to the next between two instants.
+
+    The master speaks first, then those that answer; the others that integrate need the last of these answers.
+    """
+    integrating = (role.name for role in roles.values() if role.kind is RoleKind.INTEGRATES and role.name != master)
+    return (master, *step_order(roles), *integrating)
+
+
+def sequence(roles: Mapping[str, Role]) -> tuple[str, ...]:
+    """Names of all roles in the order in which they speak within one step: first those that integrate."""
+    integrating = (role.name for role in roles.values() if role.kind is RoleKind.INTEGRATES)
+    return (*integrating, *step_order(roles))
+
+
+def arrival_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
+    """Names of all roles in the order in which they speak of an instant.
+
+    As in `sequence`, but the master goes on to an instant only when the others that integrate are there.
+    """
+    others = (role for role in sequence(roles) if role != master and roles[role].kind is RoleKind.INTEGRATES)
+    return (*others, master, *step_order(roles))
+
+
+# Of the common parameters those that each node may have its own value of.
+_OWN = ("seed", "scheduling_priority", "lock_memory")
+
+
+def check_graph(configurations: Mapping[str, Configuration]) -> None:
+    """ParameterError if the configured nodes do not fit together.
+
+    Nodes share one control period, one mode and one vehicle, what a method reads must be written by the others, and
+    the methods and values that it requires must be chosen, except where a role is played by a recording.
+    """
+    common = {role: flatten(configuration.common) for role, configuration in configurations.items()}
+    for name in flatten(CommonParameters()):
+        values = {role: values[name] for role, values in common.items()}
+        if name not in _OWN and len(set(values.values())) > 1:
+            said = ", ".join(f"{role} {value}" for role, value in values.items())
+            raise ParameterError(f"{name} differs between nodes: {said}; allowed is one for all")
+    written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
+    for configuration in configurations.values():
+        for signal in configuration.method.inputs:
+            if signal not in written:
+                names = ", ".join(sorted(c.method.name for c in configurations.values()))
+                raise ParameterError(
+                    f"{configuration.role} method {configuration.method.name} reads {signal.__name__}, "
+                    f"which none of the chosen methods writes ({names})"
+                )
+        for what, needed in configuration.method.requires.items():
+            role, _, parameter = what.partition(".")
+            other = configurations.get(role)
+            if other is not None and other.method.plays_back:
+                continue
+            chosen = other and (other.values().get(parameter) if parameter else other.method.name)
+            if chosen != needed:
+                raise ParameterError(
+                    f"{configuration.role} method {configuration.method.name} requires "
+                    f"{what if parameter else f'{role} method'} {needed}, but {chosen} is chosen"
+                )

@@ -1,0 +1,190 @@
+"""Which parts play a configured role, behind its sensors and faults, and whether they run compiled."""
+
+from __future__ import annotations
+
+import copy
+import ctypes
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from ev_core.compiling.foreign import FUNCTION
+from ev_core.faults.fault import Fault
+from ev_core.faults.row import FaultRow, of_signals
+from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.part import CalledBack, Part, PythonPart
+from ev_core.sensors.row import SensorRow
+from ev_msgs_py.contract.frame import TIME, Frame
+
+
+class Restart:
+    """Puts a part back to its start at the instants at which it begins anew."""
+
+    error: BaseException | None = None
+    state = None  # nothing lasts but that of the part
+
+    def __init__(self, part: Any, faults: Sequence[Fault], period: float) -> None:
+        self._part, self._period = part, period
+        self._first = copy.deepcopy(part.state)
+        self._ends = {fault.periods(period)[1] for fault in faults if fault.kind == "restarted"}
+        self._function = FUNCTION(self._called_back)
+
+    def before(self, time: float) -> None:
+        """Called before the part answers at a time [s]."""
+        if self._ends and round(time / self._period) in self._ends:
+            self._part.state = copy.deepcopy(self._first)
+
+    def addresses(self) -> tuple[int, int, int]:
+        """Of the function that compiled code calls before the part's."""
+        return ctypes.cast(self._function, ctypes.c_void_p).value or 0, 0, 0
+
+    def _called_back(self, here: int | None, _there: int, _state: int | None, _constants: int | None) -> int:
+        self.before(ctypes.c_double.from_address((here or 0) + TIME * ctypes.sizeof(ctypes.c_double)).value)
+        return 0
+
+    def notes(self) -> tuple[str, ...]:
+        """Nothing: it stands in the parameters."""
+        return ()
+
+
+class Sensed(CalledBack):
+    """Steps a part, and lets its sensors and then its faults put what they show into the place of the true numbers.
+
+    The part never sees what they show. The state is that of the part, then those of the rows.
+    """
+
+    def __init__(self, part: Any, rows: Sequence[SensorRow | FaultRow], restart: Restart | None = None) -> None:
+        self.part, self.rows, self._restart = part, rows, restart
+
+    @property
+    def state(self) -> list[float]:
+        """The numbers of the part, and those of its rows."""
+        of_part = () if self.part.state is None else self.part.state
+        return [*of_part, *(number for row in self.rows for number in row.state)]
+
+    @state.setter
+    def state(self, row: list[float]) -> None:
+        place = len(row)
+        for each in reversed(self.rows):
+            begin = place - len(each.state)
+            each.state, place = list(row[begin:place]), begin
+        if place:
+            self.part.state = row[:place]
+
+    def start(self, there: Frame) -> None:
+        """Write what the rows show of the initial outputs."""
+        self.part.start(there)
+        for row in self.rows:
+            row.start()
+        self._show(there)
+
+    def step(self, here: Frame, there: Frame) -> None:
+        """One step of the part, and of its rows."""
+        if self._restart is not None:
+            self._restart.before(here.numbers[TIME])
+        self.part.step(here, there)
+        self._show(there)
+
+    def _show(self, there: Frame) -> None:
+        for row in self.rows:
+            row.step(there.numbers)
+        self.part.refuse_not_finite(there)
+
+    def notes(self) -> tuple[str, ...]:
+        """What the part notes."""
+        notes: tuple[str, ...] = self.part.notes()
+        return notes
+
+    def go_on_from(self, other: Sensed) -> None:
+        """Let each row go on where one of its kind was."""
+        for row in self.rows:
+            for before in other.rows:
+                if type(row) is type(before):
+                    row.go_on_from(before)
+
+
+def part_of(configuration: Configuration, compiled: bool) -> Part:
+    """A new part of a configuration, at rest, behind its sensors and faults.
+
+    `compiled` asks for compiled code where the method can be compiled; laws that are too heavy for plain Python are
+    compiled all the same.
+    """
+    return behind_sensors(configuration, method_part(configuration, compiled))
+
+
+def behind_sensors(configuration: Configuration, part: Part) -> Part:
+    """The part of a method behind the sensors and faults of its configuration."""
+    rows = _rows(configuration)
+    return Sensed(part, rows, _restart(configuration, part)) if rows else part
+
+
+def _rows(configuration: Configuration) -> list[SensorRow | FaultRow]:
+    """What changes the numbers that a part writes: its sensors, and then its faults."""
+    rows: list[SensorRow | FaultRow] = []
+    common = configuration.common
+    if not configuration.is_ideal:
+        rows.append(SensorRow(configuration.sensors, common.seed, common.vehicle.driven_wheels))
+    if faults := of_signals(configuration.faults):
+        rows.append(FaultRow(faults, configuration.method.writes, common.seed, common.control_period))
+    return rows
+
+
+def _restart(configuration: Configuration, part: Part) -> Restart | None:
+    faults = [fault for fault in of_signals(configuration.faults) if fault.kind == "restarted"]
+    return Restart(part, faults, configuration.common.control_period) if faults else None
+
+
+def is_compiled(configuration: Configuration) -> bool:
+    """Whether compiled code costs no time at the start: it is on disk, or the compiler is loaded already.
+
+    The node of a light law does without the compiler: loading it takes longer than it would save.
+    """
+    method, common = configuration.method, configuration.common
+    if method.law is None or not method.law.is_compilable:
+        return False
+    if "numba" in sys.modules:
+        return True
+    from ev_core.compiled.part import is_kept
+
+    return is_kept(method, configuration.told, common.vehicle, common.control_period)
+
+
+def compiled_parts(configuration: Configuration) -> list[Any]:
+    """The same for the compiled loop, which calls one behind the other: restart, method's part, sensors, faults."""
+    part = method_part(configuration, compiled=True)
+    restart = _restart(configuration, part)
+    return [*([restart] if restart else ()), part, *row_parts(configuration)]
+
+
+def row_parts(configuration: Configuration) -> list[Any]:
+    """Those behind the method's part."""
+    rows = _rows(configuration)
+    if rows:
+        from ev_core.compiled.part import RowPart
+
+        return [RowPart(row) for row in rows]
+    return []
+
+
+def method_part(configuration: Configuration, compiled: bool) -> Any:
+    """The part of the method alone, without sensors."""
+    method, common = configuration.method, configuration.common
+    law = method.law
+    if law is None or not law.is_compilable or not (compiled or law.heavy):
+        kind = getattr(method.factory, "part", PythonPart)
+        return kind(method, configuration.create())
+    from ev_core.compiled.part import CompiledPart
+
+    return CompiledPart(method, configuration.told, common.vehicle, common.control_period)
+
+
+def hand_over(before: Part, after: Part) -> None:
+    """Let a part go on with the state of another one of its method; sensors and faults too where both have the same."""
+    bare(after).state = bare(before).state
+    if isinstance(before, Sensed) and isinstance(after, Sensed):
+        after.go_on_from(before)
+
+
+def bare(part: Part) -> Any:
+    """The part of the method, without its sensors and faults."""
+    return part.part if isinstance(part, Sensed) else part

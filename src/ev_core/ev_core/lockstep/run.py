@@ -1,0 +1,137 @@
+"""A graph that is driven from instant to instant in this process: the parts of all roles over a stack of frames.
+
+The stack holds a piece of the run, which stays in the processor's cache; what was said in it then becomes series.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from ev_core.compiled.loop import FINISHED, NOT_FINITE, call_part, run_instants
+from ev_core.lockstep.configuration import Configuration
+from ev_core.lockstep.graph import check_graph, step_order
+from ev_core.lockstep.parts import compiled_parts, method_part
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.fields import SignalError, shape_of
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+
+_PIECE = 100  # instants between two looks at progress
+_PIECES_PER_LOOK = 50  # pieces between two looks at what the parts note
+
+
+def roles_in_order(played: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Of the roles that are played those that answer, each after everything that it reads, and those that integrate."""
+    names = set(played)
+    integrating = (role for role in ROLES if ROLES[role].kind is RoleKind.INTEGRATES)
+    return tuple(role for role in step_order(ROLES) if role in names), tuple(r for r in integrating if r in names)
+
+
+def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
+    """SignalError that names the first number of these signals in a frame that is not finite."""
+    for signal in signals:
+        shape_of(signal).refuse_not_finite(numbers[frame.PLACES[signal]].tolist())
+
+
+def call(part: Any, now: int, there: np.ndarray) -> None:
+    """Let a part write into the frame `there`, by that at the address `now`, its start by 0; raises what it raises."""
+    function, state, constants = part.addresses()
+    if call_part(function, now, there.ctypes.data, state, constants) != 0:
+        raise part.error
+
+
+class GraphRun:
+    """All parts of a graph, the `frames` of a piece of its run, and `series` of all, (frame size, instants).
+
+    ParameterError if the configurations do not fit together.
+    """
+
+    def __init__(self, configurations: Mapping[str, Configuration], instants: int) -> None:
+        check_graph(configurations)
+        period = next(iter(configurations.values())).period
+        answering, integrating = roles_in_order(configurations)
+        self.writes = {role: configuration.method.writes for role, configuration in configurations.items()}
+        roles = (*answering, *integrating)
+        self.parts = [(role, part) for role in roles for part in compiled_parts(configurations[role])]
+        written = {role: frame.span(configuration.method.writes) for role, configuration in configurations.items()}
+        size = max(end for _, end in written.values())
+        self.frames = np.zeros((min(_PIECE + 1, instants), size))
+        self.series = np.empty((size, instants))
+        self.series[frame.TIME] = frame.times(instants, period)
+        self._answering = sum(role in answering for role, _ in self.parts)
+        self._rows = np.array([(*part.addresses(), *written[role]) for role, part in self.parts], np.int64)
+        for place in range(self._answering, len(self.parts)):
+            self._show_start(place)
+
+    def _show_start(self, place: int) -> None:
+        role, part = self.parts[place]
+        call(part, 0, self.frames[0])
+        refuse_not_finite(self.frames[0], self.writes[role])
+
+    def drive(self, progress: Callable[[float], None], note: Callable[[str, str], None]) -> None:
+        """Drive all instants; SignalError, and nothing behind it is done, if a number is not finite."""
+        last, said = self.series.shape[1] - 1, set[tuple[str, str]]()
+        stopped = np.zeros(2, np.int64)
+        progress(0.0)
+        for begin, end in _pieces(last):
+            count = end - begin
+            self.frames[: count + 1, frame.TIME] = self.series[frame.TIME, begin : end + 1]
+            status = run_instants(self.frames, 0, count, end == last, self._rows, self._answering, stopped)
+            if status != FINISHED:
+                raise self._error(status, *stopped.tolist())
+            self.series[:, begin : end + 1] = self.frames[: count + 1].T
+            self.frames[0] = self.frames[count]
+            if end == last or end % (_PIECE * _PIECES_PER_LOOK) == 0:
+                self._pass_on_notes(said, note)
+            progress(float(self.series[frame.TIME, end]))
+
+    def _error(self, status: int, instant: int, place: int) -> BaseException:
+        """What a part said that stopped at an instant of a piece, with the simulated time if a number is not finite."""
+        role, part = self.parts[place]
+        try:
+            if status == NOT_FINITE:
+                refuse_not_finite(self.frames[instant], self.writes[role])
+            raise part.error
+        except SignalError as error:
+            return SignalError(f"at {self.frames[instant, frame.TIME]:g} s: {role}: {error}")
+        except BaseException as error:  # of a law in plain Python: it is raised as it is
+            return error
+
+    def _pass_on_notes(self, said: set[tuple[str, str]], note: Callable[[str, str], None]) -> None:
+        """Tell what the parts note for the first time."""
+        for role, part in self.parts:
+            for text in part.notes():
+                if (role, text) not in said:
+                    said.add((role, text))
+                    note(role, text)
+
+
+def said_again(configuration: Configuration, series: np.ndarray) -> np.ndarray:
+    """What the part of a role that integrates says of recorded inputs without its sensors and faults.
+
+    `series` are all numbers of the frame, (frame size, instants); the same with what the part says in its place.
+    SignalError if a number of it is not finite.
+    """
+    part, writes = method_part(configuration, compiled=True), configuration.method.writes
+    again, last = series.copy(), series.shape[1] - 1
+    frames = np.zeros((min(_PIECE, last) + 1, len(series)))
+    row = np.array([(*part.addresses(), *frame.span(writes))], np.int64)
+    for begin, end in _pieces(last):
+        count = end - begin
+        frames[: count + 1] = series[:, begin : end + 1].T
+        if begin == 0:
+            call(part, 0, frames[0])
+        if run_instants(frames, 0, count, False, row, 0, np.zeros(2, np.int64)) != FINISHED:
+            refuse_not_finite(frames[count], writes)
+            raise part.error
+        new = slice(int(begin > 0), count + 1)  # the first instant of a piece stands in the one before
+        again[:, begin + new.start : end + 1] = frames[new].T
+    return again
+
+
+def _pieces(last: int) -> Iterator[tuple[int, int]]:
+    """First and last instants of the pieces of a run, of which each begins where the one before ends."""
+    for begin in range(0, max(last, 1), _PIECE):
+        yield begin, min(begin + _PIECE, last)

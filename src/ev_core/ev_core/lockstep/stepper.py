@@ -1,0 +1,181 @@
+"""The part of a node in lockstep, without ROS: stamped signals in, stamped signals out (docs/lockstep.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from ev_core.lockstep.graph import arrival_order, sequence, step_order, writers
+from ev_core.lockstep.inbox import Arrival, HoldingInbox, Inbox
+from ev_core.lockstep.tally import Tally
+from ev_core.methods.part import Part
+from ev_core.methods.register import Method
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.frame import TIME, Frame
+from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
+
+
+class Answer(NamedTuple):
+    """What a node says for one instant: the numbers of what it writes, in a frame."""
+
+    stamp: int
+    frame: Frame
+
+
+WRITERS = writers(ROLES)
+_ORDER = {role: place for place, role in enumerate(sequence(ROLES))}
+_ARRIVAL = {role: place for place, role in enumerate(arrival_order(ROLES, MASTER))}
+_FIRST_TO_ANSWER = ROLES[next(role for role in step_order(ROLES))]
+
+
+def arrival_place(signal: type) -> tuple[int, int, int]:
+    """Where a signal stands among all of one instant in the order of their arrival: higher arrives later.
+
+    Of its signals a role publishes first those that the first role to answer needs most.
+    """
+    writer, needed = WRITERS[signal], _FIRST_TO_ANSWER.reads
+    urgency = needed.index(signal) if signal in needed else len(needed)
+    return _ARRIVAL[writer], urgency, ROLES[writer].may_write.index(signal)
+
+
+def upstream_signals(role: str) -> frozenset[type]:
+    """The signals of the roles before this one within a step.
+
+    Repeated ones call for a repeated answer. That of a role behind would not only be useless: two nodes that read
+    each other would repeat their answers for ever.
+    """
+    return frozenset(signal for signal, writer in WRITERS.items() if _ORDER[writer] < _ORDER[role])
+
+
+class Stepper:
+    """Steps the part of a method exactly once per stamp, as soon as all its inputs for that stamp are there.
+
+    `make` gives a new part, at rest; `period` is the step in nanoseconds. A part that answers at once answers with the
+    stamp of its inputs. One that integrates answers with the stamp of the next step, and with its initial state for as
+    long as it has not stepped. With a `key` all that is taken and said is added up, unless steps `may_skip`.
+    """
+
+    def __init__(
+        self, method: Method, make: Callable[[], Part], period: int, may_skip: bool = False, key: bytes = b""
+    ) -> None:
+        self.reads = tuple(sorted(method.inputs, key=arrival_place))
+        self.integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
+        self.upstream = upstream_signals(method.role)
+        # An integrating writer repeats its last two answers, so its stamp zero may be a late repetition.
+        heralds = frozenset(s for s in self.upstream if s not in INTEGRATED)
+        # The master repeats no other state than the present one, so it must not leave anybody behind: it goes on when
+        # the others that integrate have done so too. They have heard all that answer, and these the master.
+        followed = frozenset(s for s in self.reads if s in INTEGRATED) if method.role == MASTER else frozenset()
+        heralds |= {*ROLES[MASTER].writes}
+        # Who integrates and is not the master speaks of the next instant: that says nothing of this one's inputs.
+        self._pacing = frozenset(s for s in self.reads if s in ROLES[MASTER].writes or s not in INTEGRATED)
+        if may_skip:
+            self.inbox: Inbox = HoldingInbox(self.reads, heralds, period, self._pacing, neutral=self.integrates)
+        else:
+            self.inbox = Inbox(self.reads, heralds, period, followed=followed)
+        self.answer: Answer | None = None
+        self.period = period
+        self.before: Answer | None = None
+        self.tally = Tally(key, self.reads, method.writes) if key and not may_skip else None
+        self._make = make
+        self._at_rest = True
+        self.part = make()
+
+    @property
+    def under_way(self) -> bool:
+        """Whether a step has been taken since the run began, and the next one is the one after it."""
+        return not self._at_rest and self.inbox.last is not None
+
+    def answers_to(self, kind: type, stamp: int, arrival: Arrival) -> Sequence[Answer]:
+        """What a message that has been taken in leads to: an answer, or recent answers again."""
+        if arrival is Arrival.NEW and not self._at_rest:
+            answer = self.step()
+            return () if answer is None else (answer,)
+        if arrival is Arrival.RESTART:
+            self._begin_anew()
+        answers: list[Answer] = []
+        if arrival is Arrival.REPEATED and kind in self.upstream:
+            answers += self._recent_answers()
+        if self.integrates and self._at_rest and kind in self._pacing and self._must_begin(stamp):
+            if self.answer is not None:
+                self._begin_anew()  # of another run it may begin with other values
+            self.answer = self._start(stamp)
+            answers.append(self.answer)
+        answer = self.step()
+        if answer is not None:
+            answers.append(answer)
+        return answers
+
+    def _must_begin(self, stamp: int) -> bool:
+        """Whether others have yet to hear the initial state, or that of an instant at which it cannot step any more."""
+        return self.answer is None or (self.inbox.last is None and stamp > self.answer.stamp)
+
+    def _recent_answers(self) -> tuple[Answer, ...]:
+        """What somebody may have missed: the last answer, and of an integrating object the one before.
+
+        An integrating object is one answer ahead, so the others may still wait for the one before.
+        """
+        return tuple(answer for answer in (self.before, self.answer) if answer is not None)
+
+    def _start(self, stamp: int) -> Answer:
+        there = self._frame_at(stamp)
+        self.part.start(there)
+        if self.tally is not None:
+            self.tally.add_said(stamp // self.period, there.address)
+        return Answer(stamp, there)
+
+    def _begin_anew(self) -> None:
+        self.part = self._make()
+        self.answer = self.before = None
+        self._at_rest = True
+        if self.tally is not None:
+            self.tally.forget()
+
+    def begin_run(self) -> Answer:
+        """Begin the next run at time zero; the answer is the initial state of an integrating object."""
+        run = 0 if self.inbox.last is None else (self.inbox.run + stamps.RUN) % stamps.RUNS
+        self._begin_anew()
+        self.inbox.expect(run)
+        self.answer = self._start(run)
+        return self.answer
+
+    def step(self) -> Answer | None:
+        """One step if its inputs are complete, else None."""
+        stamp = self.inbox.complete()
+        if stamp is None:
+            return None
+        last = self.inbox.last
+        inputs = self.inbox.take(stamp)
+        if self.integrates and last is not None:
+            # More than one period only where steps may be skipped: the inputs are held, so that time does not slip.
+            for _ in range((stamp - last) // self.period - 1):
+                self.step_with(stamp, inputs)
+        return self.step_with(stamp, inputs)
+
+    def step_with(self, stamp: int, here: Frame) -> Answer:
+        """One step with the inputs in a frame."""
+        here.numbers[TIME] = self._instant(stamp)
+        self._at_rest = False
+        if self.integrates:
+            self.before = self.answer
+            there = self._frame_at(stamp + self.period)
+            self.part.step(here, there)
+            self.answer = Answer(stamp + self.period, there)
+            if self.tally is not None:
+                self.tally.add_taken(stamp // self.period, here.address)
+                self.tally.add_said(stamp // self.period + 1, there.address)
+        else:
+            self.part.step(here, here)
+            self.answer = Answer(stamp, here)
+            if self.tally is not None:
+                self.tally.add(stamp // self.period, here.address)
+        return self.answer
+
+    def _instant(self, stamp: int) -> float:
+        """The time that a stamp means [s]."""
+        return (stamp - stamp % self.period) / stamps.NANOSECONDS
+
+    def _frame_at(self, stamp: int) -> Frame:
+        there = Frame()
+        there.numbers[TIME] = self._instant(stamp)
+        return there

@@ -1,0 +1,100 @@
+"""What a class offers that is a method, as protocols: one per kind of role, and what it may offer besides.
+
+A class satisfies them by having what they name; it need not inherit from anything. `check.method.check_method` holds it
+against what the docstrings say.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, runtime_checkable
+
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+
+
+class Stateful(Protocol):
+    """What every object of a method has; it is made by `factory(parameters, vehicle, period)`, and is at rest then.
+
+    `parameters` are an instance of its parameter dataclass, `vehicle` is the `Vehicle` and `period` the control period
+    [s]. The object knows nothing else: no clock, no random numbers but seeded ones whose generator is in the state, no
+    other object.
+    """
+
+    state: Any
+    """All that lasts between steps: None, or a row of numbers, which can be set to that of another object."""
+
+
+@runtime_checkable
+class Answering(Protocol):
+    """Plays a role that answers at once."""
+
+    def step(self, *signals: Any, **_by_name: Any) -> Any:
+        """The signal that the role writes, from the signals of the same instant; of several a tuple, as in `writes`.
+
+        The annotations of the arguments say which signals are read. They are finite. The answer is finite as well, or
+        the step is refused: by SignalError where a number is not, or by any ValueError of its own.
+        """
+
+
+@runtime_checkable
+class Integrating(Protocol):
+    """Plays a role that integrates from instant to instant."""
+
+    def outputs(self) -> tuple[Any, ...]:
+        """What the role writes at the instant of the state, in the order of its `writes`; changes nothing."""
+
+    def advance(self, *signals: Any, **_by_name: Any) -> None:
+        """Go on to the next instant by the signals of this one; arguments and refusals are those of `step`."""
+
+
+@runtime_checkable
+class Reporting(Protocol):
+    """May be offered besides: says what is worth knowing about the run."""
+
+    def reports(self) -> tuple[str, ...]:
+        """All of it up to now, each text once and in the order in which it came up; told to the user."""
+
+
+@runtime_checkable
+class ReadingFiles(Protocol):
+    """May be offered besides, by the class itself: parameters that name files."""
+
+    @staticmethod
+    def load_files(parameters: Any) -> Any:
+        """The parameters with what their files hold; ParameterError if one cannot be read."""
+
+
+class Declaring(Protocol):
+    """What the class itself says; `parameters` it must, the others it may."""
+
+    parameters: type
+    """The parameter dataclass."""
+
+    writes: tuple[type, ...]
+    """The part of its role's signals that it can know; without it all."""
+
+    requires: dict[str, str]
+    """By role the method, or by ROLE.PARAMETER its value, without which this one makes no sense."""
+
+    needs: tuple[Any, ...]
+    """What the vehicle must have (`vehicle.layout.Need`)."""
+
+    mirrored: bool
+    """Whether left and right are alike to it: `check.mirror` says what that means."""
+
+
+_HOOKS = {RoleKind.ANSWERS: Answering, RoleKind.INTEGRATES: Integrating}
+
+
+def refuse_lacking(role: str, name: str, defined: type) -> None:
+    """TypeError, in one line, if a class lacks what a method of this role has."""
+    protocol = _HOOKS[ROLES[role].kind]
+    lacking = [
+        hook for hook in vars(protocol) if not hook.startswith("_") and not callable(getattr(defined, hook, None))
+    ]
+    if not isinstance(getattr(defined, "parameters", None), type):
+        lacking.insert(0, "parameters")
+    if lacking:
+        raise TypeError(
+            f"{role} method {name}: class {defined.__name__} lacks {' and '.join(lacking)} "
+            f"(see {protocol.__name__} in methods/hooks.py)"
+        )

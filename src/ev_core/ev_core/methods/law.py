@@ -1,0 +1,150 @@
+"""A method written as functions: what they are given, and the object that steps them in plain Python."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache, lru_cache, partial
+from types import MappingProxyType, SimpleNamespace
+from typing import Any, TypeVar
+
+from ev_core.parameters.declaration import number_tree
+from ev_core.parameters.record import fill, names, numbers
+from ev_core.vehicle.car import car_numbers
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.compilable import FUNCTIONS
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+# What the functions of a law may ask for by the names of their first arguments; the signals follow.
+GIVEN = ("p", "car", "c", "s", "period")
+
+
+@dataclass(slots=True)
+class NoState:
+    """Nothing lasts between steps."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """A method as functions; its first arguments say what they need of
+
+    - `p`: the numbers of the parameters, groups nested, a choice as its place among the choices, a switch as 0 or 1,
+    - `car`: the numbers of the vehicle (`car.car_numbers`),
+    - `c`: what `prepare(parameters, vehicle, period)` made, a named tuple of numbers, tuples of numbers and such,
+    - `s`: the state, a declared record, to be changed in place,
+    - `period`: the control period [s].
+
+    `function` gives the answer of a role that answers, and advances the state of one that integrates, whose `outputs`
+    then give what it writes: one signal, or a tuple of them in the order of `writes`. `start` makes the initial state
+    where it is not that of the declaration. `in_real_time` has defaults that others have there, by ROLE.PARAMETER.
+    `notes` says what is worth knowing about the run so far. `mirrored` claims that left and right are alike to it
+    (`check.mirror`).
+    """
+
+    function: Callable[..., Any]
+    parameters: type
+    state: type = NoState
+    outputs: Callable[..., Any] | None = None
+    prepare: Callable[[Any, Vehicle, float], Any] | None = None
+    start: Callable[..., Any] | None = None
+    notes: Callable[..., tuple[str, ...]] | None = None
+    load_files: Callable[[Any], Any] | None = None
+    needs: tuple[Callable[[Any, Vehicle], str], ...] = ()
+    requires: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    in_real_time: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    writes: tuple[type, ...] | None = None
+    heavy: bool = False
+    mirrored: bool = False
+
+    @property
+    def is_compilable(self) -> bool:
+        """Whether its functions are marked as `compilable`."""
+        return self.function in FUNCTIONS and (self.outputs is None or self.outputs in FUNCTIONS)
+
+    def names(self) -> list[str]:
+        """One name for each number of the state."""
+        return names(self.state())
+
+    def __call__(self, parameters: Any, vehicle: Vehicle, period: float) -> LawObject:
+        """A new object of the law, at rest."""
+        return LawObject(self, parameters, vehicle, period)
+
+
+def named_after(function: F, law: Callable[..., Any]) -> F:
+    """A function made around a law, under the law's name, module and docstring, by which users know the method."""
+    for attribute in ("__module__", "__name__", "__qualname__", "__doc__"):
+        setattr(function, attribute, getattr(law, attribute))
+    return function
+
+
+@cache
+def given_names(function: Callable[..., Any]) -> tuple[str, ...]:
+    """Which of `GIVEN` a function asks for, in its order; TypeError unless they come first."""
+    asked = tuple(inspect.signature(function).parameters)
+    count = sum(name in GIVEN for name in asked)
+    if any(name not in GIVEN for name in asked[:count]):
+        raise TypeError(f"{function.__name__}: {', '.join(GIVEN)} come before the signals")
+    return asked[:count]
+
+
+class Given:
+    """The values that the functions of one object of a law are given, as plain Python works with them."""
+
+    def __init__(self, law: Law, parameters: Any, vehicle: Vehicle, period: float) -> None:
+        car_tree, car = _car(vehicle)
+        self.trees = {"p": number_tree(parameters), "car": car_tree}
+        self.values: dict[str, Any] = {"p": namespace(self.trees["p"]), "car": car, "period": period}
+        self.values["c"] = law.prepare(parameters, vehicle, period) if law.prepare else None
+        self.values["s"] = self.bound(law.start)() if law.start else law.state()
+
+    def bound(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """The function with what it asks for; the signals are still to be given."""
+        return partial(function, *(self.values[name] for name in given_names(function)))
+
+
+@lru_cache(maxsize=16)
+def _car(vehicle: Vehicle) -> tuple[dict[str, Any], SimpleNamespace]:
+    """The numbers of a vehicle, as a tree and as laws read them; once for all objects, which only read them."""
+    tree = car_numbers(vehicle)
+    return tree, namespace(tree)
+
+
+def namespace(tree: Mapping[str, Any]) -> SimpleNamespace:
+    """A tree of numbers whose branches are attributes."""
+    return SimpleNamespace(
+        **{name: namespace(value) if isinstance(value, Mapping) else value for name, value in tree.items()}
+    )
+
+
+class LawObject:
+    """Steps a law in plain Python: `step` of a role that answers, `advance` and `outputs` of one that integrates."""
+
+    def __init__(self, law: Law, parameters: Any, vehicle: Vehicle, period: float) -> None:
+        given = Given(law, parameters, vehicle, period)
+        self.given = given.values
+        self._record = given.values["s"]
+        self.step = self.advance = given.bound(law.function)
+        if law.outputs is not None:
+            self._outputs = given.bound(law.outputs)
+            self._single = law.writes is None or len(law.writes) == 1
+        if law.notes is not None:
+            self.reports = given.bound(law.notes)
+
+    def outputs(self) -> tuple[Any, ...]:
+        """Everything that it writes, at the instant of its state."""
+        return (self._outputs(),) if self._single else self._outputs()
+
+    @property
+    def state(self) -> list[float]:
+        """All that lasts between steps, as one row of numbers; may be set to that of another object of the law."""
+        return numbers(self._record)
+
+    @state.setter
+    def state(self, row: list[float]) -> None:
+        fill(self._record, row)
+        self.goes_on()
+
+    def goes_on(self) -> None:
+        """Called when it has been given the state of another object."""

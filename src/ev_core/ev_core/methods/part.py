@@ -1,0 +1,142 @@
+"""The object that plays a role: it reads signals in one frame and writes its own into the same or the next one.
+
+There is one kind of step for all ways of running: offline, in one process, as processes, in lockstep, in real time.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from array import array
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any, Protocol
+
+from ev_core.compiling.foreign import FUNCTION
+from ev_core.methods.hooks import Reporting
+from ev_core.methods.register import Method
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.frame import Frame
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_msgs_py.contract.signals import Instant
+
+
+class Part(Protocol):
+    """What a run asks of a part."""
+
+    state: Any
+    """All that lasts between steps; may be set to that of another part of the same method."""
+
+    def start(self, there: Frame) -> None:
+        """Write the initial outputs of a role that integrates; SignalError if a number is not finite."""
+
+    def step(self, here: Frame, there: Frame) -> None:
+        """Answer in the frame `there` to the signals in `here`, or integrate to it; SignalError as above."""
+
+    def notes(self) -> tuple[str, ...]:
+        """All that is worth knowing about the run so far, besides the signals."""
+
+    def addresses(self) -> tuple[int, int, int]:
+        """Of the C function, the state and the constants with which compiled code starts and steps it."""
+
+
+class CalledBack:
+    """A part that is stepped in Python: compiled code calls it back, and finds what it raised in `error`."""
+
+    error: BaseException | None = None
+
+    def addresses(self) -> tuple[int, int, int]:
+        """Of the function that compiled code calls; it needs no memory for state and constants."""
+        return ctypes.cast(self._function, ctypes.c_void_p).value or 0, 0, 0
+
+    @cached_property
+    def _function(self) -> Any:
+        return FUNCTION(self._called_back)
+
+    def _called_back(self: Any, here: int | None, there: int, _state: int | None, _constants: int | None) -> int:
+        try:
+            if here is None:
+                self.start(Frame.at(there))
+            else:
+                self.step(Frame.at(here), Frame.at(there))
+        except BaseException as error:  # nothing may be raised through compiled code
+            self.error = error
+            return 1
+        return 0
+
+
+class PythonPart(CalledBack):
+    """An object whose steps run in plain Python."""
+
+    def __init__(self, method: Method, made: Any) -> None:
+        self.made = made
+        self._reads = tuple(_reader(signal) for signal in method.reads)
+        self._writes = tuple(_writer(signal) for signal in method.writes)
+        self._answers = ROLES[method.role].kind is RoleKind.ANSWERS
+        self._answer = self._writes[0] if self._answers and len(self._writes) == 1 else None
+        self._shapes = tuple((shape_of(signal), frame.PLACES[signal]) for signal in method.writes)
+        self._reports = made.reports if isinstance(made, Reporting) else None
+
+    @property
+    def state(self) -> Any:
+        """The state of the object."""
+        return self.made.state
+
+    @state.setter
+    def state(self, state: Any) -> None:
+        self.made.state = state
+
+    def start(self, there: Frame) -> None:
+        """Write the initial outputs."""
+        self._write(self.made.outputs(), there.numbers)
+
+    def step(self, here: Frame, there: Frame) -> None:
+        """One step of the object."""
+        signals = [read(here.numbers) for read in self._reads]
+        if self._answer is not None:
+            self._answer(there.numbers, self.made.step(*signals))
+        elif self._answers:
+            self._write(self.made.step(*signals), there.numbers)
+        else:
+            self.made.advance(*signals)
+            self._write(self.made.outputs(), there.numbers)
+
+    def _write(self, said: tuple[Any, ...], there: Any) -> None:
+        for write, signal in zip(self._writes, said, strict=True):
+            write(there, signal)
+
+    def refuse_not_finite(self, there: Frame) -> None:
+        """SignalError if a number that it wrote is not finite."""
+        for shape, place in self._shapes:
+            values = there.numbers[place]
+            if not math.isfinite(sum(values)):
+                shape.refuse_not_finite(values)
+
+    def notes(self) -> tuple[str, ...]:
+        """What the object reports."""
+        return self._reports() if self._reports else ()
+
+
+def _reader(signal: type) -> Callable[[Any], Any]:
+    """A function that makes a signal of the bytes of a frame."""
+    if signal is Instant:
+        return lambda here: Instant(frame.time_in(here))
+    return shape_of(signal).reader(frame.PLACES[signal].start)
+
+
+def _writer(signal: type) -> Callable[[Any, Any], None]:
+    """A function that puts a signal into the numbers of a frame, as its message carries it."""
+    place, shape = frame.PLACES[signal], shape_of(signal)
+
+    per_wheel, has_single = shape.per_wheel, shape.has_single
+
+    def write(there: Any, said: Any) -> None:
+        values = sum(said, ()) if per_wheel else said
+        if has_single:
+            values = shape.carried(values)
+        if not math.isfinite(sum(values)):
+            shape.refuse_not_finite(shape.flat(said))
+        there[place] = array("d", values)
+
+    return write

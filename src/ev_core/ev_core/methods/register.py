@@ -1,0 +1,242 @@
+"""The register of methods: every law, plant, column and driver, by role and name, also of installed packages."""
+
+from __future__ import annotations
+
+import inspect
+import typing
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any, TypeVar
+
+from ev_core.faults.fault import FaultParameters
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.hooks import refuse_lacking
+from ev_core.methods.law import Law, given_names
+from ev_core.parameters.declaration import entries
+from ev_core.parameters.values import entries_by_name
+from ev_core.vehicle.layout import refusal
+from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
+from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.refusal import ParameterError, quoted
+
+_GROUP = "ev_stack.methods"
+
+
+@cache
+def load_installed_methods(role: str) -> tuple[str, ...]:
+    """Import what is offered for a role, and say in one line each what cannot be: it must not keep others from running.
+
+    Only those of the role, because a plant takes longer to import than a node to start.
+    """
+    failed = []
+    for entry_point in entry_points(group=_GROUP, name=role):
+        try:
+            entry_point.load()
+        except Exception as error:  # whatever somebody's module raises
+            failed.append(f"{entry_point.value}: {type(error).__name__}: {' '.join(str(error).split())}")
+    return tuple(failed)
+
+
+def not_loaded() -> tuple[str, ...]:
+    """Everything that is offered and cannot be had, one line each: what fails, and what is offered for no role."""
+    nobody = [point for point in entry_points(group=_GROUP) if point.name not in ROLES]
+    lines = [
+        f"{point.value}: offered for {quoted(point.name)}, which is no role: {', '.join(ROLES)}" for point in nobody
+    ]
+    return (*lines, *(line for role in ROLES for line in load_installed_methods(role)))
+
+
+T = TypeVar("T")
+
+NODES = "ev_stack.nodes"  # of entry points, named after their roles
+SENSORS = "sensors"  # the group of a node's sensors
+(FAULTS,) = entries(FaultParameters)
+RECORDINGS = ".npz"  # what the path of recorded signals ends with
+_REGISTER: dict[str, dict[str, Method]] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """One way to play a role: the class, the signals that its step reads, and its parameter dataclass."""
+
+    role: str
+    name: str
+    factory: Any
+    reads: tuple[type, ...]
+    parameters: type
+
+    @property
+    def inputs(self) -> tuple[type, ...]:
+        """The signals that a step waits for: those it reads, and what else the node has to hear.
+
+        The master hears everybody else who integrates, so that it leaves nobody behind; of optional roles it reads
+        something where they are played, or nobody plays them. The others hear the master
+        or, if they answer at once, somebody who does so before them: that is how they learn of a new run.
+        """
+        topics = tuple(signal for signal in self.reads if signal is not Instant)
+        role, masters = ROLES[self.role], ROLES[MASTER].writes
+        if self.role == MASTER:
+            others = (s for s in role.reads if s in INTEGRATED and s not in EXTRA)
+            return (*topics, *(signal for signal in others if signal not in topics))
+        answers = role.kind is RoleKind.ANSWERS
+        heralds = [signal for signal in role.reads if signal in masters or (answers and signal not in INTEGRATED)]
+        return topics if any(signal in heralds for signal in topics) else (*topics, heralds[0])
+
+    @property
+    def writes(self) -> tuple[type, ...]:
+        """The signals it writes: those of its role, or the part of them that it can know."""
+        known: tuple[type, ...] | None = getattr(self.factory, "writes", None)
+        return ROLES[self.role].writes if known is None else known
+
+    @property
+    def requires(self) -> dict[str, str]:
+        """By role the method, or by ROLE.PARAMETER its value, without which this one makes no sense."""
+        return getattr(self.factory, "requires", {})
+
+    @property
+    def in_real_time(self) -> Mapping[str, str]:
+        """By ROLE.PARAMETER the value that it has by default where the wall clock drives the graph."""
+        return self.law.in_real_time if self.law else {}
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether it claims that left and right are alike to it."""
+        return getattr(self.factory, "mirrored", False)
+
+    @property
+    def law(self) -> Law | None:
+        """The functions that it consists of; None if it is a class."""
+        return self.factory if isinstance(self.factory, Law) else None
+
+    @property
+    def documented(self) -> Any:
+        """What carries its docstring."""
+        return self.factory if self.law is None else self.law.function
+
+    @property
+    def plays_back(self) -> bool:
+        """Whether it says what was recorded, whoever said it then."""
+        return isinstance(self.name, str) and self.name.endswith(RECORDINGS)
+
+    @property
+    def package(self) -> str:
+        """The package that brings it."""
+        return str(self.documented.__module__).partition(".")[0]
+
+    @property
+    def about(self) -> str:
+        """First line of the docstring."""
+        return (inspect.getdoc(self.documented) or "").partition("\n")[0]
+
+
+def method(role: str, name: str, parameters: type | None = None, **how: Any) -> Callable[[T], T]:
+    """Register a class or a function as a method of a role.
+
+    A class has what `lockstep.hooks` says: by the kind of its role that of `Answering` or `Integrating`, and what it
+    declares and offers besides. A function comes with its parameter dataclass and, in `how`, what else
+    `lockstep.law.Law` has.
+
+    The annotations of `step`, `advance` or the function name the signals that are read; TypeError if there is no such
+    role, if it may not read one of them, if a hook is missing, or if a parameter has the name of one of every node.
+    """
+    if role not in ROLES:
+        raise TypeError(f"method {name}: {quoted(role)} is no role, allowed is one of {', '.join(ROLES)}")
+
+    def register(defined: T) -> T:
+        factory: Any = defined
+        if parameters is not None:
+            factory = Law(factory, parameters, **how)
+            if factory.outputs is None and ROLES[role].kind is RoleKind.INTEGRATES:
+                raise TypeError(f"{role} method {name}: a {role} integrates, so its law needs outputs=")
+        else:
+            refuse_lacking(role, name, factory)
+        function = _stepping(role, factory)
+        hints = typing.get_type_hints(function)
+        given = given_names(function) if parameters is not None else ("self",)
+        arguments = [name for name in inspect.signature(function).parameters if name not in given]
+        if bare := [name for name in arguments if name not in hints]:
+            raise TypeError(f"{role} method {name}: argument {bare[0]} has no annotation that names its signal")
+        reads = tuple(hints[name] for name in arguments)
+        for signal in reads:
+            if not ROLES[role].may_read(signal):
+                asked = getattr(signal, "__name__", signal)
+                raise TypeError(f"{role} method {name}: a {role} does not read {asked} (see roles.py)")
+        try:
+            refuse_taken(f"{role} method {name}", factory.parameters)
+        except ParameterError as error:
+            raise TypeError(str(error)) from None
+        _REGISTER.setdefault(role, {})[name] = Method(role, name, factory, reads, factory.parameters)
+        return defined
+
+    return register
+
+
+def refuse_taken(who: str, parameters: type, taken: Iterable[str] = ()) -> None:
+    """ParameterError if a parameter has the name of one that every node has, or one of `taken`: it would not get there.
+
+    Only a method whose `faults` are those of every node may ask for them itself.
+    """
+    own = entries_by_name(parameters)
+    of_nodes = entries_by_name(CommonParameters)
+    groups = {"method", SENSORS, *(name.partition(".")[0] for name in of_nodes)}
+    for name, entry in own.items():
+        is_fault = name == FAULTS.name and entry != FAULTS
+        if name.partition(".")[0] in groups or name in taken or is_fault:
+            raise ParameterError(f"{who}: parameter {name} is refused: every node has one of this name, take another")
+
+
+def _stepping(role: str, factory: Any) -> Callable[..., Any]:
+    if isinstance(factory, Law):
+        return factory.function
+    hook: Callable[..., Any] = factory.advance if ROLES[role].kind is RoleKind.INTEGRATES else factory.step
+    return hook
+
+
+def registered_by(module: str, run: Callable[[], None]) -> dict[str, dict[str, Method]]:
+    """By role and name the methods of a module that something registers; only who has asked for them knows them."""
+    global _REGISTER
+    kept, _REGISTER = _REGISTER, {}
+    try:
+        run()
+    finally:
+        made, _REGISTER = _REGISTER, kept
+        for role, methods in made.items():  # what was imported on the way is there for all
+            others = {name: each for name, each in methods.items() if each.documented.__module__ != module}
+            _REGISTER.setdefault(role, {}).update(others)
+            for name in others:
+                del methods[name]
+    return made
+
+
+@cache
+def node_package(role: str) -> str:
+    """The package with the node of a role; LookupError unless there is exactly one."""
+    found = {point.value.partition(".")[0] for point in entry_points(group=NODES, name=role)}
+    if len(found) != 1:
+        raise LookupError(f"one package is wanted with a node for {role}, found: {sorted(found)}")
+    return found.pop()
+
+
+def methods_of(role: str) -> dict[str, Method]:
+    """All methods of a role, by name."""
+    load_installed_methods(role)
+    return dict(sorted(_REGISTER.get(role, {}).items()))
+
+
+def all_methods() -> dict[str, dict[str, Method]]:
+    """All methods of all roles."""
+    return {role: methods_of(role) for role in ROLES}
+
+
+def create(method: Method, parameters: Any, vehicle: Any, period: float) -> Any:
+    """A new object of a method, at rest."""
+    return method.factory(parameters, vehicle, period)
+
+
+def refuse_layout(method: Method, parameters: Any, vehicle: Any) -> None:
+    """ParameterError if the vehicle lacks what a method with these parameters needs."""
+    text = refusal(method.role, method.name, getattr(method.factory, "needs", ()), parameters, vehicle)
+    if text:
+        raise ParameterError(text)

@@ -1,0 +1,95 @@
+"""From instant to instant, as far as the schedule allows; and whom a run waits for, in words."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from rclpy.node import Node
+
+from ev_core.lockstep.stepper import WRITERS, Answer, Stepper
+from ev_core.nodes.master.schedule import Schedule
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import REQUIRED, ROLES
+
+
+class Silence:
+    """Names the nodes that do not answer, and again when more is known: a killed one leaves the graph seconds later."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self.answered()
+
+    def answered(self) -> None:
+        """A step was taken; the clock is read when nothing comes after it."""
+        self._since: float | None = None
+        self._said: tuple[object, ...] = ()
+
+    def name_after(self, timeout: float, missing: tuple[type, ...], now: int) -> None:
+        """Say who is missing at a stamp, once every `timeout` seconds of wall time."""
+        wall = time.monotonic()
+        if self._since is None:
+            self._since = self._named = wall
+        if wall - self._named <= timeout:
+            return
+        self._named = wall
+        space = self._node.get_namespace()
+        there = {name for name, where in self._node.get_node_names_and_namespaces() if where == space}
+        wanted = {*REQUIRED, *(WRITERS[kind] for kind in missing)}
+        gone = [role for role in ROLES if role in wanted and role not in there]
+        where = f"not in the graph: {', '.join(gone)}" if gone else "all nodes are in the graph, one does not answer"
+        if (where, missing) != self._said:
+            self._said = where, missing
+            waits = ", ".join([f"{kind.__name__} of {WRITERS[kind]}" for kind in missing] or ["the recorder"])
+            at = stamps.to_seconds(now)
+            self._node.get_logger().error(f"waiting for {waits} at {at} s for {wall - self._since:.1f} s; {where}")
+
+
+class Advance:
+    """Steps the master's part whenever the next instant has come; `stepped` is told what it says then."""
+
+    def __init__(
+        self, stepper: Stepper, schedule: Schedule, stepped: Callable[[Answer], None], warn: Callable[[str], None]
+    ) -> None:
+        self._stepper, self._schedule, self._stepped, self._warn = stepper, schedule, stepped, warn
+        self.ended = False
+
+    def where_due(self) -> None:
+        """Take all steps that may be taken now."""
+        schedule, realtime = self._schedule, self._schedule.realtime
+        while not self.ended and schedule.has_inputs:
+            late = schedule.lateness
+            if late < 0.0:
+                return
+            if schedule.at_end:
+                self.ended = True
+                return
+            answer = self._held_step() if realtime else self._stepper.step()
+            assert answer is not None, "the schedule lets time go on only with all inputs"
+            if schedule.now == self._stepper.period:
+                schedule.pace_from_here()  # the first step has waited for all nodes to come up
+            self._stepped(answer)
+            if realtime:
+                schedule.timing.stepped(late)
+                if late > stamps.to_seconds(self._stepper.period):
+                    self._note_overrun()
+
+    def _held_step(self) -> Answer:
+        """One step with the newest inputs; without a torque command that is fresh enough the torque is zero."""
+        now = self._schedule.now
+        return self._stepper.step_with(now + self._stepper.inbox.run, self._schedule.held_inputs(now))
+
+    def _note_overrun(self) -> None:
+        """A burst of late steps would be no real time."""
+        self._schedule.lose_what_is_late()
+        self._schedule.timing.overruns += 1
+        if self._schedule.timing.overruns == 1:
+            at = stamps.to_seconds(self._schedule.now)
+            self._warn(f"realtime: the step to {at} s came more than a period late")
+
+    @property
+    def summary(self) -> str:
+        """What was simulated, how fast, and how often too late."""
+        overruns = self._schedule.timing.overruns
+        late = f", {overruns} steps came more than a period late" if overruns else ""
+        return self._schedule.summary + late

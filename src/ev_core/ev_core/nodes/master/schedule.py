@@ -1,0 +1,209 @@
+"""When the master of time may go on: inputs and recorder, the pace, pauses, the end."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+
+from ev_core.lockstep.stepper import Stepper
+from ev_core.nodes.master.held_inputs import HeldInputs
+from ev_core.nodes.master.parameters import RECORDER_LAG, MasterParameters
+from ev_core.nodes.master.timing import Timing
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.frame import Frame
+
+
+class Pace:
+    """Both times begin to count at the last call of `start`; the clock is monotonic.
+
+    What `go_on` has let be lost since counts in the summary, but no instant is due earlier for it.
+    """
+
+    def __init__(self) -> None:
+        self.start(0)
+
+    def start(self, stamp: int) -> None:
+        """Both times begin here."""
+        self._rests: float | None = None
+        self.go_on(stamp)
+        self._begun = self._wall, self._stamp
+
+    def rest(self) -> None:
+        """Both stand still until `resume`."""
+        if self._rests is None:
+            self._rests = time.monotonic()
+
+    def go_on(self, stamp: int) -> None:
+        """The next instants are due as if this one were in time."""
+        self._wall, self._stamp = time.monotonic(), stamp
+
+    def resume(self, stamp: int) -> None:
+        """The same behind a rest, which counts nowhere."""
+        self.go_on(stamp)
+        if self._rests is not None:
+            self._begun = self._begun[0] + self._wall - self._rests, self._begun[1]
+            self._rests = None
+
+    def due(self, stamp: int, factor: float) -> float:
+        """Wall time [s] at which an instant is due; `factor` is simulated over wall time, above zero."""
+        return self._wall + stamps.to_seconds(stamp - self._stamp) / factor
+
+    def summary(self, stamp: int, period: int) -> str:
+        """What was simulated up to an instant, and how fast."""
+        begun, first = self._begun
+        wall, simulated = (self._rests or time.monotonic()) - begun, stamp - first
+        return f"{stamps.to_seconds(simulated):g} s simulated in {wall:.3f} s, {simulated // period / wall:.1f} steps/s"
+
+
+class Schedule:
+    """Knows where time is and what holds it back; `parameters` gives what is said of it now."""
+
+    def __init__(self, stepper: Stepper, realtime: bool, parameters: MasterParameters) -> None:
+        self._stepper = stepper
+        self.realtime = realtime
+        self.held = HeldInputs(stepper.reads)
+        self.timing = Timing(stepper.reads)
+        self._pace = Pace()
+        self._recorded = -1  # stamp up to which the recorder holds everything
+        self.rests: Callable[[], bool] = lambda: False  # whether a service has stopped time
+        self.follow(parameters)
+
+    def follow(self, parameters: MasterParameters) -> None:
+        """Time goes on from here as the parameters say."""
+        self._await_recorder = parameters.await_recorder
+        self._end = stamps.from_seconds(parameters.duration)
+        self._factor = 1.0 if self.realtime else parameters.real_time_factor
+        self._parameters = parameters
+        self.lose_what_is_late()
+
+    @property
+    def now(self) -> int:
+        """The present instant, in nanoseconds since the run began."""
+        answer = self._stepper.answer
+        return 0 if answer is None else answer.stamp - self._stepper.inbox.run
+
+    def begin(self) -> None:
+        """A new run begins."""
+        self._recorded = -1
+        self.held.clear()
+        self.timing = Timing(self._stepper.reads)
+        self.pace_from_here()
+
+    def pace_from_here(self) -> None:
+        """Wall clock and simulated time count from now on."""
+        self._pace.start(self.now)
+
+    def rest_here(self) -> None:
+        """Time stands still from now on."""
+        self._pace.rest()
+
+    def go_on_here(self) -> None:
+        """Time goes on: what it has rested is neither late nor driven, and makes no command older."""
+        self._pace.resume(self.now)
+        self.held.came_now()
+        self.timing.rested()
+
+    def lose_what_is_late(self) -> None:
+        """Wall time that was lost stays lost."""
+        self._pace.go_on(self.now)
+
+    def note_recorded(self, stamp: int) -> None:
+        """The recorder holds everything up to a stamp, if it is one of this run."""
+        if stamp % self._stepper.period == self._stepper.inbox.run:
+            if self._recorded < 0:
+                self._begin_here()
+            self._recorded = max(self._recorded, stamp - self._stepper.inbox.run)
+
+    def held_inputs(self, now: int) -> Frame:
+        """What realtime integrates with at a stamp."""
+        share = self.held.share(now, self._stepper.period, self._parameters)
+        self.timing.without_command += share < 1.0
+        return self.held.at(share, self._parameters.command_loss_brake_torque)
+
+    def hold(self, kind: type, stamp: int, numbers: Sequence[float]) -> None:
+        """Keep an input of realtime, which begins when everybody has spoken."""
+        waited = not self.all_are_here
+        instant = stamp - self._stepper.inbox.run
+        # What integrates speaks of the next instant.
+        limit = self.now + 2 * self._stepper.period if instant % self._stepper.period == 0 else -1
+        if not self.held.take(kind, instant, numbers, limit):
+            self.timing.refused[kind] += instant != self.held.stamp_of(kind)  # repeated ones are none the worse for it
+            return
+        self.timing.arrival[kind].add(time.monotonic() - self._pace.due(instant, self._factor))
+        if waited:
+            self._begin_here()
+
+    def _begin_here(self) -> None:
+        """What has waited for others until now is not late."""
+        self.pace_from_here()
+        self.held.came_now()
+
+    @property
+    def missing(self) -> tuple[type, ...]:
+        """The inputs without which the next step cannot be taken."""
+        return self.held.missing if self.realtime else self._stepper.inbox.missing()
+
+    @property
+    def all_are_here(self) -> bool:
+        """Whether the next step has its inputs, and the recorder is near enough."""
+        complete = not self.held.missing if self.realtime else self._stepper.inbox.complete() is not None
+        return complete and self.recorder_keeps_up
+
+    @property
+    def recorder_keeps_up(self) -> bool:
+        """Whether the recorder is near enough; at the first and at the last instant it must have everything.
+
+        Real time does not wait for it any more once it has begun.
+        """
+        if not self._await_recorder or (self.realtime and self._recorded >= 0):
+            return True
+        ends = self.at_end or self.now == 0
+        return self._recorded >= (self.now if ends else self.now - RECORDER_LAG * self._stepper.period)
+
+    @property
+    def recorder_is_behind(self) -> bool:
+        """Whether no recorder has told yet that it holds the present instant."""
+        return self._recorded < self.now
+
+    @property
+    def at_end(self) -> bool:
+        """Whether this is the last instant."""
+        return 0 < self._end < self.now + self._stepper.period
+
+    @property
+    def has_inputs(self) -> bool:
+        """Whether the next instant may come as soon as it is due."""
+        return self.all_are_here and not self.rests()
+
+    @property
+    def free_until(self) -> int:
+        """Stamp up to which time goes on as soon as all inputs are there; -1 if the clock has a say."""
+        if self.realtime or self._factor:
+            return -1
+        end = self._end - self._stepper.period if self._end else stamps.LAST_EXACT
+        free = min(end, self._recorded + RECORDER_LAG * self._stepper.period) if self._await_recorder else end
+        return free + self._stepper.inbox.run
+
+    @property
+    def lateness(self) -> float:
+        """Wall time since the next instant was due [s], negative before; zero without a pace."""
+        if self._factor == 0.0:
+            return 0.0
+        return time.monotonic() - self._pace.due(self.now + self._stepper.period, self._factor)
+
+    @property
+    def due_within(self) -> float:
+        """Seconds until the next instant if it only waits for its time, else infinity.
+
+        In lockstep an input that completes a step is followed by the step; in real time one may have become due since.
+        """
+        late = self.lateness
+        if not self.has_inputs or self.at_end:
+            return math.inf
+        return -late if late < 0.0 else 0.0 if self.realtime else math.inf
+
+    @property
+    def summary(self) -> str:
+        """What was simulated, and how fast."""
+        return self._pace.summary(self.now, self._stepper.period)

@@ -1,0 +1,1 @@
+"""Nodes that speak on a CAN bus."""

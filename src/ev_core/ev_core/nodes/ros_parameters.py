@@ -1,0 +1,160 @@
+"""Parameter dataclasses as ROS parameters: declared with description and range, refused with a reason."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from ev_core.bus.parameters import LOOPBACK
+from ev_core.lockstep.configuration import Configuration
+from ev_core.lockstep.finding import is_code
+from ev_core.parameters.data_file import TextOfFile
+from ev_core.parameters.declaration import Entry
+from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
+
+_TYPES = {
+    (float, False): ParameterType.PARAMETER_DOUBLE,
+    (float, True): ParameterType.PARAMETER_DOUBLE_ARRAY,
+    (int, False): ParameterType.PARAMETER_INTEGER,
+    (int, True): ParameterType.PARAMETER_INTEGER_ARRAY,
+    (bool, False): ParameterType.PARAMETER_BOOL,
+    (bool, True): ParameterType.PARAMETER_BOOL_ARRAY,
+    (str, False): ParameterType.PARAMETER_STRING,
+    (str, True): ParameterType.PARAMETER_STRING_ARRAY,
+}
+_NO_LIMIT = {float: 1e300, int: 2**62}
+_METHOD, _LOG, _ADDRESS = "method", "bus.log", "bus.address"
+_ROS_OWN = ("use_sim_time", "start_type_description_service")
+
+
+def overrides(node: Node) -> dict[str, Any]:
+    """What the command line and the parameter files say about a node that declares its overrides by itself."""
+    given = node.get_parameters_by_prefix("")
+    return {name: value.value for name, value in given.items() if not is_ros_own(name)}
+
+
+def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """The same; ParameterError if a file chooses what only the command line or Python may.
+
+    That is code (a library, a law file), a network, and a log of the bus in a folder not below the working directory.
+    """
+    values = overrides(node)
+    path: Any = values.get(_LOG)
+    leads_out = isinstance(path, str) and (os.path.isabs(path) or ".." in Path(path).parts)
+    if leads_out and not _is_said(_LOG, path, node_arguments):
+        where = "a name below the working directory, on the command line any path"
+        raise ParameterError(f"parameter {_LOG}: {quoted(path)} is refused, allowed from a file is {where}", _LOG)
+    for name, only_said in ((_METHOD, is_code), (_ADDRESS, LOOPBACK.__ne__)):
+        value = values.get(name)
+        if isinstance(value, str) and only_said(value) and not _is_said(name, value, node_arguments):
+            values[name] = TextOfFile.of(value, Path("its parameter file"))
+    return values
+
+
+def _is_said(name: str, value: str, node_arguments: Mapping[str, Any]) -> bool:
+    """Whether the command line (-p NAME:=VALUE) or who makes the node in Python says this."""
+    if any(each.name == name and each.value == value for each in node_arguments.get("parameter_overrides") or ()):
+        return True
+    words = [*sys.argv, *(node_arguments.get("cli_args") or ())]
+    said = [word.partition(":=") for flag, word in pairwise(words) if flag in ("-p", "--param")]
+    return any(key.rpartition(":")[2] == name and text.strip("'\"") == value for key, _, text in said)
+
+
+def is_ros_own(name: str) -> bool:
+    """Whether ROS itself declares a parameter of this name in every node."""
+    return name in _ROS_OWN or name.startswith("qos_overrides.")
+
+
+def refusal(error: Exception) -> SetParametersResult:
+    """The answer to a change that has raised."""
+    return SetParametersResult(successful=False, reason=shown(str(error) or repr(error), LINE))
+
+
+def asked_for(changes: Sequence[Parameter]) -> dict[str, Any]:
+    """The values of a change that are ours; ParameterError if ROS's own are among them, for ROS might refuse these."""
+    ours = {change.name: change.value for change in changes if not is_ros_own(change.name)}
+    if ours and len(ours) < len(changes):
+        own = ", ".join(change.name for change in changes if is_ros_own(change.name))
+        raise ParameterError(f"{own} is refused beside {', '.join(ours)}, allowed is each in a change of its own")
+    return ours
+
+
+def declare(node: Node, entries: Sequence[Entry]) -> None:
+    """Declare parameters with type, description, unit and range; the values are the defaults of the entries."""
+    for name in overrides(node):
+        node.undeclare_parameter(name)  # declared by ROS from the overrides, without type and description
+    for entry in entries:
+        kind = Parameter.Type(_TYPES[entry.type, entry.is_array])
+        value = list(entry.default) if entry.is_array else entry.default
+        node.declare_parameter(
+            entry.name, Parameter(entry.name, kind, value).value, descriptor(entry), ignore_override=True
+        )
+
+
+def limit_of(value: float | None) -> float | None:
+    """A limit of a described range, None where `descriptor` had none to describe."""
+    return None if value is None or abs(value) in _NO_LIMIT.values() else value
+
+
+def descriptor(entry: Entry) -> ParameterDescriptor:
+    """The descriptor that `ros2 param describe` shows."""
+    spec = entry.spec
+    unit = f" [{spec.unit}]" if spec.unit else ""
+    source = f" ({spec.source})" if spec.source else ""
+    result = ParameterDescriptor(
+        name=entry.name,
+        type=_TYPES[entry.type, entry.is_array],
+        description=f"{spec.about}{unit}{source}",
+        additional_constraints=f"allowed: {spec.allowed}",
+        read_only=spec.read_only,
+        dynamic_typing=entry.is_array,  # ROS takes an empty array for one of bytes; our own check knows the type
+    )
+    if not entry.is_array and (spec.low is not None or spec.high is not None):
+        limit = _NO_LIMIT[entry.type]
+        low = entry.type(-limit if spec.low is None else spec.low)
+        high = entry.type(limit if spec.high is None else spec.high)
+        if entry.type is float:
+            result.floating_point_range = [FloatingPointRange(from_value=low, to_value=high, step=0.0)]
+        else:
+            result.integer_range = [IntegerRange(from_value=low, to_value=high, step=1)]
+    return result
+
+
+class LiveParameters:
+    """The present configuration of a node; `changed(before, given)` is called when another one is taken over.
+
+    `try_out(configuration)` makes what the new configuration needs; whatever it raises refuses the change.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        configuration: Configuration,
+        try_out: Callable[[Configuration], Any],
+        changed: Callable[[Configuration, dict[str, Any], Any], None],
+    ) -> None:
+        self.configuration = configuration
+        self._try_out, self._changed = try_out, changed
+        declare(node, configuration.entries())
+        node.add_on_set_parameters_callback(self._on_set)
+
+    def _on_set(self, changes: list[Parameter]) -> SetParametersResult:
+        try:
+            given = asked_for(changes)
+            if not given:
+                return SetParametersResult(successful=True)
+            configuration = self.configuration.changed(given)
+            made = self._try_out(configuration)
+        except Exception as error:  # also of a law that somebody has brought along
+            return refusal(error)
+        before, self.configuration = self.configuration, configuration
+        self._changed(before, given, made)
+        return SetParametersResult(successful=True)

@@ -1,0 +1,173 @@
+"""What a node says to the runner that has started it, by a socket that both have inherited: nobody else has its ends.
+
+Whoever is on the graph can speak in the name of a node; whoever is not the runner's child cannot speak here. What a
+node says to everybody stands in /diagnostics as well.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import socket
+import time
+from collections import deque
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+LINE = "EV_STACK_RUNNER_LINE"  # variable of the environment: file descriptor, process of the runner, key of the sums
+PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME, TIMING, TALLY = KINDS = (
+    "progress",  # of the recorder: `values` has the stamp up to which the run is held [ns]
+    "waits",  # `values` has the roles that a node waits for
+    "warning",  # why the run may not be reproducible
+    "note",  # what is said once of each `what`, and changes no number
+    "remark",  # what a part notes of the run
+    "time",  # what a service has done to time
+    "timing",  # how well real time was kept
+    "tally",  # what was taken and said, added up
+)
+_PATIENCE, _A_MOMENT = 1.0, 0.002  # s, for the last words to find room
+_LONGEST = 100_000  # bytes of a word
+_NO_ROOM = (errno.EAGAIN, errno.ENOBUFS, errno.ENOMEM)  # at the moment, for a word that is none too long
+
+
+@dataclass(frozen=True)
+class Word:
+    """One thing that is said: its kind, a text for the user, what it is about, and values by name."""
+
+    kind: str
+    text: str = ""
+    what: str = ""
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+    def encoded(self) -> bytes:
+        """As JSON."""
+        return json.dumps(asdict(self)).encode()
+
+    @classmethod
+    def decoded(cls, message: bytes) -> Word:
+        """ValueError where it has another form."""
+        word = cls(**_object(message))
+        forms = (word.kind, str), (word.text, str), (word.what, str), (word.values, dict)
+        if word.kind not in KINDS or not all(isinstance(value, kind) for value, kind in forms):
+            raise ValueError(f"kind {word.kind!r}")
+        return word
+
+
+def _object(message: bytes) -> dict[str, Any]:
+    try:
+        found = json.loads(message)
+    except RecursionError as error:
+        raise ValueError(str(error)) from None
+    if not isinstance(found, dict) or not found.keys() <= Word.__dataclass_fields__.keys() or "kind" not in found:
+        raise ValueError("no word")
+    return found
+
+
+class RunnerLine:
+    """A node's end of the line, if a runner has started it; without one nobody is told, and `key` is empty."""
+
+    def __init__(self) -> None:
+        self._socket, self.key = _inherited()
+        self._waiting: deque[bytes] = deque()
+
+    def tell(self, word: Word) -> None:
+        """Say a word, now or, where the runner does not listen at the moment, a little later; never wait for it."""
+        if self._socket is None or (word.kind in (PROGRESS, WAITS) and self._waiting):  # there will be a newer one
+            return
+        self._waiting.append(word.encoded())
+        self.send_what_waits()
+
+    def send_what_waits(self) -> None:
+        """Try once more to say what found no room."""
+        while self._waiting and self._socket is not None:
+            try:
+                self._socket.send(self._waiting[0], socket.MSG_DONTWAIT | socket.MSG_NOSIGNAL)
+            except OSError as error:
+                if error.errno in _NO_ROOM:
+                    return
+                if error.errno != errno.EMSGSIZE:  # the runner is gone
+                    self._waiting.clear()
+                    return
+            self._waiting.popleft()
+
+    def close(self) -> None:
+        """Say the last words, and hang up."""
+        given_up = time.monotonic() + _PATIENCE
+        self.send_what_waits()
+        while self._waiting and time.monotonic() < given_up:
+            time.sleep(_A_MOMENT)
+            self.send_what_waits()
+        if self._socket is not None:
+            self._socket.close()
+        self._socket = None
+
+
+def _inherited() -> tuple[socket.socket | None, bytes]:
+    """The socket that the environment names, if it is one whose other end the runner has made, and the key."""
+    number, _, rest = os.environ.get(LINE, "").partition(" ")
+    runner, _, key = rest.partition(" ")
+    try:
+        line = socket.socket(fileno=os.dup(int(number)))
+    except (ValueError, OSError):
+        return None, b""
+    if line.family != socket.AF_UNIX or line.type != socket.SOCK_SEQPACKET or _maker(line) != runner:
+        line.close()
+        return None, b""
+    return line, bytes.fromhex(key)
+
+
+def _maker(line: socket.socket) -> str:
+    """The process that has made the pair of sockets."""
+    return str(int.from_bytes(line.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 4), "little"))
+
+
+class ListeningEnd:
+    """The runner's end of the line of one node."""
+
+    def __init__(self) -> None:
+        self._ours, self.theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._ours.setblocking(False)
+
+    def address(self, key: bytes) -> str:
+        """What the node finds in its environment."""
+        return f"{self.theirs.fileno()} {os.getpid()} {key.hex()}"
+
+    def heard(self) -> list[bytes]:
+        """What has been said since."""
+        messages: list[bytes] = []
+        while True:
+            try:
+                message = self._ours.recv(_LONGEST)
+            except (BlockingIOError, ConnectionError):
+                return messages
+            if not message:  # the node has hung up
+                return messages
+            messages.append(message)
+
+    def close(self) -> None:
+        """Hang up; of the node's end a process that was started has a copy."""
+        self._ours.close()
+        self.theirs.close()
+
+
+_LASTS = 0.2  # s without a step until a node waits, and between two words
+
+
+class Waiting:
+    """Says again and again whom a node waits for where its steps stand still; `look` is to be called often."""
+
+    def __init__(self, runner: RunnerLine) -> None:
+        self._runner = runner
+        self._at: object = None
+        self._next = 0.0  # when there is something to say
+
+    def look(self, at: object, whom: Iterable[str]) -> None:
+        """`at` is where the node is; the roles that it waits for matter where that stays."""
+        now = time.monotonic()
+        if at != self._at:
+            self._at, self._next = at, now + _LASTS
+        elif now >= self._next:
+            self._next = now + _LASTS
+            self._runner.tell(Word(WAITS, values={"whom": list(whom)}))

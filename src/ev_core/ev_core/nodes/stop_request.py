@@ -1,0 +1,107 @@
+"""Ctrl-C and SIGTERM as a wish that the program looks at when it suits, between two steps."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from _thread import interrupt_main, start_new_thread
+from types import FrameType, TracebackType
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+_A_MOMENT = 0.001  # s
+
+
+_INTERRUPTS: list[int] = []  # those that came as KeyboardInterrupt
+
+
+def hold_back() -> None:
+    """Let these signals wait until `let_in`, also in a program that this process becomes: it cannot handle them yet."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+
+
+def let_in() -> None:
+    """Let in what has been held back, by us or by who has started us."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+
+
+def turn_deaf() -> None:
+    """Ignore these signals from here on: the process ends anyway, and Python's own end cannot bear them.
+
+    Where it waits for its threads it would print a traceback, and where it has put its handlers away it would be killed
+    with its shared memory left behind.
+    """
+    for kind in _SIGNALS:
+        signal.signal(kind, signal.SIG_IGN)
+
+
+def interrupt(number: int, frame: FrameType | None) -> None:
+    """Handle a signal as Python handles Ctrl-C, by KeyboardInterrupt, and remember that it came."""
+    _INTERRUPTS.append(number)
+    raise KeyboardInterrupt
+
+
+def was_interrupted() -> bool:
+    """Whether an interrupt came; it may show as another error, as behind a callback from C."""
+    return bool(_INTERRUPTS)
+
+
+def interrupt_destructors() -> None:
+    """Let Ctrl-C end the program where it meets a destructor, too: Python would print a traceback and go on.
+
+    Nor is there a traceback where what an interrupt has left half-made cannot be destroyed.
+    """
+    report = sys.unraisablehook
+
+    def hook(unraisable: sys.UnraisableHookArgs) -> None:
+        if not issubclass(unraisable.exc_type, KeyboardInterrupt):
+            if not was_interrupted():
+                report(unraisable)
+            return
+        # In the background Ctrl-C is ignored: then it was SIGTERM.
+        which = signal.SIGINT if callable(signal.getsignal(signal.SIGINT)) else signal.SIGTERM
+        while True:
+            try:
+                start_new_thread(_interrupt_soon, (which,))
+                return
+            except KeyboardInterrupt:  # raised in here it is lost: on a busy machine a moment may be too short
+                continue
+
+    sys.unraisablehook = hook
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, interrupt)
+
+
+def _interrupt_soon(which: signal.Signals) -> None:
+    time.sleep(_A_MOMENT)
+    interrupt_main(which)
+
+
+class StopRequest:
+    """Remembers, for the time of its `with` block, that SIGINT or SIGTERM came.
+
+    rclpy's own handlers shut its context down under a node that is just using it, and Python's interrupt any line.
+    This leaves everything intact, so that whoever runs can finish what it does and clean up. A second signal raises
+    KeyboardInterrupt wherever the program is, unless the request is `patient`. For the main thread only.
+    """
+
+    def __init__(self, patient: bool = False) -> None:
+        self.received = False
+        self._patient = patient
+
+    def __enter__(self) -> StopRequest:
+        self._before = {kind: signal.signal(kind, self._on_signal) for kind in _SIGNALS}
+        let_in()
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        for number, handler in self._before.items():
+            if signal.getsignal(number) == self._on_signal:  # else the process has turned deaf
+                signal.signal(number, handler)
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        if self.received and not self._patient:
+            raise KeyboardInterrupt
+        self.received = True

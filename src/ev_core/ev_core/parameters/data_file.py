@@ -1,0 +1,210 @@
+"""Files of data: where they may lie, opened so that none blocks or fills the memory, and tables in CSV."""
+
+from __future__ import annotations
+
+import csv
+import errno
+import hashlib
+import io
+import math
+import os
+import stat
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from importlib.metadata import entry_points
+from importlib.util import find_spec
+from io import BufferedReader
+from pathlib import Path
+from typing import IO, TypeVar
+
+from ev_msgs_py.refusal import ParameterError, quoted
+
+VARIABLE = "EV_STACK_CONFIG"
+_GROUP = "ev_stack.config"  # of entry points: packages that have a folder `config`
+
+
+def config_folders() -> tuple[Path, ...]:
+    """The folders that EV_STACK_CONFIG names, separated as in PATH, and behind them those of installed packages.
+
+    What stands in several of them is taken from the first. FileNotFoundError, with a message for the user, if one that
+    is named is not there.
+    """
+    named = [Path(text) for text in os.environ.get(VARIABLE, "").split(os.pathsep) if text]
+    for folder in named:
+        if not folder.is_dir():
+            raise FileNotFoundError(f"the config folder {folder}, named by {VARIABLE}, is not there")
+    return (*named, *_installed())
+
+
+@cache
+def _installed() -> tuple[Path, ...]:
+    packages = sorted({point.value for point in entry_points(group=_GROUP)})
+    return tuple(Path(folder) / "config" for name in packages for folder in _locations(name))
+
+
+def _locations(package: str) -> list[str]:
+    spec = find_spec(package)
+    return list(spec.submodule_search_locations or ()) if spec is not None else []
+
+
+def find_in_config(name: str) -> Path | None:
+    """The file or folder of a name such as cycles/nedc.csv in the first config folder that has it; None if none has."""
+    return next((path for folder in config_folders() if (path := folder / name).exists()), None)
+
+
+def files_in_config(kind: str) -> Mapping[str, Path]:
+    """By name, without suffix, every YAML file of a kind, which is `scenarios`, `vehicles` or `surfaces`."""
+    found: dict[str, Path] = {}
+    for folder in config_folders():
+        for path in sorted((folder / kind).glob("*.yaml")):
+            found.setdefault(path.stem, path)
+    return found
+
+
+MEGABYTE = 2**20
+TEXT, TABLE, SIGNALS = 4 * MEGABYTE, 64 * MEGABYTE, 4096 * MEGABYTE  # the largest size of a file, by its kind
+_listening: list[dict[str, str]] = []  # what `files_read` has given to those who still ask
+_KINDS = ((stat.S_ISDIR, "a folder"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"), (stat.S_ISREG, ""))
+
+
+class TextOfFile(str):
+    """A text that `file` says: as a path it leads less far than one that the user says."""
+
+    file: Path
+
+    @classmethod
+    def of(cls, text: str, file: Path) -> TextOfFile:
+        """The same text, marked."""
+        made = cls(text)
+        made.file = file
+        return made
+
+
+def refuse_outside(name: str, path: Path) -> None:
+    """ParameterError if a file has named a path that leads out of its folder, config folders and working directory."""
+    if isinstance(name, TextOfFile):
+        roots = [root.resolve() for root in (name.file.parent, *config_folders(), Path())]
+        if not any(path.resolve().is_relative_to(root) for root in roots):
+            raise ParameterError(
+                f"{quoted(str(name))} is refused, allowed in {name.file} is a file below {name.file.parent}, "
+                "a config folder or the working directory; further away it is named on the command line"
+            )
+
+
+@contextmanager
+def files_read() -> Iterator[dict[str, str]]:
+    """By path the SHA-256 of every file of data that is opened, or told to be needed, in the meantime."""
+    read: dict[str, str] = {}
+    _listening.append(read)
+    try:
+        yield read
+    finally:
+        _listening.pop()
+
+
+def tell(path: Path | str) -> None:
+    """Say that a file is needed, which is not opened anew each time: it is a library, or was read before."""
+    if _listening:
+        with Path(path).open("rb") as file:
+            _tell(path, file)
+
+
+def _tell(path: Path | str, file: BufferedReader) -> None:
+    digest = hashlib.file_digest(file, "sha256").hexdigest()
+    for each in _listening:
+        each[os.fspath(path)] = digest
+
+
+def open_data(path: Path | str, most: int) -> IO[bytes]:
+    """A regular file of at most so many bytes; OSError, whose strerror says what is allowed, for anything else."""
+    opened = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
+    try:
+        found = os.fstat(opened)
+        what = next((word for holds, word in _KINDS if holds(found.st_mode)), "a device")
+        if found.st_size > most:
+            what = what or f"of {found.st_size / MEGABYTE:.0f} MB"
+        if what:
+            allowed = f"it is {what}, allowed is a regular file of at most {most // MEGABYTE} MB"
+            raise OSError(errno.EINVAL, allowed, str(path))
+    except BaseException:
+        os.close(opened)
+        raise
+    file = os.fdopen(opened, "rb")
+    if _listening:
+        _tell(path, file)
+        file.seek(0)
+    return file
+
+
+def read_data(path: Path | str, most: int) -> bytes:
+    """The bytes of a file of data; OSError as `open_data`, also if it has more of them than it says, as in /proc."""
+    with open_data(path, most) as file:
+        content = file.read(most + 1)
+    if len(content) > most:
+        allowed = f"it has more than it says, allowed is a regular file of at most {most // MEGABYTE} MB"
+        raise OSError(errno.EFBIG, allowed, str(path))
+    return content
+
+
+T = TypeVar("T")
+
+
+def find_file(name: str) -> Path:
+    """The file that a parameter names: a relative name counts from the config folders, else from the working directory.
+
+    FileNotFoundError if the name is relative and a config folder that is named is not there; ParameterError if another
+    file has named it and it leads further than that file may (`data_file`).
+    """
+    path = Path(name)
+    path = path if path.is_absolute() else find_in_config(name) or path
+    refuse_outside(name, path)
+    return path
+
+
+def read_csv(parameter: str, name: str, columns: tuple[Mapping[str, float], ...], make: Callable[..., T]) -> T:
+    """What `make` makes of some columns of the CSV file `name`, each a tuple of numbers in SI units.
+
+    `columns`: for each column the names that it may have, with the factor from its unit to SI. The file has a header;
+    further columns, empty lines and lines that begin with # are passed over. Raises ParameterError, in one line that
+    names `parameter` and file, if the file cannot be read, lacks a column or has it twice, or holds something else than
+    finite numbers, and if `make` raises one.
+    """
+    path: Path | str = name
+    try:
+        path = find_file(name)
+        return make(*_read(path, columns))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        reason = (error.strerror or error) if isinstance(error, OSError) else "no CSV text"
+        raise ParameterError(f"{parameter}: {path}: {reason}") from None
+    except ParameterError as error:
+        raise ParameterError(f"{parameter}: {path}: {error}") from None
+
+
+def _read(path: Path, columns: tuple[Mapping[str, float], ...]) -> list[tuple[float, ...]]:
+    file = io.StringIO(read_data(path, TABLE).decode("utf-8-sig"), newline="")
+    lines = csv.reader(("" if line.startswith("#") else line for line in file), skipinitialspace=True)
+    rows = [(lines.line_num, row) for row in lines if row]
+    header = [cell.strip() for cell in rows[0][1]] if rows else []
+    found = [[name for name in names if name in header] for names in columns]
+    if any(len(names) != 1 for names in found):
+        wanted = [names[0] if len(names) == 1 else f"one of {' and '.join(names)}" for names in map(list, columns)]
+        line = rows[0][0] if rows else 1
+        raise ParameterError(f"line {line}: no header with the columns {', '.join(wanted[:-1])} and {wanted[-1]}")
+    if twice := [name for (name,) in found if header.count(name) > 1]:
+        raise ParameterError(f"line {rows[0][0]}: column {twice[0]} stands there twice, allowed is once")
+    chosen = [(name, header.index(name), names[name]) for (name,), names in zip(found, columns, strict=True)]
+    return [
+        tuple(factor * _number(row[place] if place < len(row) else None, name, line) for line, row in rows[1:])
+        for name, place, factor in chosen
+    ]
+
+
+def _number(text: str | None, column: str, line: int) -> float:
+    try:
+        value = float(text or "")
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ParameterError(f"line {line}: {column} is no finite number")
+    return value

@@ -1,0 +1,162 @@
+"""Parameters as data: one frozen dataclass field carries default, unit, range, description and source.
+
+Everything that needs to know a parameter (ROS declaration, validation, YAML check, reference page) is
+derived from the field, so a parameter is written down exactly once.
+"""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cache
+from typing import Any, TypeVar
+
+P = TypeVar("P")
+_SPEC = "parameter"
+
+
+@dataclass(frozen=True, slots=True)
+class Spec:
+    """Everything that is known about one parameter besides its name, type and default."""
+
+    about: str
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[str, ...] = ()
+    source: str = ""
+    read_only: bool = False
+    lateral: bool = False
+    per_wheel: bool = False
+    own: bool = False
+
+    @property
+    def allowed(self) -> str:
+        """The allowed values in words, with the unit."""
+        if self.choices:
+            return "one of " + ", ".join(self.choices)
+        unit = f" {self.unit}" if self.unit and self.unit != "1" else ""
+        if self.low is None and self.high is None:
+            return "any value of its type"
+        low, high = (f"{end:g}" if isinstance(end, float) else str(end) for end in (self.low, self.high))
+        if self.high is None:
+            return f"at least {low}{unit}"
+        if self.low is None:
+            return f"at most {high}{unit}"
+        return f"{low} to {high}{unit}"
+
+
+def parameter(
+    default: Any,
+    *,
+    about: str,
+    unit: str = "",
+    low: float | None = None,
+    high: float | None = None,
+    choices: tuple[str, ...] = (),
+    source: str = "",
+    read_only: bool = False,
+    lateral: bool = False,
+    per_wheel: bool = False,
+    own: bool = False,
+) -> Any:
+    """Declare one field of a parameter dataclass.
+
+    `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and switches);
+    for an array they hold for each element. `read_only` parameters are fixed when a node starts. Where left and
+    right are exchanged, `lateral` ones change their sign, and arrays `per_wheel` are in another order. Of `own` ones
+    everything that is described by such parameters has its own value: no default can stand for it.
+    """
+    spec = Spec(about, unit, low, high, choices, source, read_only, lateral, per_wheel, own)
+    return field(default=default, metadata={_SPEC: spec})
+
+
+def group(of: type, **changed: Any) -> Any:
+    """Declare a field that is itself a parameter dataclass; its parameters get dotted names."""
+    return field(default_factory=lambda: of(**changed))
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One parameter under its full dotted name, as ROS knows it."""
+
+    name: str
+    type: type
+    is_array: bool
+    default: Any
+    spec: Spec
+
+
+def entries(of: type | object, prefix: str = "") -> tuple[Entry, ...]:
+    """All parameters of a parameter dataclass, groups flattened to dotted names, in order of declaration."""
+    return _entries_by_default(of, prefix) if isinstance(of, type) else tuple(_entries(of, prefix))
+
+
+@cache
+def _entries_by_default(of: type, prefix: str) -> tuple[Entry, ...]:
+    return tuple(_entries(of(), prefix))
+
+
+def _entries(of: Any, prefix: str) -> Iterator[Entry]:
+    kind: type = type(of)
+    hints = _type_hints(kind)
+    for f in fields(of):
+        value = getattr(of, f.name)
+        if is_dataclass(value):
+            yield from _entries(value, f"{prefix}{f.name}.")
+            continue
+        element, is_array = _element_type(hints[f.name])
+        yield Entry(prefix + f.name, element, is_array, value, f.metadata[_SPEC])
+
+
+@cache
+def defaults(of: type[P]) -> P:
+    """A parameter dataclass with all its defaults; it is frozen, so one does."""
+    return of()
+
+
+@cache
+def _type_hints(of: type) -> dict[str, Any]:
+    return typing.get_type_hints(of)
+
+
+def _element_type(hint: Any) -> tuple[type, bool]:
+    if typing.get_origin(hint) is tuple:
+        return typing.get_args(hint)[0], True
+    if isinstance(hint, types.GenericAlias):
+        raise TypeError(f"a parameter is a number, a switch, a text or a tuple of one of them, not {hint}")
+    return hint, False
+
+
+def flatten(instance: Any, prefix: str = "") -> dict[str, Any]:
+    """Dotted names and values of a parameter dataclass; the inverse of `build`."""
+    return {entry.name: entry.default for entry in entries(instance, prefix)}
+
+
+def number_tree(instance: Any) -> dict[str, Any]:
+    """The numbers of a parameter dataclass as a tree: floats by name, groups as trees.
+
+    A choice is its place among the choices, a switch 0 or 1. Free text and arrays, which are no numbers, are left out.
+    """
+    tree: dict[str, Any] = {}
+    kind: type = type(instance)
+    for name, choices in _names_and_choices(kind):
+        value = getattr(instance, name)
+        if type(value) is float:  # nearly all are
+            tree[name] = value
+        elif isinstance(value, str):
+            if choices:
+                tree[name] = float(choices.index(value))
+        elif is_dataclass(value):
+            tree[name] = number_tree(value)
+        elif not isinstance(value, tuple):
+            tree[name] = float(value)
+    return tree
+
+
+@cache
+def _names_and_choices(of: type) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Names of the parameters of a dataclass, and what those that are texts may be."""
+    return tuple((f.name, f.metadata[_SPEC].choices if _SPEC in f.metadata else ()) for f in fields(of))

@@ -1,0 +1,178 @@
+"""What a role said in a recorded run as a method: `driver=results/shchur2019/signals.npz`."""
+
+from __future__ import annotations
+
+import zipfile
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.lib import format
+
+from ev_core.methods.part import CalledBack
+from ev_core.methods.register import Method
+from ev_core.parameters.data_file import MEGABYTE, SIGNALS, open_data, refuse_outside
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.fields import SignalError
+from ev_msgs_py.contract.frame import PLACES, Frame, time_in
+from ev_msgs_py.contract.roles import ROLES, RoleKind
+from ev_msgs_py.contract.topics import TOPICS
+from ev_msgs_py.refusal import ParameterError, quoted
+
+TIME = "time"  # [s], what the array of the instants is called
+
+
+class RecordingError(ValueError):
+    """A file holds no recording; the message names it, in one line."""
+
+
+def read_arrays(path: Path | str) -> dict[str, np.ndarray]:
+    """The arrays of signals.npz by name; FileNotFoundError, or RecordingError if they are damaged or too large.
+
+    Nothing is made of what the file says of sizes before these fit each other: a few bytes can claim any.
+    """
+    try:
+        with open_data(path, SIGNALS) as file, zipfile.ZipFile(file) as archive:
+            members = archive.infolist()
+            if sum(each.file_size for each in members) > SIGNALS:
+                raise ValueError(f"its arrays are larger than {SIGNALS // MEGABYTE} MB")
+            return {each.filename.removesuffix(".npy"): _read(archive, each) for each in members}
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise RecordingError(f"{path} holds no signals: {error.strerror or error}") from None
+    except Exception as error:  # whatever numpy, zip and zlib raise for bytes that are none of theirs
+        raise RecordingError(f"{path} holds no signals: {' '.join(str(error).split())[:200]}") from None
+
+
+def _read(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
+    """One array, (n,) of numbers; ValueError if it is something else."""
+    with archive.open(member) as file:
+        format.read_magic(file)
+        shape, _, kind = format.read_array_header_1_0(file)
+        if kind.kind not in "fiu" or len(shape) != 1 or shape[0] * kind.itemsize != member.file_size - file.tell():
+            raise ValueError(f"{quoted(member.filename)} is no series of numbers")
+        return np.frombuffer(bytearray(file.read()), kind)
+
+
+@dataclass(frozen=True, slots=True)
+class NoParameters:
+    """A recording has no parameters."""
+
+
+@dataclass(frozen=True, slots=True)
+class Playback(Method):
+    """A method that says what was recorded.
+
+    It waits for what its role reads, as far as that was recorded too, so that nobody in the graph is left behind.
+    """
+
+    @property
+    def inputs(self) -> tuple[type, ...]:
+        """The signals that a step waits for."""
+        return self.reads
+
+
+def playback_method(role: str, name: str) -> Method:
+    """The method of a role that the recording of this path makes; ParameterError, in one line, if it cannot."""
+    recorded = _recorded(role, name)
+    known = ROLES[role].reads
+    return Playback(role, name, recorded, tuple(s for s in known if recorded.has(s)), NoParameters)
+
+
+def _recorded(role: str, name: str) -> Recorded:
+    path = Path(name)
+    try:
+        refuse_outside(name, path)
+        return _read_once(role, name, path.absolute(), path.stat().st_mtime_ns)
+    except OSError as error:
+        raise ParameterError(f"{role} method {name}: {error.strerror}", "method") from None
+    except RecordingError as error:
+        raise ParameterError(f"{role} method: {error}", "method") from None
+
+
+@lru_cache(maxsize=8)  # the roles of one recording
+def _read_once(role: str, name: str, _path: Path, _modified: int) -> Recorded:
+    return Recorded(role, name, read_arrays(name))
+
+
+class Recorded:
+    """What a role said, instant by instant; makes the objects that say it again.
+
+    `writes` are the signals of the role that the file has. ParameterError if there is none of them.
+    """
+
+    parameters = NoParameters
+
+    def __init__(self, role: str, name: str, arrays: dict[str, np.ndarray]) -> None:
+        """Play back what was recorded."""
+        self.__doc__ = f"Say what was recorded in {name}."
+        self._names = frozenset(arrays)
+        self.role, self.name = role, name
+        self.writes = tuple(signal for signal in ROLES[role].writes if self.has(signal))
+        if TIME not in arrays or not self.writes:
+            topics = ", ".join(TOPICS[signal].name for signal in ROLES[role].writes)
+            raise ParameterError(f"{role} method {name}: a {role} says {topics}, none of it is in the file", "method")
+        self.last = stamps.from_seconds(float(arrays[TIME][-1]))
+        self.instants = len(arrays[TIME])
+        self.rows = [
+            (PLACES[signal], np.stack([arrays[channel] for channel in TOPICS[signal].channels], axis=1))
+            for signal in self.writes
+        ]
+
+    def has(self, signal: type) -> bool:
+        """Whether all channels of a signal were recorded."""
+        topic = TOPICS.get(signal)
+        return topic is not None and self._names.issuperset(topic.channels)
+
+    def __call__(self, parameters: Any, vehicle: Any, period: float) -> Recorded:
+        """Itself, for nothing lasts between steps; ParameterError if it was recorded with another period."""
+        if (self.instants - 1) * stamps.from_seconds(period) != self.last:
+            raise ParameterError(
+                f"{self.role} method {self.name}: {self.instants} instants up to {stamps.to_seconds(self.last):g} s "
+                f"are none of a control_period of {period:g} s"
+            )
+        return self
+
+    def part(self, method: Method, made: Recorded) -> PlaybackPart:
+        """What plays a role by it."""
+        return PlaybackPart(made)
+
+
+class PlaybackPart(CalledBack):
+    """Writes the recorded numbers of an instant into its frame."""
+
+    state = None
+
+    def __init__(self, recorded: Recorded) -> None:
+        self._recorded = recorded
+        self._rows = [(place, rows.shape[1], rows.reshape(-1).data) for place, rows in recorded.rows]
+        self._period = max(recorded.last // max(recorded.instants - 1, 1), 1)
+        self._ahead = int(ROLES[recorded.role].kind is RoleKind.INTEGRATES)
+
+    def start(self, there: Frame) -> None:
+        """Write what was said at the instant of the frame."""
+        self._write(self._step_of(there), there)
+
+    def step(self, here: Frame, there: Frame) -> None:
+        """Write what was said at this instant, or by a role that integrates at the next one."""
+        self._write(self._step_of(here) + self._ahead, there)
+
+    def notes(self) -> tuple[str, ...]:
+        """A recording notes nothing."""
+        return ()
+
+    def _step_of(self, now: Frame) -> int:
+        return stamps.from_seconds(time_in(now.numbers)) // self._period
+
+    def _write(self, step: int, there: Frame) -> None:
+        last = self._recorded.instants - 1
+        if step > last:
+            if step > last + self._ahead:
+                end = stamps.to_seconds(self._recorded.last)
+                raise SignalError(f"{self._recorded.name} ends at {end:g} s: there is nothing to say at a later time")
+            step = last  # who integrates speaks of the instant behind the end, to which nobody goes on
+        for place, width, rows in self._rows:
+            there.numbers[place] = rows[step * width : (step + 1) * width]

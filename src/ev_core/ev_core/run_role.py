@@ -1,0 +1,142 @@
+"""The main function of every node executable, and what holds where DDS security is asked for."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import Any
+
+import rclpy
+from rclpy.exceptions import ParameterException
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
+from rosidl_generator_py.import_type_support_impl import UnsupportedTypeSupport
+
+from ev_core.methods.register import NODES
+from ev_core.nodes import ros_parameters
+from ev_core.nodes.ending import leave, stop_listening
+from ev_core.nodes.master.node import MasterNode
+from ev_core.nodes.spinning import spin
+from ev_core.nodes.stepped_node import SteppedNode
+from ev_core.nodes.stop_request import StopRequest
+from ev_core.nodes.time_of_day import refuse_late_time_of_day, too_late
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.refusal import LINE, quoted, shown
+
+
+def security_is_asked_for(environment: Mapping[str, str]) -> bool:
+    """Whether ROS 2 shall encrypt and authenticate; it takes nothing but the word true for that."""
+    return environment.get("ROS_SECURITY_ENABLE") == "true"
+
+
+def refuse_weak_security(environment: Mapping[str, str]) -> None:
+    """RuntimeError where security is asked for in a way in which ROS 2 would quietly do without it.
+
+    With Enforce a node without keys, or with a middleware that was built without security, cannot be made: what it
+    lacks is in the line of that error.
+    """
+    enabled = environment.get("ROS_SECURITY_ENABLE", "false")
+    if enabled not in ("true", "false"):
+        raise RuntimeError(f"ROS_SECURITY_ENABLE: {quoted(enabled)} counts as no security; allowed: true, false")
+    strategy = environment.get("ROS_SECURITY_STRATEGY", "Permissive")
+    if enabled == "true" and strategy != "Enforce":
+        raise RuntimeError(
+            f"ROS_SECURITY_STRATEGY: {quoted(strategy)} lets nodes without keys speak unprotected; allowed with "
+            "ROS_SECURITY_ENABLE=true: Enforce"
+        )
+    if enabled == "true" and not environment.get("ROS_SECURITY_KEYSTORE"):
+        raise RuntimeError("ROS_SECURITY_KEYSTORE: '' with ROS_SECURITY_ENABLE=true; allowed: the folder of the keys")
+
+
+# What rclpy raises where the middleware cannot do something, or a library of messages cannot be loaded.
+OF_ROS = (RuntimeError, UnsupportedTypeSupport)
+
+
+def make_node(role: str, **node_arguments: Any) -> SteppedNode:
+    """The node of a role; the plant is the master of time."""
+    return MasterNode(**node_arguments) if role == MASTER else SteppedNode(role, **node_arguments)
+
+
+def node_maker(role: str) -> Callable[..., Any]:
+    """What makes the node of a role, given the arguments of an rclpy node: `make` of its module, where there is one."""
+    points = entry_points(group=NODES, name=role)
+    modules = {import_module(point.module) for point in points}
+    makers = [module.make for module in modules if hasattr(module, "make")]
+    return makers[0] if len(makers) == len(modules) == 1 else partial(make_node, role)
+
+
+@contextmanager
+def told(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
+    """The parameters that a node of this name is given; who makes a role's node learns from them which one.
+
+    The node must be made within the block. A context whose last node goes leaves the graph, and when somebody leaves
+    while others are finding each other, Fast DDS may lock one of these up for ever: removing what has left waits for
+    its thread of timed events, which waits to announce itself. So another node stays meanwhile, under a hidden name,
+    for the graph mixes up what belongs to two nodes of one name.
+    """
+    quiet: Any = {"enable_rosout": False, "start_parameter_services": False}
+    stays = Node(f"_{name}", context=node_arguments.get("context"), use_global_arguments=False, **quiet)
+    try:
+        asked = Node(name, automatically_declare_parameters_from_overrides=True, **quiet, **node_arguments)
+        try:
+            given = ros_parameters.overrides(asked)
+        finally:
+            asked.destroy_node()
+        yield given
+    finally:
+        stays.destroy_node()
+
+
+def run_role(role: str) -> None:
+    """Play a role until the run is over or the process is told to stop; exit status 1 and one line on bad input."""
+    run_node(role, lambda: make_node(role))
+
+
+def run_node(name: str, make: Callable[[], Any]) -> None:
+    """Make a node, spin it, and turn refused input into one line and exit status 1; no signal counts behind that."""
+    with StopRequest() as stop:
+        try:
+            _refuse_other_arguments()
+            refuse_weak_security(os.environ)
+            refuse_late_time_of_day()
+            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+            node = make()
+            try:
+                spin([node], lambda: node.done or stop.received)
+            finally:
+                node.close()
+            stop_listening(node)
+        except (ValueError, OSError, ParameterException, *OF_ROS) as error:
+            leave(f"{name}: {one_line(error)}")
+        except KeyboardInterrupt:
+            leave()
+        else:
+            leave()
+
+
+def _refuse_other_arguments() -> None:
+    """ValueError for words that ROS would silently ignore, such as parameters without --ros-args before them."""
+    others = remove_ros_args(sys.argv)[1:]
+    if others:
+        raise ValueError(f"unknown argument {quoted(others[0])}; what a node is told follows --ros-args")
+
+
+def one_line(error: Exception) -> str:
+    """The text of an error without line breaks and without the places in ROS's own source code.
+
+    Where the middleware cannot send because of the time of day, it says that.
+    """
+    if isinstance(error, rclpy_implementation.UnknownROSArgsError):
+        return f"unknown ROS arguments {error}"
+    said = error.__context__ or error if isinstance(error, UnsupportedTypeSupport) else error
+    text = " ".join(re.sub(r", at /\S+:\d+", "", str(said)).split())
+    trouble = too_late() if isinstance(error, rclpy_implementation.RCLError) else None
+    return shown(text if trouble is None else f"{text}; {trouble}", LINE)

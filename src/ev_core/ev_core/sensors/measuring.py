@@ -1,0 +1,138 @@
+"""Sensors in the frame: what they show takes the place of the true numbers, once per control period.
+
+A row of numbers holds what the sensors behind one object are told, another one what lasts between periods:
+
+    constants  total  size of the state  sensors  then for each sensor the numbers from KIND to FIRST
+    state      period                             then for each sensor whether it has begun, what it shows, what is on
+                                                  its way
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from ev_core.elementary import atan2, cos, isfinite, remainder, sin
+from ev_core.sensors.random_numbers import TAU, WORD, normals, philox, uniform
+from ev_core.sensors.sensor import UNIFORM
+from ev_msgs_py.compilable import compilable
+
+# How the frame carries what is measured: as numbers one after the other; as z and w of a quaternion about the vertical
+# axis; as a share and the amount that it is of the whole.
+NUMBERS, HEADING, SHARE = range(3)
+
+# What a sensor is told. Three places: of the first number, or of z and w, or of share, amount and whole; MEMORY is that
+# of its own numbers in the state, FIRST how many pairs of its numbers are measured in front of these.
+WIDTH = 20
+KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, NAME = range(14)
+GAIN, LOWEST, HIGHEST, DISTRIBUTION, NOISE_OF_READING, FIRST = range(14, WIDTH)
+HEAD = 3
+
+
+class Numbers(Protocol):
+    """A row of numbers that are changed in place: a list, an array, the memory of a frame."""
+
+    def __getitem__(self, place: int, /) -> float: ...
+
+    def __setitem__(self, place: int, number: float, /) -> None: ...
+
+
+# The last word of the counter says what a random number is for.
+FOR_NOISE, FOR_DROPOUT = range(2)
+
+
+@compilable
+def measure(frame: Numbers, state: Numbers, sensors: Sequence[float]) -> None:
+    """Let all sensors show what they make of the true numbers in a frame."""
+    period = int(state[0])
+    for n in range(int(sensors[2])):
+        begin = HEAD + n * WIDTH
+        show(frame, state, sensors[begin : begin + WIDTH], period)
+    state[0] += 1.0
+
+
+@compilable
+def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> None:
+    """One sensor: gain, bias, noise, range, quantisation, delay, drop-out of all its numbers at once."""
+    count, begun, delay = int(c[COUNT]), int(c[MEMORY]), int(c[DELAY])
+    shown, is_first = begun + 1, state[begun] == 0.0
+    is_lost = not is_first and is_dropped(c, period)
+    spare = 0.0
+    for i in range(count):
+        normal = spare
+        if c[NOISE] + c[NOISE_OF_READING] > 0.0 and i % 2 == 0:
+            w0, w1, w2, w3 = words(c, period, int(c[FIRST]) + i // 2, FOR_NOISE)
+            if c[DISTRIBUTION] == UNIFORM:
+                normal, spare = 2.0 * uniform(w0, w1) - 1.0, 2.0 * uniform(w2, w3) - 1.0
+            else:
+                normal, spare = normals(w0, w1, w2, w3)
+        value = sampled(true_number(frame, c, i), normal, c)
+        if delay > 0:
+            line = shown + count + i
+            if is_first:
+                for age in range(delay):
+                    state[line + age * count] = value
+            here = line + (period % delay) * count
+            newest, value = value, state[here]
+            state[here] = newest
+        if not is_lost:
+            state[shown + i] = value
+        write(frame, c, i, state[shown + i])
+    state[begun] = 1.0
+
+
+@compilable
+def words(c: Sequence[float], period: int, block: int, purpose: int) -> tuple[int, int, int, int]:
+    """Four random words of a sensor in a period; the key is the seed and the name."""
+    return philox(period & WORD, period >> 32, block, purpose, int(c[SEED]), int(c[NAME]))
+
+
+@compilable
+def is_dropped(c: Sequence[float], period: int) -> bool:
+    """Whether the value of a period is lost, with the probability `dropout`."""
+    if c[DROPOUT] == 0.0:
+        return False
+    w0, w1, _, _ = words(c, period, 0, FOR_DROPOUT)
+    return uniform(w0, w1) < c[DROPOUT]
+
+
+@compilable
+def sampled(true: float, normal: float, c: Sequence[float]) -> float:
+    """A number with its systematic and random errors, at the nearest of the values that can be shown."""
+    size = c[NOISE]
+    if c[NOISE_OF_READING] > 0.0:  # of an infinite number a share of 0 would be none
+        size += c[NOISE_OF_READING] * abs(true)
+    value = c[GAIN] * true + c[BIAS] + size * normal
+    if not isfinite(value):  # whoever publishes it says which number that is
+        return value
+    value = min(max(value, c[LOWEST]), c[HIGHEST])
+    return value if c[QUANTISATION] == 0.0 else value - remainder(value, c[QUANTISATION])
+
+
+@compilable
+def true_number(frame: Numbers, c: Sequence[float], i: int) -> float:
+    """Number i of those that are measured; a heading lies in -pi..pi [rad]."""
+    place = int(c[PLACE])
+    if c[KIND] == HEADING:
+        return remainder(2.0 * atan2(frame[place], frame[int(c[SECOND])]), TAU)
+    return frame[place + i]
+
+
+@compilable
+def write(frame: Numbers, c: Sequence[float], i: int, number: float) -> None:
+    """Put number i into the frame, as its message carries it."""
+    place, second = int(c[PLACE]), int(c[SECOND])
+    if c[KIND] == HEADING:
+        frame[place], frame[second] = sin(0.5 * number), cos(0.5 * number)
+    else:
+        frame[place + i] = carried(number, c[ROUNDS])
+        if c[KIND] == SHARE:
+            frame[second] = carried(frame[place] * frame[int(c[THIRD])], c[ROUNDS])
+
+
+@compilable
+def carried(number: float, rounds: float) -> float:
+    """The number in the precision of its message, which is single where that `rounds`."""
+    return float(np.float32(number)) if rounds == 1.0 else number

@@ -1,0 +1,70 @@
+"""Random numbers that need no memory, each a function of a key and a counter; and one seed for everything random."""
+
+from __future__ import annotations
+
+import dataclasses
+import zlib
+from typing import Any, TypeVar
+
+from ev_core.elementary import log, sin_cos, sqrt
+from ev_msgs_py.compilable import compilable
+
+WORD = 0xFFFFFFFF
+ROUNDS = 10
+M0, M1 = 0xD2511F53, 0xCD9E8D57  # multipliers of a round
+W0, W1 = 0x9E3779B9, 0xBB67AE85  # what a round adds to the key: golden ratio and sqrt(3) - 1 in 32 bits
+TAU = 6.283185307179586
+LAST_BIT = 2.0**-53
+
+
+@compilable
+def philox(c0: int, c1: int, c2: int, c3: int, k0: int, k1: int) -> tuple[int, int, int, int]:
+    """Four random words of a counter of four words and a key of two."""
+    for _ in range(ROUNDS):
+        one, other = M0 * c0, M1 * c2
+        c0, c1, c2, c3 = ((other >> 32) & WORD) ^ c1 ^ k0, other & WORD, ((one >> 32) & WORD) ^ c3 ^ k1, one & WORD
+        k0, k1 = (k0 + W0) & WORD, (k1 + W1) & WORD
+    return c0, c1, c2, c3
+
+
+@compilable
+def uniform(high: int, low: int) -> float:
+    """A number 0 <= u < 1 of 53 bits, 27 of one word and 26 of another."""
+    return float(((high >> 5) << 26) + (low >> 6)) * LAST_BIT
+
+
+@compilable
+def normals(w0: int, w1: int, w2: int, w3: int) -> tuple[float, float]:
+    """Two independent standard normal numbers of four words; G. E. P. Box and M. E. Muller, Ann. Math. Stat. 29 (1958).
+
+    None is larger than sqrt(2 log(2^53)) = 8.6.
+    """
+    radius = sqrt(-2.0 * log(1.0 - uniform(w0, w1)))
+    sine, cosine = sin_cos(TAU * uniform(w2, w3))
+    return radius * cosine, radius * sine
+
+
+P = TypeVar("P")
+
+FOR_SEED = 4  # the last word of the counter; sensors and faults have those below
+_OWN = "seed"
+
+
+def seeded(parameters: P, seed: int, prefix: str = "") -> P:
+    """Parameters as their method is told them: with the node's seed 0 as they are, else with other own seeds.
+
+    An own seed is a parameter `seed` of a group, such as `road.seed`; its name, its value and the node's seed make the
+    new one. A group whose `is_random` is false keeps it, and so remains what it is.
+    """
+    changed: dict[str, Any] = {}
+    of: Any = parameters
+    for field in dataclasses.fields(of):
+        value, name = getattr(of, field.name), prefix + field.name
+        if dataclasses.is_dataclass(value):
+            made = seeded(value, seed, f"{name}.")
+            if made is not value:
+                changed[field.name] = made
+        elif field.name == _OWN and seed != 0 and getattr(of, "is_random", True):
+            changed[_OWN] = philox(value, 0, 0, FOR_SEED, seed, zlib.crc32(name.encode()))[0] >> 1
+    made_anew: P = dataclasses.replace(of, **changed) if changed else parameters
+    return made_anew

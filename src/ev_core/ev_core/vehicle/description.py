@@ -1,0 +1,202 @@
+"""The vehicle description."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ev_core.parameters.declaration import group, parameter
+from ev_core.vehicle.battery import Battery
+from ev_core.vehicle.drive_train import refuse_drive_train
+from ev_core.vehicle.driveline import Driveline
+from ev_core.vehicle.engine import Engine
+from ev_core.vehicle.motor import Motor
+from ev_core.vehicle.suspension import Suspension
+from ev_core.vehicle.tyre import Tyre
+from ev_msgs_py.refusal import ParameterError
+
+LOAD_TRANSFERS = ("both", "lateral", "none")
+
+
+@dataclass(frozen=True, slots=True)
+class Vehicle:
+    """Mass, geometry and resistance of a car; the files in config/vehicles give the values and their sources.
+
+    The defaults are the Audi A2 of Shchur (2019).
+    """
+
+    name: str = parameter("audi_a2", about="name of the vehicle file", own=True)
+    mass: float = parameter(1400.0, unit="kg", low=50.0, high=60000.0, about="mass with load, m", own=True)
+    wheelbase: float = parameter(2.405, unit="m", low=0.3, high=12.0, about="distance of the axles, L", own=True)
+    front_track: float = parameter(
+        1.462, unit="m", low=0.2, high=4.0, about="distance of the front wheels, d", own=True
+    )
+    rear_track: float = parameter(1.462, unit="m", low=0.2, high=4.0, about="distance of the rear wheels", own=True)
+    centre_of_mass_to_rear_axle: float = parameter(
+        1.08225, unit="m", low=0.0, high=12.0, about="centre of mass in front of the rear axle, l_cm L", own=True
+    )
+    wheel_radius: float = parameter(
+        0.294, unit="m", low=0.05, high=1.5, about="rolling radius of the wheels, r_k", own=True
+    )
+    wheel_radius_ratio: tuple[float, ...] = parameter(
+        (1.0, 1.0, 1.0, 1.0),
+        unit="1",
+        low=0.5,
+        high=2.0,
+        about="true radius of each wheel over `wheel_radius`, in the planar plant; laws know `wheel_radius` alone",
+        source="dissertation, chapter 2: r_k,i of the i-th wheel",
+        per_wheel=True,
+    )
+    steering_ratio: float = parameter(
+        16.0, unit="1", low=1.0, high=40.0, about="steering-wheel angle over road-wheel angle, i", own=True
+    )
+    gear_ratio: float = parameter(2.65, unit="1", low=0.1, high=50.0, about="motor speed over wheel speed", own=True)
+    driven_wheels: tuple[str, ...] = parameter(
+        ("front_left", "front_right"),
+        choices=("front_left", "front_right", "rear_left", "rear_right"),
+        about="wheels with a motor",
+        own=True,
+    )
+    rolling_resistance: float = parameter(
+        0.015, unit="1", low=0.0, high=0.5, about="rolling resistance coefficient, k_r or f_0", own=True
+    )
+    drag_coefficient: float = parameter(
+        0.3, unit="1", low=0.0, high=3.0, about="aerodynamic drag coefficient, c_d", own=True
+    )
+    frontal_area: float = parameter(2.1, unit="m^2", low=0.0, high=20.0, about="frontal area, A", own=True)
+    side_drag_coefficient: float = parameter(
+        0.0,
+        unit="1",
+        low=0.0,
+        high=5.0,
+        about="drag across the car, of the planar plant, C_wy",
+        source="dissertation, eq 2.22, without a value",
+    )
+    side_area: float = parameter(0.0, unit="m^2", low=0.0, high=100.0, about="area seen from the side, F_side")
+    air_density: float = parameter(1.24, unit="kg/m^3", low=0.0, high=2.0, about="density of the air, rho")
+    rolling_resistance_speed: float = parameter(
+        0.0,
+        unit="s^2/m^2 or h^2/km^2",
+        low=0.0,
+        high=1e-3,
+        about="growth of the rolling resistance with V^2, k_f; the unit by `rolling_resistance_reading`",
+    )
+    rolling_resistance_reading: str = parameter(
+        "added",
+        choices=("added", "relative"),
+        about="added: f = f_0 + k_f V^2 with V in m/s; relative: f = f_0 (1 + k_f V^2) with V in km/h",
+        source="dissertation, eq 2.8, which leaves the unit of V open: added is its literal form",
+    )
+    yaw_inertia: float = parameter(
+        1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z", own=True
+    )
+    centre_of_mass_height: float = parameter(0.55, unit="m", low=0.0, high=4.0, about="above the road, h", own=True)
+    centre_of_mass_offset: float = parameter(
+        0.0, unit="m", low=-2.0, high=2.0, about="centre of mass left of the car's middle", lateral=True
+    )
+    front_roll_share: float = parameter(
+        0.5,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="share of the lateral load transfer that the front axle takes, unless `suspension` has roll stiffness",
+    )
+    load_transfer: str = parameter(
+        "both",
+        choices=LOAD_TRANSFERS,
+        about="accelerations that move the wheel loads; a source may leave out the longitudinal one, or both",
+        source="lateral: Ge & Ni 2005; none: Tatar & Chudzik",
+    )
+    wheel_inertia: float = parameter(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w", own=True)
+    undriven_inertia_ratio: float = parameter(
+        1.0,
+        unit="1",
+        low=1e-3,
+        high=10.0,
+        about="inertia of a wheel without motor over `wheel_inertia`",
+        source="Ge & Ni 2005: the front wheels have no equation of motion, as good as no inertia",
+    )
+    printed_wheel_inertia: bool = parameter(
+        False,
+        about="add m r_k^2/4 to the inertia of each wheel: the car's mass counts twice",
+        source="Tatar & Chudzik, eq 1 as printed",
+    )
+    steering_geometry: str = parameter(
+        "ackermann", choices=("ackermann", "parallel"), about="road-wheel angles of the two front wheels"
+    )
+    rear_steering_ratio: float = parameter(
+        0.0,
+        unit="1",
+        low=-1.0,
+        high=1.0,
+        about="angle of both rear wheels over the mean road-wheel angle of the front ones, in the planar plant",
+        source="Ge & Ni 2005, eq 3: delta_r",
+    )
+    maximum_road_wheel_angle: float = parameter(
+        0.7, unit="rad", low=0.01, high=1.4, about="largest mean road-wheel angle, either way"
+    )
+    maximum_brake_torque: float = parameter(
+        4000.0, unit="N m", low=0.0, high=1e6, about="of the friction brake of each wheel"
+    )
+    blend_brakes: bool = parameter(
+        False, about="serve brake torques by the motors first, as far as their generator limits reach"
+    )
+    blend_fade_speed: float = parameter(
+        10.0, unit="rad/s", low=0.1, high=1e3, about="wheel speed below which motors hand braking back to the brakes"
+    )
+    suspension: Suspension = group(Suspension)
+    tyre: Tyre = group(Tyre)
+    motor: Motor = group(Motor)
+    driveline: Driveline = group(Driveline)
+    engine: Engine = group(Engine)
+    battery: Battery = group(Battery)
+
+    def __post_init__(self) -> None:
+        if self.centre_of_mass_to_rear_axle > self.wheelbase:
+            raise ParameterError("centre_of_mass_to_rear_axle is above wheelbase")
+        if abs(self.centre_of_mass_offset) >= min(self.front_track, self.rear_track) / 2:
+            raise ParameterError("centre_of_mass_offset lies outside the wheels")
+        if len(set(self.driven_wheels)) != len(self.driven_wheels):
+            raise ParameterError(f"driven_wheels names a wheel twice: {', '.join(self.driven_wheels)}")
+        if len(self.wheel_radius_ratio) != 4:
+            raise ParameterError("wheel_radius_ratio needs four elements, one for each wheel")
+        largest, across = self.maximum_road_wheel_angle, math.atan2(2.0 * self.wheelbase, self.front_track)
+        if self.steering_geometry == "ackermann" and largest >= across:
+            raise ParameterError(
+                f"maximum_road_wheel_angle: {largest:g} is refused, allowed is below {across:.4g}, where by "
+                "steering_geometry ackermann the inner front wheel stands across the car"
+            )
+        refuse_drive_train(self)
+        if self.suspension.has_roll_stiffness:
+            if self.centre_of_mass_height <= 0.0:
+                raise ParameterError("suspension.front_roll_stiffness needs centre_of_mass_height above 0")
+            if not 0.0 <= self.front_share_of_roll <= 1.0:
+                raise ParameterError(
+                    f"suspension gives the front axle {self.front_share_of_roll:.3g} of the lateral load transfer, "
+                    "allowed is 0 to 1"
+                )
+
+    @property
+    def free_wheel_inertia(self) -> float:
+        """Inertia of a wheel without motor [kg m^2]."""
+        return self.wheel_inertia * self.undriven_inertia_ratio + self.carried_inertia
+
+    @property
+    def front_share_of_roll(self) -> float:
+        """Share of the lateral load transfer that the front axle takes [1]."""
+        if not self.suspension.has_roll_stiffness:
+            return self.front_roll_share
+        front = self.centre_of_mass_to_rear_axle / self.wheelbase
+        return self.suspension.front_roll_share(self.centre_of_mass_height, front)
+
+    @property
+    def rolling_resistance_growth(self) -> float:
+        """What the speed adds to the rolling resistance coefficient, over V^2 [s^2/m^2]."""
+        if self.rolling_resistance_reading == "added":
+            return self.rolling_resistance_speed
+        return self.rolling_resistance * self.rolling_resistance_speed * (3.6 * 3.6)
+
+    @property
+    def carried_inertia(self) -> float:
+        """What eq 1 of Tatar & Chudzik adds to each wheel as printed [kg m^2]."""
+        return self.mass / 4.0 * self.wheel_radius * self.wheel_radius if self.printed_wheel_inertia else 0.0

@@ -1,0 +1,174 @@
+"""What a vehicle description leaves to files, read into it: efficiency maps (CSV) and tyre property files (.tir)."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections import Counter
+from collections.abc import Mapping
+
+from ev_core.parameters.data_file import TEXT, find_file, read_csv, read_data
+from ev_core.parameters.declaration import flatten
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.motor import Motor
+from ev_core.vehicle.tyre import MF_NAMES, OPTIONAL
+from ev_msgs_py.refusal import ParameterError, quoted
+
+_COLUMNS = ({"speed_radps": 1.0, "speed_rpm": math.pi / 30}, {"torque_nm": 1.0}, {"efficiency": 1.0})
+
+
+def with_map_from_file(vehicle: Vehicle) -> Vehicle:
+    """The same vehicle with the efficiency map of its motor from `map_file` in place of the file's name.
+
+    A vehicle without a file comes back as it is. The file is a CSV with a header; the columns torque_nm, efficiency and
+    one of speed_radps and speed_rpm are read, one row for each pair of a shaft speed and a torque, in any order. Raises
+    ParameterError, in one line that names the file, if it cannot be read (`read_csv`), holds values out of range, or
+    pairs are missing or there twice.
+    """
+    motor = vehicle.motor
+
+    def mapped(*points: tuple[float, ...]) -> Motor:
+        return build(Motor, {**flatten(motor), **_grid(*points), "map_file": ""})
+
+    if not motor.map_file:
+        return vehicle
+    return dataclasses.replace(vehicle, motor=read_csv("vehicle.motor.map_file", motor.map_file, _COLUMNS, mapped))
+
+
+def _grid(
+    speed: tuple[float, ...], torque: tuple[float, ...], efficiency: tuple[float, ...]
+) -> dict[str, tuple[float, ...]]:
+    """The map's axes and rows from single points."""
+    times = Counter(zip(speed, torque, strict=True))
+    speeds, torques = sorted(set(speed)), sorted(set(torque))
+    grid = [(s, t) for s in speeds for t in torques]
+    for s, t in grid:
+        if times[s, t] != 1:
+            point = f"the point of {s:g} rad/s and {t:g} N m"
+            raise ParameterError(f"{point} is there {times[s, t]} times, allowed is once")
+    value = dict(zip(zip(speed, torque, strict=True), efficiency, strict=True))
+    return {
+        "map_speed": tuple(speeds),
+        "map_torque": tuple(torques),
+        "map_efficiency": tuple(value[point] for point in grid),
+    }
+
+
+# Which formula a file is meant for, by FITTYP, and whether it takes the tangent of the slip angle.
+_FIT_TYPES = {6.0: False, 21.0: False, 52.0: False, 60.0: True, 61.0: True, 62.0: True}
+_FORMATS = {"PAC2002": False, "MF_05": False}
+
+# The scale factors that multiply a coefficient.
+_SCALES = {
+    "fnomin": "LFZO",
+    "pcx1": "LCX",
+    "pdx1": "LMUX",
+    "pdx2": "LMUX",
+    "pex1": "LEX",
+    "pex2": "LEX",
+    "pex3": "LEX",
+    "pkx1": "LKX",
+    "pkx2": "LKX",
+    "pcy1": "LCY",
+    "pdy1": "LMUY",
+    "pdy2": "LMUY",
+    "pey1": "LEY",
+    "pey2": "LEY",
+    "pky1": "LKY",
+    "rbx1": "LXAL",
+    "rby1": "LYKA",
+}
+_UNITS = {"LENGTH": "meter", "FORCE": "newton", "ANGLE": "radians"}
+
+
+def with_tyres_from_files(vehicle: Vehicle) -> Vehicle:
+    """The same vehicle with the coefficients of its tyres from the files that `tyre` names in place of their names.
+
+    A vehicle without a file comes back as it is. Raises ParameterError, in one line that names the file, if it cannot
+    be read, is meant for another formula or in other units, lacks a coefficient or holds no number.
+    """
+    tyre = vehicle.tyre
+    if tyre.front_file:
+        front = read_tyre("vehicle.tyre.front_file", tyre.front_file)
+        tyre = dataclasses.replace(tyre, front_file="", front_mf=front)
+    if tyre.rear_file:
+        rear = read_tyre("vehicle.tyre.rear_file", tyre.rear_file)
+        tyre = dataclasses.replace(tyre, rear_file="", rear_mf=rear)
+    return dataclasses.replace(vehicle, tyre=tyre)
+
+
+def read_tyre(parameter: str, name: str) -> tuple[float, ...]:
+    """The numbers of MfTyres in a tyre property file; ParameterError, see `with_tyres_from_files`."""
+    try:
+        return mf_numbers(_entries(read_data(find_file(name), TEXT).decode("latin-1")))
+    except OSError as error:
+        raise ParameterError(f"{parameter}: {name}: {error.strerror or error}") from None
+    except ParameterError as error:
+        raise ParameterError(f"{parameter}: {name}: {error}") from None
+
+
+def mf_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:
+    """The numbers of MfTyres from the entries of a file, scale factors multiplied in; ParameterError if some lack."""
+    for unit, wanted in _UNITS.items():
+        given = entries.get(unit, wanted).lower()
+        if given.rstrip("s") != wanted.rstrip("s"):
+            raise ParameterError(f"{unit} is {quoted(given)}, allowed is {quoted(wanted)}")
+    takes_tangent = _takes_tangent(entries)
+    needed = [name for name in MF_NAMES if name != "takes_tangent"]
+    lacking = [name.upper() for name in needed if name.upper() not in entries and name not in OPTIONAL]
+    if lacking:
+        raise ParameterError(f"lacks {', '.join(lacking)}")
+    return (*(_coefficient(entries, name) for name in needed), float(takes_tangent))
+
+
+def _takes_tangent(entries: Mapping[str, str]) -> bool:
+    if "FITTYP" in entries:
+        kind = _number(entries, "FITTYP", 0.0)
+        if kind not in _FIT_TYPES:
+            raise ParameterError(f"FITTYP is {kind:g}, allowed is one of {', '.join(f'{k:g}' for k in _FIT_TYPES)}")
+        return _FIT_TYPES[kind]
+    written = entries.get("PROPERTY_FILE_FORMAT", "")
+    if written not in _FORMATS:
+        raise ParameterError(
+            f"PROPERTY_FILE_FORMAT is {quoted(written)} without FITTYP, allowed is one of {', '.join(_FORMATS)}"
+        )
+    return _FORMATS[written]
+
+
+def _coefficient(entries: Mapping[str, str], name: str) -> float:
+    value = _number(entries, name.upper(), OPTIONAL.get(name, 0.0))
+    if name in _SCALES:
+        value *= _number(entries, _SCALES[name], 1.0)
+    # Slip angle and side force have one sign or the other by the axes of the file; the tyre opposes its slip in all.
+    if name.startswith("pdy") and _number(entries, "PDY1", 1.0) < 0.0:
+        return -value
+    return abs(value) if name == "pky1" else value
+
+
+def _number(entries: Mapping[str, str], key: str, default: float) -> float:
+    text = entries.get(key)
+    if text is None:
+        return default
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ParameterError(f"{key} is {quoted(text)}, allowed is a finite number")
+    return value
+
+
+def _entries(text: str) -> dict[str, str]:
+    """KEY = value of all sections; $ begins a comment, a line of ! is one."""
+    found = {}
+    for line in text.splitlines():
+        if "=" in line and not line.lstrip().startswith(("!", "$")):
+            key, _, value = line.partition("=")
+            found[key.strip().upper()] = value.partition("$")[0].strip().strip("'\"").strip()
+    return found
+
+
+def with_files(vehicle: Vehicle) -> Vehicle:
+    """The vehicle with the numbers of its files in place of their names; ParameterError, in one line, as they raise."""
+    return with_tyres_from_files(with_map_from_file(vehicle))

@@ -1,0 +1,171 @@
+"""The motors of a vehicle, with winding, temperatures, inverter, gear and largest torque over speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+from ev_core.parameters.declaration import group, parameter
+from ev_msgs_py.compilable import inlined
+from ev_msgs_py.refusal import ParameterError
+
+_YASA = "assumption for a YASA-400, whose curves (figure 1.22 of the dissertation) are lost"
+
+
+@dataclass(frozen=True, slots=True)
+class Winding:
+    """A synchronous machine with magnets on the surface of its rotor: one inductance in both axes.
+
+    Its resistance is not told twice: the motor's `copper_loss` and the torque constant 3/2 p psi give it.
+    """
+
+    pole_pairs: int = parameter(10, unit="1", low=1, high=100, about="pole pairs, p", source=_YASA)
+    flux_linkage: float = parameter(
+        0.0377,
+        unit="Wb",
+        low=1e-4,
+        high=10.0,
+        about="peak flux linkage of the magnets with a phase, psi: 0.8 N m for each rms ampere",
+        source=_YASA,
+    )
+    inductance: float = parameter(
+        1e-4, unit="H", low=1e-6, high=1.0, about="of a phase, alike in both axes, L", source=_YASA
+    )
+    largest_current: float = parameter(
+        453.0, unit="A", low=1.0, high=1e4, about="rms phase current, what 360 N m need", source=_YASA
+    )
+    voltage_share: float = parameter(
+        0.95,
+        unit="1",
+        low=0.1,
+        high=1.0,
+        about="of the largest phase voltage, V_dc/sqrt(3), that field weakening makes use of; the rest is left to the "
+        "resistance of the winding and to the current control",
+        source="assumption",
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class ThermalParameters:
+    """One heat capacity each for winding and inverter, cooled by one coolant."""
+
+    coolant: float = parameter(40.0, unit="degC", low=-40.0, high=120.0, about="coolant inlet", source="assumption")
+    coolant_flow: float = parameter(8.0, unit="l/min", low=0.1, high=31.0, about="of the coolant", source="assumption")
+    winding_capacity: float = parameter(
+        4000.0, unit="J/K", low=1.0, high=1e6, about="heat capacity of the winding", source="assumption"
+    )
+    winding_resistance: float = parameter(
+        0.015, unit="K/W", low=1e-4, high=10.0, about="from winding to coolant", source="assumption"
+    )
+    inverter_capacity: float = parameter(
+        1500.0, unit="J/K", low=1.0, high=1e6, about="heat capacity of the power stage", source="assumption"
+    )
+    inverter_resistance: float = parameter(
+        0.02, unit="K/W", low=1e-4, high=10.0, about="from power stage to coolant", source="assumption"
+    )
+    winding_warm: float = parameter(
+        120.0, unit="degC", low=-40.0, high=215.0, about="from here on the torque is derated", source="assumption"
+    )
+    winding_limit: float = parameter(
+        140.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here", source="assumption"
+    )
+    inverter_warm: float = parameter(
+        75.0, unit="degC", low=-40.0, high=215.0, about="from here on the torque is derated", source="assumption"
+    )
+    inverter_limit: float = parameter(
+        90.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here", source="assumption"
+    )
+
+    def __post_init__(self) -> None:
+        if self.winding_warm >= self.winding_limit or self.inverter_warm >= self.inverter_limit:
+            raise ParameterError("winding_warm and inverter_warm must be below their limits")
+
+
+@dataclass(frozen=True, slots=True)
+class Motor:
+    """A torque-controlled motor with its inverter and gear; one for each driven wheel.
+
+    The defaults are assumptions for a small city car's front drive with two motors.
+    """
+
+    peak_torque: float = parameter(
+        250.0, unit="N m", low=0.0, high=1e5, about="at the shaft, for a short time", own=True
+    )
+    nominal_torque: float = parameter(150.0, unit="N m", low=1e-3, high=1e5, about="at the shaft, for ever", own=True)
+    peak_power: float = parameter(
+        40e3, unit="W", low=1.0, high=1e7, about="mechanical power for a short time", own=True
+    )
+    overload_time: float = parameter(
+        60.0, unit="s", low=0.1, high=1e5, about="thermal time constant that ends the short time"
+    )
+    maximum_speed: float = parameter(
+        1000.0, unit="rad/s", low=1.0, high=1e5, about="of the shaft; no drive torque beyond", own=True
+    )
+    generator_torque: float = parameter(
+        150.0, unit="N m", low=0.0, high=1e5, about="largest torque when the motor feeds the battery", own=True
+    )
+    generator_power: float = parameter(
+        25e3, unit="W", low=0.0, high=1e7, about="largest mechanical power that the motor takes", own=True
+    )
+    torque_lag: float = parameter(0.005, unit="s", low=1e-4, high=10.0, about="time constant of the torque control")
+    rotor_inertia: float = parameter(0.0, unit="kg m^2", low=0.0, high=100.0, about="of one rotor, at the shaft")
+    gear_efficiency: float = parameter(1.0, unit="1", low=0.5, high=1.0, about="of the gear, either way")
+    copper_loss: float = parameter(
+        0.05, unit="W/(N m)^2", low=0.0, high=1e3, about="loss per squared torque: winding resistance"
+    )
+    iron_loss: float = parameter(
+        0.5, unit="W s/rad", low=0.0, high=1e3, about="loss per speed: hysteresis and bearings"
+    )
+    eddy_loss: float = parameter(
+        5e-4, unit="W s^2/rad^2", low=0.0, high=10.0, about="loss per squared speed: eddy currents and windage"
+    )
+    inverter_loss: float = parameter(20.0, unit="W", low=0.0, high=1e4, about="inverter's loss without torque")
+    inverter_torque_loss: float = parameter(
+        1.0, unit="W/(N m)", low=0.0, high=100.0, about="inverter's loss per torque: switching and conduction"
+    )
+    map_speed: tuple[float, ...] = parameter(
+        (), unit="rad/s", low=0.0, high=1e5, about="shaft speeds of an efficiency map; empty for the loss model"
+    )
+    map_torque: tuple[float, ...] = parameter(
+        (), unit="N m", low=0.0, high=1e5, about="shaft torques of the efficiency map"
+    )
+    map_efficiency: tuple[float, ...] = parameter(
+        (), unit="1", low=0.01, high=1.0, about="efficiency of motor and inverter, speed by speed (row by row)"
+    )
+    map_file: str = parameter(
+        "",
+        about="CSV file with the columns speed_radps or speed_rpm, torque_nm and efficiency, instead of the map; empty "
+        "for none",
+    )
+    winding: Winding = group(Winding)
+    thermal: ThermalParameters = group(ThermalParameters)
+
+    def __post_init__(self) -> None:
+        if len(self.map_efficiency) != len(self.map_speed) * len(self.map_torque):
+            raise ParameterError("map_efficiency needs one element for each pair of map_speed and map_torque")
+        for name in ("map_speed", "map_torque"):
+            axis = getattr(self, name)
+            if len(axis) == 1 or any(b <= a for a, b in pairwise(axis)):
+                raise ParameterError(f"{name} needs at least two elements and must rise")
+
+
+SPEED_FADE = 0.02  # share of the maximum speed over which the drive torque fades; it softens a corner
+LEAST_SPEED = 1e-9  # [rad/s], of a power divided by it
+
+
+@inlined
+def speed_fade(maximum: float, turns: float) -> float:
+    """Share [1] of the torque that is left near the maximum speed, at a speed of this magnitude [rad/s]."""
+    return min(max((maximum - turns) / (SPEED_FADE * maximum), 0.0), 1.0)
+
+
+@inlined
+def driving_torque(motor: Motor, most: float, share: float, turns: float) -> float:
+    """Largest torque [N m] at a speed of this magnitude [rad/s], of `most` [N m] and a share of the peak power [1]."""
+    return min(most, share * motor.peak_power / max(turns, LEAST_SPEED)) * speed_fade(motor.maximum_speed, turns)
+
+
+@inlined
+def generating_torque(motor: Motor, most: float, share: float, turns: float) -> float:
+    """The same of a motor that is driven, with its generator's torque and power; no speed is too much for it."""
+    return min(most, motor.generator_torque, share * motor.generator_power / max(turns, LEAST_SPEED))

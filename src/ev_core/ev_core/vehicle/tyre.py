@@ -1,0 +1,234 @@
+"""The tyres of a vehicle, and the coefficients of one by the Magic Formula."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+from ev_core.parameters.declaration import parameter
+from ev_core.parameters.record import per_wheel
+from ev_msgs_py.refusal import ParameterError
+
+# What a file may leave out, and what it then is; the others have to be there.
+OPTIONAL = {
+    "pdx2": 0.0,
+    "pex1": 0.0,
+    "pex2": 0.0,
+    "pex3": 0.0,
+    "pex4": 0.0,
+    "pkx2": 0.0,
+    "pkx3": 0.0,
+    "pdy2": 0.0,
+    "pey1": 0.0,
+    "pey2": 0.0,
+    "pky4": 2.0,
+    "rex1": 0.0,
+    "rex2": 0.0,
+    "rey1": 0.0,
+    "rey2": 0.0,
+    "rhy1": 0.0,
+    "rhy2": 0.0,
+}
+
+
+@dataclass(slots=True)
+class MfTyres:
+    """Tyres of MF-Tyre 5.2 or 6.x that stand upright at their nominal pressure, alike to both sides, by wheel.
+
+    Coefficients of terms with camber, pressure or turn slip are left out, and so are those that make a force without
+    slip or one that differs from left to right (conicity, ply steer: P_H, P_V, P_Ey3, R_Bx alpha shifts, R_V): two
+    tyres of an axle are mounted as mirror images of each other. Names and equations: Pacejka, Tire and Vehicle
+    Dynamics, 3rd ed. 2012, section 4.3.2, eqs 4.E9 to 4.E65.
+    """
+
+    fnomin: list[float] = per_wheel(4000.0, unit="N", about="nominal load, scaled by LFZO")
+    pcx1: list[float] = per_wheel(1.65, unit="1", about="shape factor of the longitudinal force")
+    pdx1: list[float] = per_wheel(1.0, unit="1", about="longitudinal friction at nominal load")
+    pdx2: list[float] = per_wheel(unit="1", about="its change with load")
+    pex1: list[float] = per_wheel(unit="1", about="longitudinal curvature at nominal load")
+    pex2: list[float] = per_wheel(unit="1", about="its change with load")
+    pex3: list[float] = per_wheel(unit="1", about="its change with squared load")
+    pex4: list[float] = per_wheel(unit="1", about="its share that changes from driving to braking")
+    pkx1: list[float] = per_wheel(20.0, unit="1", about="longitudinal slip stiffness over load at nominal load")
+    pkx2: list[float] = per_wheel(unit="1", about="its change with load")
+    pkx3: list[float] = per_wheel(unit="1", about="exponent of its change with load")
+    pcy1: list[float] = per_wheel(1.3, unit="1", about="shape factor of the side force")
+    pdy1: list[float] = per_wheel(1.0, unit="1", about="lateral friction at nominal load")
+    pdy2: list[float] = per_wheel(unit="1", about="its change with load")
+    pey1: list[float] = per_wheel(unit="1", about="lateral curvature at nominal load")
+    pey2: list[float] = per_wheel(unit="1", about="its change with load")
+    pky1: list[float] = per_wheel(15.0, unit="1", about="largest cornering stiffness over nominal load")
+    pky2: list[float] = per_wheel(2.0, unit="1", about="load of the largest cornering stiffness over nominal load")
+    pky4: list[float] = per_wheel(2.0, unit="1", about="curvature of the cornering stiffness over load")
+    rbx1: list[float] = per_wheel(unit="1", about="slope of the weight of side slip on the longitudinal force")
+    rbx2: list[float] = per_wheel(unit="1", about="its change with slip ratio")
+    rcx1: list[float] = per_wheel(unit="1", about="shape factor of that weight")
+    rex1: list[float] = per_wheel(unit="1", about="curvature of that weight at nominal load")
+    rex2: list[float] = per_wheel(unit="1", about="its change with load")
+    rby1: list[float] = per_wheel(unit="1", about="slope of the weight of the slip ratio on the side force")
+    rby2: list[float] = per_wheel(unit="1", about="its change with slip angle")
+    rcy1: list[float] = per_wheel(unit="1", about="shape factor of that weight")
+    rey1: list[float] = per_wheel(unit="1", about="curvature of that weight at nominal load")
+    rey2: list[float] = per_wheel(unit="1", about="its change with load")
+    rhy1: list[float] = per_wheel(
+        unit="1", about="slip ratio at which that weight is centred, negative, at nominal load"
+    )
+    rhy2: list[float] = per_wheel(unit="1", about="its change with load")
+    takes_tangent: list[float] = per_wheel(
+        1.0, unit="1", about="1: slip angle as its tangent (6.x), 0: as the angle (5.2)"
+    )
+
+
+MF_NAMES = tuple(f.name for f in fields(MfTyres))
+# The polynomials of the plant are good for so much (`elementary.unbranched`), which is beyond what tyres have.
+_LIMITS = {
+    **dict.fromkeys(("pcx1", "pcy1", "pky4", "rcx1", "rcy1"), (0.0, 3.0)),
+    "pkx3": (-2.0, 2.0),
+}
+
+
+def mf_tyres(front: Sequence[float], rear: Sequence[float]) -> MfTyres:
+    """The tyres of a car from the numbers of an axle's each, those of the record where there are none."""
+    if not front:
+        return MfTyres()
+    return MfTyres(*([f, f, r, r] for f, r in zip(front, rear, strict=True)))
+
+
+def refuse_mf_tyre(axle: str, numbers: Sequence[float]) -> None:
+    """ParameterError if the numbers of an axle's tyre are not those of MfTyres or give no friction."""
+    if len(numbers) != len(MF_NAMES):
+        raise ParameterError(
+            f"curve mf_tyre needs {axle}_file, or {axle}_mf with {len(MF_NAMES)} elements, not {len(numbers)}"
+        )
+    for name in ("fnomin", "pcx1", "pdx1", "pkx1", "pcy1", "pdy1", "pky1", "pky2"):
+        value = numbers[MF_NAMES.index(name)]
+        if value <= 0.0:
+            raise ParameterError(f"{name.upper()} of the {axle} tyres is {value:g}, allowed is above 0")
+    for name, (low, high) in _LIMITS.items():
+        value = numbers[MF_NAMES.index(name)]
+        if not low <= value <= high:
+            raise ParameterError(f"{name.upper()} of the {axle} tyres is {value:g}, allowed is {low:g} to {high:g}")
+
+
+# How many of the coefficients of a curve give no friction unless they are positive.
+POSITIVE_COEFFICIENTS = {
+    "burckhardt": 0,
+    "rational": 2,
+    "two_exponential": 3,
+    "magic_formula": 3,
+    "linear": 1,
+    "mf_tyre": 0,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Tyre:
+    """Friction curve, combined slip and carcass of the tyres; all four are alike, but for `mf_tyre`, axle by axle.
+
+    The carcass values are assumptions: no source gives them, and a passenger-car tyre has about these (relaxation
+    lengths of 0.2 to 0.4 m). Steady driving does not depend on them.
+    """
+
+    curve: str = parameter(
+        "burckhardt",
+        choices=tuple(POSITIVE_COEFFICIENTS),
+        about="friction curve over slip; mf_tyre: tyres front and rear by the Magic Formula with load dependence, from "
+        "tyre property files",
+        own=True,
+    )
+    coefficients: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0, 0.0),
+        unit="1",
+        low=-50.0,
+        high=1000.0,
+        about="coefficients on dry asphalt, in the order of the curve (rational: peak, peak slip; two_exponential: "
+        "mu_s, S0, S1; magic_formula: B, C, D, E; linear: slope); burckhardt takes those of the surface",
+    )
+    combined: str = parameter(
+        "slip_vector",
+        choices=("slip_vector", "uncoupled", "weighted"),
+        about="slip_vector: one curve over the resulting slip; uncoupled: each direction on its own; weighted: by the "
+        "weighting functions of mf_tyre, which needs it",
+    )
+    lateral_curve: str = parameter(
+        "same",
+        choices=("same", "linear", "constant_stiffness"),
+        about="lateral curve. same: that of the friction; linear: F_y = -C alpha N/N_static, which follows the load; "
+        "constant_stiffness: F_y = -C alpha, whatever the load. Both lines need `uncoupled` and know no friction limit",
+        source="constant_stiffness: Ge & Ni 2005",
+    )
+    lateral_ratio: float = parameter(
+        1.0, unit="1", low=0.1, high=10.0, about="lateral over longitudinal slip stiffness of the curve"
+    )
+    front_cornering_stiffness: float = parameter(
+        60000.0, unit="N/rad", low=0.0, high=1e6, about="of each front tyre at its static load, of a lateral line"
+    )
+    rear_cornering_stiffness: float = parameter(
+        60000.0, unit="N/rad", low=0.0, high=1e6, about="of each rear tyre at its static load, of a lateral line"
+    )
+    load_sensitivity: float = parameter(
+        0.0,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="degressive load: friction and slip stiffness over load fall by this share for each `nominal_load` more; "
+        "mf_tyre has its own",
+    )
+    nominal_load: float = parameter(
+        4000.0, unit="N", low=100.0, high=1e5, about="load of a tyre at which `load_sensitivity` changes nothing"
+    )
+    front_file: str = parameter("", about="tyre property file (.tir) of the front tyres; empty for none")
+    rear_file: str = parameter("", about="tyre property file (.tir) of the rear tyres; empty for none")
+    front_mf: tuple[float, ...] = parameter(
+        (), unit="1", low=-1e6, high=1e6, about="coefficients of the front tyres of mf_tyre, in the order of `MfTyres`"
+    )
+    rear_mf: tuple[float, ...] = parameter(
+        (), unit="1", low=-1e6, high=1e6, about="coefficients of the rear tyres of mf_tyre, in the order of `MfTyres`"
+    )
+    longitudinal_stiffness: float = parameter(
+        350e3, unit="N/m", low=1e4, high=1e7, about="carcass stiffness between rim and contact patch, along the wheel"
+    )
+    lateral_stiffness: float = parameter(
+        200e3, unit="N/m", low=1e4, high=1e7, about="carcass stiffness between rim and contact patch, across the wheel"
+    )
+    longitudinal_damping_time: float = parameter(
+        0.01, unit="s", low=1e-3, high=0.1, about="carcass damping over stiffness, along the wheel"
+    )
+    lateral_damping_time: float = parameter(
+        0.02, unit="s", low=1e-3, high=0.1, about="carcass damping over stiffness, across the wheel"
+    )
+    contact_length: float = parameter(
+        0.05,
+        unit="m",
+        low=0.01,
+        high=1.0,
+        about="rolled distance in which the slip of the contact patch settles, about half of its length",
+    )
+
+    def __post_init__(self) -> None:
+        if len(self.coefficients) != 4:
+            raise ParameterError("coefficients needs four elements (those that the curve does not have are zero)")
+        needed = POSITIVE_COEFFICIENTS[self.curve]
+        if min(self.coefficients[:needed], default=1.0) <= 0.0:
+            raise ParameterError(
+                f"coefficients {list(self.coefficients)} give no friction: curve {self.curve} needs the first "
+                f"{needed} positive"
+            )
+        if (self.combined == "weighted") != (self.curve == "mf_tyre"):
+            raise ParameterError(
+                f"combined is {self.combined} with curve {self.curve}: mf_tyre and weighted go together"
+            )
+        if self.curve == "mf_tyre":
+            for given, allowed in ((self.lateral_ratio, 1.0), (self.load_sensitivity, 0.0)):
+                if given != allowed:
+                    raise ParameterError("curve mf_tyre needs lateral_ratio 1 and load_sensitivity 0: it has its own")
+            for axle, file, numbers in (
+                ("front", self.front_file, self.front_mf),
+                ("rear", self.rear_file, self.rear_mf),
+            ):
+                if not file:
+                    refuse_mf_tyre(axle, numbers)
+        if self.lateral_curve != "same" and self.combined != "uncoupled":
+            raise ParameterError(
+                f"lateral_curve {self.lateral_curve} needs combined uncoupled: a line has no share of a slip vector"
+            )

@@ -1,0 +1,58 @@
+"""What is refused, in one line, and how a value, a name or a line that comes from outside is shown."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from typing import Any
+
+LONGEST = 200  # characters
+_MANY, _SHOWN = 40, 12  # names: of more than so many, so many are listed
+LINE = 1000  # of a line about several things, which may each have that length
+
+
+def shown(text: Any, longest: int = LONGEST) -> str:
+    """A text on one line of so many characters at most, control characters as text: a terminal obeys none of them."""
+    words = str(text)
+    cut = words if len(words) <= longest else f"{words[: longest // 2]} ... {words[-longest // 4 :]}"
+    return "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in cut)[:longest]
+
+
+def quoted(value: Any) -> str:
+    """A value as Python writes it, in the same bounds."""
+    return shown(_repr(value))
+
+
+def _repr(value: Any) -> str:
+    try:
+        return repr(value)
+    except (ValueError, RecursionError):  # a whole number of thousands of digits, or what holds itself
+        return f"some {type(value).__name__}"
+
+
+# What would make two lines of one, such as a line break in the name of a file.
+_BREAKS = {ord(each): repr(each)[1:-1] for each in "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"}
+
+
+class ParameterError(ValueError):
+    """A parameter was refused; the message names the parameter, the value and what is allowed, in one line.
+
+    `parameter` is its dotted name where there is one.
+    """
+
+    def __init__(self, text: str, parameter: str = "") -> None:
+        super().__init__(text.translate(_BREAKS))
+        self.parameter = parameter
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.parameter)
+
+
+def unknown_name(kind: str, name: Any, known: Iterable[str]) -> ParameterError:
+    """The error for a name that does not exist: it lists known ones, the most similar first, not all of very many."""
+    known = list(known)
+    similar = difflib.get_close_matches(str(name), known, n=3)
+    listed = [*similar, *sorted(k for k in known if k not in similar)]
+    more = f" and {len(listed) - _SHOWN} more" if len(listed) > _MANY else ""
+    listed = listed[: _SHOWN if more else None]
+    return ParameterError(f"unknown {kind} {quoted(name)}; known: {', '.join(listed)}{more}", name)

@@ -1,0 +1,120 @@
+"""The five torque control methods of the dissertation in its urban cycle, with the three drivers."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.refusal import ParameterError
+from ev_papers.dissertation.measures import circuits, traction_windows
+from ev_papers.dissertation.measures.circuits import CircuitSums
+from ev_sim.measures.metric import NotMeasured
+from ev_sim.recording.recording import Recording
+from ev_sim.scenarios.scenario import Run
+from ev_sim.study.case import Case
+
+SCENARIO, BENCH = "urban_mixed", "urban_mixed_bench"
+Values = tuple[tuple[str, str, Any], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """One of the five methods of chapter 3: its number there, a title, and what differs from the scenario."""
+
+    number: int
+    title: str
+    differential: str
+    asr: str
+    further: Values = ()
+
+
+METHODS = {
+    "1": Method(1, "adaptive", "adaptive", "least_squares"),
+    "1b": Method(
+        1,
+        "adaptive, refused torque offered on",
+        "adaptive",
+        "least_squares",
+        (("electronic_differential", "redistribute", True),),
+    ),
+    "2": Method(2, "open differential", "open_differential", "off"),
+    "3": Method(3, "limited slip", "limited_slip", "off"),
+    "4": Method(4, "limited slip, variable", "limited_slip_variable", "off"),
+    "5": Method(5, "by adhesion", "adhesion_share", "off"),
+}
+FIVE = ("1", "2", "3", "4", "5")  # as printed
+DRIVERS = ("tracking", "imposed_speed", "pulse")
+SIDES = ("right", "left")
+QUANTITIES: dict[str, Callable[[CircuitSums], float]] = {
+    "wheel_efficiency": lambda circuit: circuit.efficiency,
+    "wheel_speed_efficiency": lambda circuit: circuit.speed_efficiency,
+    "wheel_power_efficiency": lambda circuit: circuit.power_efficiency,
+    "drive_efficiency": lambda circuit: circuit.drive_efficiency,
+    "total_efficiency": lambda circuit: circuit.total_efficiency,
+}
+
+
+def case(method: str, driver: str, seed: int, name: str = "", further: Values = (), scenario: str = SCENARIO) -> Case:
+    """One cycle: name of the method, driver, seed of the road, and what else differs from the scenario."""
+    of = METHODS[method]
+    values: Values = (
+        ("electronic_differential", "method", of.differential),
+        ("asr", "method", of.asr),
+        ("driver", "method", driver),
+        ("plant", "speed", "imposed" if driver == "imposed_speed" else "free"),
+        ("plant", "road.seed", seed),
+        *of.further,
+    )
+    return Case(name or case_name(method, driver, seed), scenario, (*values, *further))
+
+
+def roads(given: argparse.Namespace) -> range:
+    """The seeds 1 to N of the option --seeds; ParameterError if there is none."""
+    if given.seeds < 1:
+        raise ParameterError(f"--seeds {given.seeds} is refused, allowed is 1 or more")
+    return range(1, given.seeds + 1)
+
+
+def case_name(method: str, driver: str, seed: int) -> str:
+    """Name of a case without changes."""
+    return f"method {method} {driver} seed {seed}"
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """Efficiencies [1] and energies [J] of a cycle, over the samples with the pedal pressed and (`_windows`) over all.
+
+    Right, left and their mean, as tables 3.1 to 3.6 and 5.1 to 5.6 have them. What cannot be measured, because a short
+    run has no traction, is left out.
+    """
+    vehicle = run.configurations[MASTER].common.vehicle
+    driver = run.configurations["driver"].values()
+    try:
+        shares = circuits.circuit_shares(recording, vehicle)
+        pressed = traction_windows.traction(recording, driver)
+        windows = traction_windows.in_windows(recording, driver)
+        found = {
+            **_efficiencies({wheel: of.sums(pressed) for wheel, of in shares.items()}, ""),
+            **_efficiencies({wheel: of.sums(windows) for wheel, of in shares.items()}, "_windows"),
+        }
+        whole = [of.sums(windows) for of in shares.values()]
+        cycle_time = traction_windows.cycle_time(driver)
+        found["energy_as_printed"] = sum(circuit.energy(cycle_time) for circuit in whole)
+        found["energy_windows"] = sum(circuit.electrical_work for circuit in whole)
+        found["energy"] = sum(of.sums(pressed).electrical_work for of in shares.values())
+        found["slip_energy"] = circuits.slip_energy(recording, vehicle, pressed)
+    except NotMeasured:
+        return {}
+    found["distance"] = float(recording.channels["pose.x"][-1])
+    return found
+
+
+def _efficiencies(of: Mapping[str, CircuitSums], ending: str) -> dict[str, float]:
+    found = {}
+    for name, quantity in QUANTITIES.items():
+        by_side = {wheel.rpartition("_")[2]: quantity(circuit) for wheel, circuit in of.items()}
+        found.update({f"{name}_{side}{ending}": value for side, value in by_side.items()})
+        found[name + ending] = sum(by_side.values()) / len(by_side)
+    return found

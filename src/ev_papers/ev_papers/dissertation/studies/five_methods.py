@@ -1,0 +1,221 @@
+"""All five methods over all seeds and drivers, beside tables 3.1 to 3.6 and 5.1 to 5.6 of the dissertation."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ev_papers.dissertation.measures import urban_cases
+from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, FIVE, METHODS, SCENARIO, SIDES, case_name, roads
+from ev_papers.dissertation.studies import printed as printed
+from ev_papers.dissertation.studies.printed import gains
+from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.figures.figure import Figure, new_figure
+from ev_sim.measures.metric import Metric, mean_over_seeds
+from ev_sim.report.tables import text_table
+from ev_sim.scenarios.cycle import LISTED
+from ev_sim.study.case import Case
+from ev_sim.study.study import Results
+
+_OURS, _PRINTED = STROKES[0][0], STROKES[1][0]
+
+
+def efficiency_figure(
+    points: Mapping[str, Mapping[int, Sequence[float]]], printed: Mapping[int, float], titles: Mapping[int, str]
+) -> Figure:
+    """One panel for each driver: the seeds as dots, their mean and the printed value, if any, as lines, by method."""
+    figure = new_figure(3.6 * len(points), 3.0, layout="constrained")
+    panels = figure.subplots(1, len(points), sharey=True, squeeze=False)[0]
+    for axes, (driver, by_method) in zip(panels, points.items(), strict=True):
+        for method, values in by_method.items():
+            if values:
+                axes.plot([method] * len(values), values, ".", color=_OURS, markersize=3, label="a seed")
+                mean = sum(values) / len(values)
+                axes.hlines(mean, method - 0.3, method + 0.3, color=_OURS, linewidth=1.6, label="mean of the seeds")
+            ends = method - 0.4, method + 0.4
+            if method in printed:
+                line = {"color": _PRINTED, "linestyle": STROKES[1][1], "linewidth": 1.6}
+                axes.hlines(printed[method], *ends, label="printed", **line)
+        axes.set_title(f"driver {driver}", loc="left", fontsize=TITLE_SIZE)
+        axes.set_xticks(list(by_method), [titles[method].replace(" ", "\n") for method in by_method])
+        axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
+        axes.set_ylim(0.4, 1.0)
+        axes.grid(True, axis="y", color="0.88", linewidth=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+    panels[0].set_ylabel("wheel efficiency [1]", fontsize=TEXT_SIZE)
+    handles, labels = panels[0].get_legend_handles_labels()
+    entries = dict(zip(labels, handles, strict=True))
+    figure.legend(entries.values(), entries, loc="outside upper center", ncols=3, fontsize=TEXT_SIZE, frameon=False)
+    return figure
+
+
+ABOUT = "Dissertation, tables 3.1 to 3.6 and 5.1 to 5.6 - five methods, three drivers, many roads (--seeds N)"
+COLUMNS = (
+    *("driver", "method"),
+    *("2.37 right", "left", "mean", "printed", "speeds alone", "whole windows"),
+    *("2.38 right", "left", "mean", "printed"),
+    *("2.39", "printed"),
+    *("energy [kW min]", "2.40 as printed [kW min]", "printed, as kWh"),
+)
+SUMS = ("methods_apart_", "method_1_above_2_", "seeds_with_", "gain_")
+MEASURED = {  # quantities of `urban_cases.measure` by unit
+    "1": (
+        *("wheel_efficiency_right", "wheel_efficiency_left", "wheel_efficiency", "wheel_efficiency_windows"),
+        *("wheel_speed_efficiency_right", "wheel_speed_efficiency_left", "wheel_speed_efficiency"),
+        "wheel_power_efficiency",
+        *("drive_efficiency_right", "drive_efficiency_left", "drive_efficiency", "total_efficiency"),
+    ),
+    "J": ("energy", "energy_windows", "energy_as_printed"),
+}
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """How many roads, and which drivers."""
+    parser.add_argument("--bench", action="store_true", help="with both motors on the test bench: tables 5.1 to 5.6")
+    parser.add_argument("--seeds", type=int, default=10, metavar="N", help="roads, with the seeds 1 to N; default 10")
+    parser.add_argument(
+        "--drivers", nargs="+", choices=DRIVERS, default=list(DRIVERS), help="default: all of them, one after the other"
+    )
+
+
+def cases(given: argparse.Namespace) -> Sequence[Case]:
+    """Every method with every driver on every road."""
+    return [
+        urban_cases.case(method, driver, seed, scenario=BENCH if given.bench else SCENARIO)
+        for driver in given.drivers
+        for method in METHODS
+        for seed in roads(given)
+    ]
+
+
+measure = urban_cases.measure
+
+
+def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
+    """All that was measured for each method and driver, means over the seeds; then orders and gains.
+
+    Of `imposed_speed` orders and gains are those of the ratio of speeds alone, so eq 2.37 without rolling resistance in
+    M_f; of the other drivers those of eq 2.37 in full.
+    """
+    found: dict[str, Metric] = {}
+    for driver in given.drivers:
+        for method in METHODS:
+            values = values_of(given, results, method, driver)
+            for unit, names in MEASURED.items():
+                for name in names:
+                    found[f"{name}_{method}_{driver}"] = _mean([value[name] for value in values], unit)
+        found.update(_orders(given, results, driver))
+        found.update(_gains(found, driver))
+    return found
+
+
+def values_of(given: argparse.Namespace, results: Results, method: str, driver: str) -> list[Mapping[str, Any]]:
+    """What was measured with the seeds in their order, without the cases that gave nothing or were not driven."""
+    names = (case_name(method, driver, seed) for seed in roads(given))
+    return [results[name].measured for name in names if name in results and results[name].measured]
+
+
+def judged_quantity(driver: str) -> str:
+    """The wheel efficiency that is held against tables 3.1 to 3.6: with imposed speed the ratio of speeds alone."""
+    return "wheel_speed_efficiency" if driver == "imposed_speed" else "wheel_efficiency"
+
+
+def _mean(values: Sequence[float], unit: str) -> Metric:
+    if not values:
+        return Metric(None, unit, reason="no case came to a traction window")
+    return mean_over_seeds(values, unit)
+
+
+def _orders(given: argparse.Namespace, results: Results, driver: str) -> dict[str, Metric]:
+    """Spread over the methods, in how many seeds 1 > 3 >= 4 > 2 and 1 > 2 hold, and how far 1 lies above 2."""
+    key = judged_quantity(driver)
+    columns = [[value[key] for value in values_of(given, results, method, driver)] for method in FIVE]
+    if len({len(column) for column in columns}) > 1 or not columns[0]:
+        return {}
+    rows = list(zip(*columns, strict=True))
+    count = len(rows)
+    return {
+        f"methods_apart_{driver}": _mean([max(row) - min(row) for row in rows], "1"),
+        f"method_1_above_2_{driver}": _mean([row[0] - row[1] for row in rows], "1"),
+        f"seeds_with_1_above_2_{driver}": Metric(sum(row[0] > row[1] for row in rows), f"of {count}"),
+        f"seeds_with_1_3_4_2_{driver}": Metric(sum(row[0] > row[2] >= row[3] > row[1] for row in rows), f"of {count}"),
+    }
+
+
+def _gains(found: Mapping[str, Metric], driver: str) -> dict[str, Metric]:
+    """Smallest and largest gain of method 1 by eqs 3.1, 5.1 and 5.2, over method 1 and over the other one."""
+    of = {"3_1": judged_quantity(driver), "5_1": "drive_efficiency", "5_2": "total_efficiency"}
+    shown = {}
+    for equation, quantity in of.items():
+        by_method = {int(method): found[f"{quantity}_{method}_{driver}"].value for method in FIVE}
+        if any(not value for value in by_method.values()):
+            continue
+        for denominator, values in gains(by_method)._asdict().items():
+            shown[f"gain_{equation}_{denominator}_smallest_{driver}"] = Metric(min(values.values()), "%")
+            shown[f"gain_{equation}_{denominator}_largest_{driver}"] = Metric(max(values.values()), "%")
+    return shown
+
+
+def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
+    """The tables of the source, ours beside what is printed; of means the standard deviation over the seeds as well.
+
+    Nothing is printed of another cycle.
+    """
+    found = metrics(given, results)
+
+    def of_source(table: Mapping[int, float], number: int, form: str) -> str:
+        return format(table[number], form) if given.cycle in (None, LISTED) else "-"
+
+    def row(driver: str, method: str) -> tuple[str, ...]:
+        def shown(name: str, factor: float = 1.0, form: str = ".3f") -> str:
+            return _shown(found[f"{name}_{method}_{driver}"], factor, form)
+
+        def three(name: str) -> tuple[str, ...]:
+            return (*(shown(f"{name}_{side}").partition(" ")[0] for side in SIDES), shown(name))
+
+        number = METHODS[method].number
+        return (
+            driver,
+            f"{method} {METHODS[method].title}",
+            *three("wheel_efficiency"),
+            of_source(printed.WHEEL_EFFICIENCY, number, ".2f"),
+            shown("wheel_speed_efficiency"),
+            shown("wheel_efficiency_windows"),
+            *three("drive_efficiency"),
+            of_source(printed.DRIVE_EFFICIENCY, number, ".3f"),
+            shown("total_efficiency"),
+            of_source(printed.TOTAL_EFFICIENCY, number, ".3f"),
+            shown("energy_windows", 1 / printed.KILOWATT_MINUTE, ".1f"),
+            shown("energy_as_printed", 1 / printed.KILOWATT_MINUTE, ".1f"),
+            of_source(printed.ENERGY, number, ".1f"),
+        )
+
+    return [row(driver, method) for driver in given.drivers for method in METHODS]
+
+
+def tables(given: argparse.Namespace, results: Results) -> str:
+    """The rows as aligned text."""
+    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
+
+
+def _shown(metric: Metric, factor: float = 1.0, form: str = ".3f") -> str:
+    if metric.value is None:
+        return "-"
+    spread = metric.standard_deviation
+    mean = format(factor * metric.value, form)
+    return mean if spread is None else f"{mean} ± {format(factor * spread, form)}"
+
+
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+    """Wheel efficiency of the methods, mean and single seeds, beside the printed one, for each driver."""
+    points = {
+        driver: {
+            int(method): [value[judged_quantity(driver)] for value in values_of(given, results, method, driver)]
+            for method in FIVE
+        }
+        for driver in given.drivers
+    }
+    titles = {METHODS[method].number: METHODS[method].title for method in FIVE}
+    of_source = printed.WHEEL_EFFICIENCY if given.cycle in (None, LISTED) else {}
+    return {"wheel_efficiency": efficiency_figure(points, of_source, titles)}

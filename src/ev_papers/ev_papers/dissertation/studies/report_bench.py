@@ -1,0 +1,37 @@
+"""Report on the urban cycle on the test bench: that of the cycle, and channels and energies of the bench."""
+
+from __future__ import annotations
+
+from ev_core.vehicle.description import Vehicle
+from ev_papers.dissertation.figures.channels import bench_channels
+from ev_papers.dissertation.measures import motors_and_cells
+from ev_papers.dissertation.studies import report
+from ev_sim.figures.figure import Figure
+from ev_sim.measures import can_bus, motion
+from ev_sim.measures.metric import Metric, metric
+from ev_sim.measures.samples import Parameters, Runs
+from ev_sim.recording.recording import Recording
+
+
+def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+    """Those of the cycle with eq 2.38 from measured values, and the accounts of the bench."""
+    return {
+        **report.metrics(runs, vehicle, parameters),
+        **motion.of_each_run(runs, _metrics),
+    }
+
+
+def _metrics(run: Recording) -> dict[str, Metric]:
+    names = ("battery", "mains", "resistor", "machines", "loads", "shafts")
+    return {
+        **{f"bench_{name}": metric(lambda name=name: motors_and_cells.energies(run)[name], "J") for name in names},
+        "bench_imbalance": metric(lambda: motors_and_cells.imbalance(run), "1"),
+        **can_bus.metrics(run),
+    }
+
+
+def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Figure]:
+    """Those of the cycle; torques, speeds, temperatures and energies of the bench."""
+    run = next(iter(runs.values()))
+    driver = parameters.get("driver", {})
+    return {**report.figures(runs, vehicle, parameters), "bench": bench_channels(run, vehicle, driver)}

@@ -1,0 +1,73 @@
+"""Chatter of the torques of Ge & Ni (2005) by control period, with the boundary layer of eqs 9 and 10."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ev_papers.ge_ni2005.quantities import chatter
+from ev_sim.figures.figure import Figure
+from ev_sim.measures.metric import Metric, metric
+from ev_sim.recording.recording import Recording
+from ev_sim.report.tables import text_table
+from ev_sim.scenarios.scenario import Run
+from ev_sim.study.case import Case
+from ev_sim.study.study import Results
+
+ABOUT = "Ge & Ni 2005: chatter of the torques with boundary layer by control period, for two readings of eq 8"
+SCENARIO = "ge_ni2005"
+PERIODS = (0.0005, 0.001, 0.005, 0.01)  # [s]
+RUNS = ("increment", "offset_lower_target")  # those whose slips come to their target
+COLUMNS = ("control period [ms]", *(f"chatter of `{run}` [N m/s]" for run in RUNS))
+SUMS = ()
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """There are none: the periods are those of the page docs/ge_ni2005.md."""
+
+
+def cases(given: argparse.Namespace) -> Sequence[Case]:
+    """Every run at every period."""
+    return [
+        Case(name_of(run, period), SCENARIO, (("*", "control_period", period),), run)
+        for period in PERIODS
+        for run in RUNS
+    ]
+
+
+def name_of(run: str, period: float) -> str:
+    """Name of a case; period [s]."""
+    return f"{run} {1e3 * period:g} ms"
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """Chatter over the last second [N m/s]."""
+    return {"chatter": chatter(recording)}
+
+
+def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
+    """The largest chatter of each run over all periods."""
+    return {
+        f"chatter_{run}": metric(lambda r=run: max(_chatter(results, r, period) for period in PERIODS), "N m/s")
+        for run in RUNS
+    }
+
+
+def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
+    """One row for each period."""
+    return [(f"{1e3 * period:g}", *(f"{_chatter(results, run, period):.3g}" for run in RUNS)) for period in PERIODS]
+
+
+def tables(given: argparse.Namespace, results: Results) -> str:
+    """The same as aligned text."""
+    return text_table(COLUMNS, rows(given, results), left=())
+
+
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+    """None: the table says it all."""
+    return {}
+
+
+def _chatter(results: Results, run: str, period: float) -> float:
+    return float(results[name_of(run, period)].measured["chatter"])

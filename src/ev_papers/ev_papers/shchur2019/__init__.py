@@ -1,0 +1,1 @@
+"""Shchur (2019): electric power steering by the torque difference of the front drives."""

@@ -1,0 +1,1 @@
+"""Tatar & Chudzik: three layouts of drives, and torques corrected by the steering angle."""

@@ -1,0 +1,46 @@
+"""Build and install ev_papers."""
+
+from setuptools import find_packages, setup
+
+SOURCES = ("shchur2019", "ge_ni2005", "tatar_chudzik", "dissertation", "zhileykin2018")
+REPORTS = [
+    "shchur2019 = ev_papers.shchur2019.report_cycle",
+    "shchur2019_steps = ev_papers.shchur2019.report_steps",
+    "ge_ni2005 = ev_papers.ge_ni2005.report",
+    "tatar_chudzik = ev_papers.tatar_chudzik.report",
+    "urban_mixed = ev_papers.dissertation.studies.report",
+    "urban_mixed_bench = ev_papers.dissertation.studies.report_bench",
+    "zhileykin2018 = ev_papers.zhileykin2018.report",
+]
+STUDIES = [
+    "bench_convergence = ev_papers.dissertation.studies.bench_convergence",
+    "bench_difference = ev_papers.dissertation.studies.bench_difference",
+    "five_methods = ev_papers.dissertation.studies.five_methods",
+    "ge_ni2005_periods = ev_papers.ge_ni2005.periods",
+    "urban_sensitivity = ev_papers.dissertation.studies.urban_sensitivity",
+    "zhileykin2018_sweep = ev_papers.zhileykin2018.sweep",
+    "zhileykin2018_variants = ev_papers.zhileykin2018.variants",
+]
+
+setup(
+    name="ev_papers",
+    version="0.1.0",
+    description="The sources: what each of them published, measured, drawn and held against our runs.",
+    maintainer="EV Control Stack maintainers",
+    maintainer_email="maintainers@ev-control-stack.org",
+    license="Apache-2.0",
+    packages=find_packages(exclude=["test"]),
+    package_data={f"ev_papers.{source}": ["published.csv"] for source in SOURCES},
+    data_files=[
+        ("share/ament_index/resource_index/packages", ["resource/ev_papers"]),
+        ("share/ev_papers", ["package.xml"]),
+    ],
+    python_requires=">=3.11",
+    install_requires=["ev_sim==0.1.0"],
+    zip_safe=False,  # published.csv is read as a file
+    entry_points={
+        "ev_stack.sources": [f"{source} = ev_papers.{source}.source" for source in SOURCES],
+        "ev_stack.reports": REPORTS,
+        "ev_stack.studies": STUDIES,
+    },
+)

@@ -1,0 +1,201 @@
+"""Linear models of a car: the single track on its own tyres, and the slip angles of a driven car (Zhileykin 2018)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import StateSpace, ZerosPolesGain
+
+from ev_core.vehicle.description import Vehicle
+from ev_sim.measures.understeer import (
+    axle_cornering_stiffnesses,
+    axle_masses,
+    tyre_cornering_stiffnesses,
+)
+from ev_sim.surfaces.table import REFERENCE
+
+
+@dataclass(frozen=True, slots=True)
+class Axle:
+    """One axle: place [m] ahead of the centre of mass, and how it bends and slides."""
+
+    place: float
+    steered: float  # share of the road-wheel angle [1]
+    stiffness: float  # C of both tyres [N/rad]
+    carcass: float  # of both tyres [N/m]
+    damping: float  # of both tyres [N s/m]
+    turning: float  # angle that a side force adds, positive to the left [rad/N]
+
+
+def single_track(vehicle: Vehicle, speed: float, surface: str = REFERENCE) -> StateSpace:
+    """X' = A x + B delta, y = C x + D delta with x = lateral velocity, yaw rate, deflection of both axles' carcasses.
+
+    Outputs are lateral velocity [m/s] and yaw rate [rad/s], speed [m/s] is constant and above zero. A tyre of first
+    order (Rill 2006): u' = (C v_s - V k u)/(C + V d), F = k u + d u', with v_s across the wheel, which compliance steer
+    turns. No rolling resistance, no drag, no load transfer, which do not act to first order.
+    """
+    rear = vehicle.centre_of_mass_to_rear_axle
+    front_stiffness, rear_stiffness = tyre_cornering_stiffnesses(vehicle, surface)
+    tyre, suspension = vehicle.tyre, vehicle.suspension
+    carcass, damping = 2 * tyre.lateral_stiffness, 2 * tyre.lateral_stiffness * tyre.lateral_damping_time
+    front_turning, rear_turning = -suspension.front_compliance_steer, suspension.rear_compliance_steer
+    axles = (
+        Axle(vehicle.wheelbase - rear, 1.0, front_stiffness, carcass, damping, front_turning),
+        Axle(-rear, vehicle.rear_steering_ratio, rear_stiffness, carcass, damping, rear_turning),
+    )
+    a, b = np.zeros((4, 4)), np.zeros((4, 1))
+    a[0, 1] = -speed
+    for n, axle in enumerate(axles):
+        slip, by_angle = np.zeros(4), speed * axle.steered  # v_s as a row of the state, and by the road-wheel angle
+        slip[0], slip[1], slip[2 + n] = -1.0, -axle.place, speed * axle.turning * axle.carcass
+        renewal = axle.stiffness + speed * axle.damping
+        a[2 + n] = axle.stiffness / renewal * slip
+        a[2 + n, 2 + n] -= speed * axle.carcass / renewal
+        b[2 + n, 0] = axle.stiffness / renewal * by_angle
+        force = axle.damping * a[2 + n]
+        force[2 + n] += axle.carcass
+        for state, inertia in ((0, vehicle.mass), (1, vehicle.yaw_inertia / axle.place)):
+            a[state] += force / inertia
+            b[state, 0] += axle.damping * b[2 + n, 0] / inertia
+    return StateSpace(a, b, np.eye(2, 4), np.zeros((2, 1)))
+
+
+def yaw_gain(system: StateSpace) -> float:
+    """Steady yaw rate over road-wheel angle [1/s]."""
+    return float((system.D - system.C @ np.linalg.solve(system.A, system.B))[1, 0])
+
+
+def yaw_damping(system: StateSpace) -> tuple[float, float]:
+    """Damping ratio [1] and undamped frequency [rad/s] of the slowest pair of poles, of two real ones as of a pair."""
+    slowest = sorted(np.linalg.eigvals(system.A), key=lambda pole: -pole.real)[:2]
+    product, total = (slowest[0] * slowest[1]).real, -(slowest[0] + slowest[1]).real
+    frequency = math.sqrt(product) if product > 0.0 else math.nan
+    return total / (2.0 * frequency), frequency
+
+
+def tangent_speed(vehicle: Vehicle, surface: str = REFERENCE) -> float:
+    """Speed at which a car goes round a bend without sideslip at its centre of mass [m/s]: sqrt(b C_2/m_2).
+
+    With C_2 as compliance steer leaves it; infinite for a car without load on its rear axle.
+    """
+    mass, stiffness = axle_masses(vehicle)[1], axle_cornering_stiffnesses(vehicle, surface)[1]
+    return math.sqrt(vehicle.centre_of_mass_to_rear_axle * stiffness / mass) if mass > 0.0 else math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class SideSlipModel:
+    """Rates of the slip angles d1, d2 of a car with a = b = L/2 that accelerates with j cos(phi) at speed V.
+
+    Slip angles [rad] are positive in a left turn: d1 = Theta - (v + L r/2)/V, d2 = -(v - L r/2)/V, angles small. Each
+    axle carries K d, and the drive force h X of the front axle acts along its wheels. M_z = (1 - h) X q B is positive
+    against the turn and counts with L r = V (Theta + dA) as m_z = M_z/(J_z r). The rate of the steering angle is
+    dropped. Zhileykin (2018), eqs 1 to 7; the lever B is as printed (a difference q of the rear forces has B/2).
+    """
+
+    wheelbase: float  # L [m]
+    mass: float  # m [kg]
+    yaw_inertia: float  # J_z [kg m^2]
+    axle_cornering_stiffness: float  # K, of each axle [N/rad]
+    speed: float  # V, above zero [m/s]
+    longitudinal_acceleration: float = 0.0  # j cos(phi) [m/s^2]
+    drive_force: float = 0.0  # X, of both axles [N]
+    front_share: float = 0.0  # h [1]
+    rear_difference: float = 0.0  # q = (lambda - 1)/(lambda + 1) [1]
+    rear_track: float = 1.5  # B [m]
+    yaw_rate: float = 1.0  # r at which m_z is taken, not zero [rad/s]
+
+    @property
+    def stabilising_moment(self) -> float:
+        """M_z = (1 - h) X q B, positive against the turn [N m]."""
+        return (1 - self.front_share) * self.drive_force * self.rear_difference * self.rear_track
+
+    @property
+    def moment_rate(self) -> float:
+        """m_z = M_z/(J_z r) [1/s]."""
+        return self.stabilising_moment / (self.yaw_inertia * self.yaw_rate)
+
+    @property
+    def damping(self) -> float:
+        """D = K L^2/(2 V J_z) + j cos(phi)/V + m_z [1/s]; the model is stable if it is above zero."""
+        stiffness = self.axle_cornering_stiffness * self.wheelbase**2 / (2 * self.speed * self.yaw_inertia)
+        return stiffness + self.longitudinal_acceleration / self.speed + self.moment_rate
+
+    @property
+    def excitation(self) -> float:
+        """N = L^2 h X/(2 V J_z) - j cos(phi)/V - m_z [1/s]; zero means that the car steers neutrally."""
+        drive = self.wheelbase**2 * self.front_share * self.drive_force / (2 * self.speed * self.yaw_inertia)
+        return drive - self.longitudinal_acceleration / self.speed - self.moment_rate
+
+    @property
+    def neutral_front_share(self) -> float:
+        """Front share h that makes the car steer neutrally without M_z: 2 J_z j cos(phi)/(L^2 X) [1] (eq 4)."""
+        return 2 * self.yaw_inertia * self.longitudinal_acceleration / (self.wheelbase**2 * self.drive_force)
+
+    @property
+    def neutral_share_of_acceleration(self) -> float:
+        """Front share h that makes the car steer neutrally if its drive alone accelerates it, 2 J_z/(m L^2) [1]."""
+        return 2 * self.yaw_inertia / (self.mass * self.wheelbase**2)
+
+    @property
+    def neutral_rear_difference(self) -> float:
+        """Difference q of the rear shares that makes the car steer neutrally at this h < 1 (eq 7) [1]."""
+        needed = self.excitation + self.moment_rate
+        rear_moment = (1 - self.front_share) * self.drive_force * self.rear_track
+        return needed * self.yaw_inertia * self.yaw_rate / rear_moment
+
+    def transfer_function(self) -> ZerosPolesGain:
+        """W12(s) = dA/Theta = N/(D + s), with dA = d2 - d1 (eq 3, and eq 6 with M_z).
+
+        As pole and gain, because the gain N is zero where the car steers neutrally, and a numerator may not be.
+        """
+        return ZerosPolesGain([], [-self.damping], self.excitation)
+
+    def state_space(self) -> StateSpace:
+        """States and outputs d1, d2, input Theta, all in rad (eqs 1 and 2)."""
+        length, speed = self.wheelbase, self.speed
+        turn, growth = speed / length, self.longitudinal_acceleration / speed
+        lever = length**2 / (4 * self.yaw_inertia)
+        same, cross = 1 / self.mass + lever, 1 / self.mass - lever
+        stiffness, force = self.axle_cornering_stiffness / speed, self.front_share * self.drive_force / speed
+        moment = self.moment_rate / 2
+        a = [
+            [-turn - stiffness * same - growth - moment, turn - stiffness * cross + moment],
+            [-turn - stiffness * cross + moment, turn - stiffness * same - growth - moment],
+        ]
+        b = [[turn + growth - force * same + moment], [turn - force * cross - moment]]
+        return StateSpace(np.array(a), np.array(b), np.eye(2), np.zeros((2, 1)))
+
+    def response_with_steering_rate(self, frequency: np.ndarray) -> np.ndarray:
+        """(N - j w)/(D + j w) [1]: W12 with the rate of the steering angle in d1', which the source drops."""
+        return (self.excitation - 1j * frequency) / (self.damping + 1j * frequency)
+
+    def magnitude(self, frequency: np.ndarray) -> np.ndarray:
+        """|W12(j w)| [1] at circular frequencies [rad/s] (eq 3)."""
+        return abs(self.excitation) / np.hypot(frequency, self.damping)
+
+
+def side_slip_model(
+    vehicle: Vehicle,
+    speed: float,
+    longitudinal_acceleration: float,
+    drive_force: float,
+    front_share: float,
+    surface: str = REFERENCE,
+) -> SideSlipModel:
+    """The model of a vehicle: both axles with the mean cornering stiffness at small slip, centre of mass in the middle.
+
+    Speed [m/s], acceleration [m/s^2], drive force of both axles [N] and share of the front axle [1].
+    """
+    return SideSlipModel(
+        wheelbase=vehicle.wheelbase,
+        mass=vehicle.mass,
+        yaw_inertia=vehicle.yaw_inertia,
+        axle_cornering_stiffness=sum(axle_cornering_stiffnesses(vehicle, surface)) / 2,
+        speed=speed,
+        longitudinal_acceleration=longitudinal_acceleration,
+        drive_force=drive_force,
+        front_share=front_share,
+        rear_track=vehicle.rear_track,
+    )

@@ -1,0 +1,1 @@
+"""What commands share: how their words are read, and how they end."""

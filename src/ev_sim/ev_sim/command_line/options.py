@@ -1,0 +1,137 @@
+"""The command line of scripts/run.sh."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from ev_msgs_py.contract.roles import ROLES
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_sim.command_line.refusal import Parser
+from ev_sim.scenarios.cycle import cycle_values
+from ev_sim.scenarios.parameter_file import read_yaml
+from ev_sim.scenarios.scenario import Overrides
+
+_EVERY_NODE = "*"
+TRACEBACK = "--traceback"
+
+
+def arguments(argv: list[str] | None = None) -> argparse.Namespace:
+    """Parse the command line; argparse ends the process with status 2 for words it does not know."""
+    parser = Parser(
+        prog="run.sh", description="Run a scenario: every node its own process over DDS, unless told otherwise."
+    )
+    parser.add_argument("scenario", nargs="?", help="name of a scenario, --list shows them, or path of your own")
+    way = parser.add_mutually_exclusive_group()
+    way.add_argument("--offline", action="store_true", help="no DDS, one process")
+    way.add_argument("--in-process", action="store_true", help="all nodes in one process, over DDS")
+    parser.add_argument("--realtime", action="store_true", help="by the wall clock instead of in lockstep")
+    add_overrides(parser)
+    add_outputs(parser)
+    parser.add_argument(
+        "--node", action="append", default=[], metavar="NODE=COMMAND", help="your own node in the place of ours"
+    )
+    parser.add_argument("--out", type=Path, metavar="DIR", help="output folder; default results/SCENARIO")
+    parser.add_argument("--no-record", action="store_true", help="no bag; signals, metrics and figures all the same")
+    parser.add_argument(TRACEBACK, action="store_true", help="how Python came to an error, before its line")
+    parser.add_argument("--list", action="store_true", help="show scenarios and methods, one line each")
+    given = parser.parse_args(argv)
+    given.command = command_of(sys.argv[1:] if argv is None else argv)
+    if not given.list and given.scenario is None:
+        parser.error("which scenario? --list shows them")
+    if given.offline and given.realtime:
+        parser.error("--realtime needs DDS: leave out --offline")
+    if given.node and (given.offline or given.in_process):
+        parser.error("--node starts a process: leave out --offline and --in-process")
+    return given
+
+
+def add_overrides(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that `overrides` reads."""
+    parser.add_argument("--method", action="append", default=[], metavar="NODE=NAME", help="method of a node")
+    parser.add_argument("--cycle", metavar="NAME", help="another speed cycle: a CSV file, or a name in config/cycles")
+    add_changes(parser)
+
+
+def add_changes(parser: argparse.ArgumentParser) -> None:
+    """Declare those that leave methods and cycle as they are."""
+    parser.add_argument("--vehicle", metavar="FILE", help="another car: a complete vehicle file, or a name")
+    parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
+    parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
+    parser.add_argument("--duration", type=float, metavar="S", help="simulated time of every run")
+
+
+def add_outputs(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that say what a run or a study leaves behind besides its summary."""
+    parser.add_argument(
+        "--figures", type=_formats, default=(), metavar="pdf,svg", help="figures also so, as wide as a paper's column"
+    )
+    parser.add_argument("--no-report", action="store_true", help="no report.html; metrics and figures all the same")
+
+
+def _formats(text: str) -> tuple[str, ...]:
+    formats = tuple(dict.fromkeys(text.split(",")))
+    if not {"pdf", "svg"}.issuperset(formats):
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, allowed is pdf, svg or pdf,svg")
+    return formats
+
+
+def command_of(words: Sequence[str]) -> str:
+    """The line for a shell that does the same again."""
+    return shlex.join(["scripts/run.sh", *words])
+
+
+def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
+    """Commands by role of the nodes that take the place of ours; ParameterError, in one line, for unknown roles."""
+    commands = {}
+    for word in given.node:
+        node, command = _split(word, "=", "--node", "NODE=COMMAND")
+        if node not in ROLES:
+            raise unknown_name("node", node, ROLES)
+        try:
+            commands[node] = shlex.split(command)
+        except ValueError as error:
+            raise ParameterError(f"--node {quoted(word)} is refused: {error}") from None
+    return commands
+
+
+def overrides(given: argparse.Namespace) -> Overrides:
+    """What the command line says beyond the files; ParameterError, in one line, for words without NODE, name or =."""
+    cycle = getattr(given, "cycle", None)
+    prepared, duration = cycle_values(cycle) if cycle is not None else ([], None)
+    values: list[tuple[str, str, Any]] = []
+    for word in getattr(given, "method", ()):
+        node, name = _split(word, "=", "--method", "NODE=NAME")
+        values.append((node, "method", name))
+    for word in given.set:
+        place, value = _split(word, "=", "--set", "NODE.PARAM=VALUE")
+        node, parameter = _split(place, ".", "--set", "NODE.PARAM=VALUE")
+        values.append((node, parameter, _parsed(value)))
+    if given.seed is not None:
+        values.append((_EVERY_NODE, "seed", given.seed))
+    if getattr(given, "realtime", False):
+        values.append((_EVERY_NODE, "mode", "realtime"))
+    duration = duration if given.duration is None else given.duration
+    return Overrides(given.params, values, duration, given.vehicle, prepared)
+
+
+def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:
+    left, found, right = word.partition(mark)
+    if not (left and found and right):
+        raise ParameterError(f"{option} {quoted(word)} is refused, allowed is {form}")
+    return left, right
+
+
+def _parsed(text: str) -> Any:
+    """A value as a parameter file would read it."""
+    try:
+        return read_yaml(text)
+    except yaml.YAMLError:
+        raise ParameterError(f"--set: {quoted(text)} is no YAML value") from None

@@ -1,0 +1,1 @@
+"""Commands about runs that were driven, and about what the sources published."""

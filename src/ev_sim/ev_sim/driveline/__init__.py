@@ -1,1 +1,0 @@
-"""Drivelines: from motor torques to wheel torques."""

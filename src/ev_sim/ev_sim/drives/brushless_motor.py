@@ -1,0 +1,145 @@
+"""The brushless DC motor of Shchur (2019), a star with trapezoidal EMF: parameters, Hall sectors, state."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from math import tau
+
+from ev_core.parameters.declaration import parameter
+from ev_core.parameters.record import entry
+from ev_msgs_py.compilable import compilable
+
+SECTOR = math.pi / 3.0  # width of a Hall sector, as an electrical angle [rad]
+
+
+@dataclass(slots=True)
+class DriveState:
+    """One drive; it starts without current in the middle of a Hall sector."""
+
+    torque: float = entry(unit="N m", about="electromagnetic, at the shaft, now")
+    current: float = entry(unit="A", about="in at one phase and out at another, now")
+    mean_torque: float = entry(unit="N m", about="over the last advance")
+    electrical_power: float = entry(unit="W", about="from the bus, mean over the last advance")
+    voltage_integral: float = entry(unit="V", about="of the PI current control")
+    high_current: float = entry(unit="A", about="switched: into the phase on its positive EMF flat")
+    off_current: float = entry(unit="A", about="switched: into the phase that is switched off")
+    voltage_sign: float = entry(
+        1.0, unit="1", about="switched: 1 with the high phase on the upper rail, -1 on the lower"
+    )
+    sector_angle: float = entry(
+        SECTOR / 2.0, unit="rad", about="switched: electrical, from the lower edge of the sector"
+    )
+    sector: float = entry(unit="1", about="switched: Hall sector, 0 to 5")
+
+
+@compilable
+def crossing_shape(sector: float, sector_angle: float) -> float:
+    """EMF of the off phase over that of the flats: from 1 down to -1 in even sectors, up in odd ones."""
+    falling = 1.0 - 2.0 * sector_angle / SECTOR
+    return falling if int(sector) % 2 == 0 else -falling
+
+
+@compilable
+def time_to_edge(sector_angle: float, electrical_speed: float) -> float:
+    """Time until the rotor enters the next sector [s]; infinite at rest."""
+    if electrical_speed > 0.0:
+        return (SECTOR - sector_angle) / electrical_speed
+    if electrical_speed < 0.0:
+        return sector_angle / -electrical_speed
+    return math.inf
+
+
+@compilable
+def turned(sector_angle: float, electrical_speed: float, step: float, at_edge: bool) -> float:
+    """Angle within the sector after a step [rad], exactly on the edge where the step was cut to end there."""
+    if at_edge:
+        return SECTOR if electrical_speed > 0.0 else 0.0
+    return min(max(sector_angle + electrical_speed * step, 0.0), SECTOR)
+
+
+@compilable
+def enter_sector(s: DriveState, electrical_speed: float) -> None:
+    """Commutate if the rotor stands on the edge that it moves across: one phase takes over from the off phase.
+
+    Between an even sector and the next one high stays, between an odd one and the next low stays.
+    """
+    if electrical_speed > 0.0 and s.sector_angle >= SECTOR:
+        lower_sector = int(s.sector)
+        s.sector = float((lower_sector + 1) % 6)
+        s.sector_angle = 0.0
+    elif electrical_speed < 0.0 and s.sector_angle <= 0.0:
+        lower_sector = (int(s.sector) + 5) % 6
+        s.sector = float(lower_sector)
+        s.sector_angle = SECTOR
+    else:
+        return
+    if lower_sector % 2 == 0:
+        s.off_current = -(s.high_current + s.off_current)
+    else:
+        s.high_current, s.off_current = s.off_current, s.high_current
+
+
+@compilable
+def torque_share(electrical_angle: float) -> float:
+    """Torque over that of right commutation with the same current [1], at an angle of the rotor [rad].
+
+    Of the six codes 101 100 110 010 011 001 the stuck sensor, the first one, falsifies three: 010 reads 110, a sector
+    late, 011 reads 111, which no rotor shows and at which the bridge blocks, and 001 reads 101, a sector early. The
+    pair of phases of the sector before loses its EMF over the sector in the line, that of the sector behind gains it.
+    The mean is 2/3, and in one sector the motor cannot pull away.
+    """
+    turn = electrical_angle / tau
+    place = 6.0 * (turn - float(int(turn)))
+    if place < 0.0:
+        place += 6.0
+    if place < 3.0:
+        return 1.0
+    if place < 4.0:
+        return 4.0 - place
+    return 0.0 if place < 5.0 else place - 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class MotorParameters:
+    """Motor with permanent magnets; without iron losses, friction or saturation, of which the source says nothing."""
+
+    pole_pairs: int = parameter(10, unit="1", low=1, high=100, about="pole pairs, p", source="Shchur 2019")
+    resistance: float = parameter(
+        0.15, unit="ohm", low=0.0, high=100.0, about="resistance of one phase, R", source="Shchur 2019"
+    )
+    inductance: float = parameter(
+        0.008,
+        unit="H",
+        low=1e-6,
+        high=1.0,
+        about="inductance of one phase less its mutual inductance to another, L (taken for the source's 8 mH)",
+        source="Shchur 2019",
+    )
+    flux_linkage: float = parameter(
+        0.2,
+        unit="Wb",
+        low=1e-4,
+        high=10.0,
+        about="flux linkage of a pole pair with one phase, psi: on its flats the EMF of a phase is p psi omega",
+        source="Shchur 2019",
+    )
+    torque_limit: float = parameter(
+        500.0,
+        unit="N m",
+        low=0.0,
+        high=1e5,
+        about="magnitude at the shaft that the torque reference is limited to; assumed, far above what the paper needs",
+    )
+
+
+@compilable
+def torque_constant(motor: MotorParameters) -> float:
+    """Torque of two conducting phases over their current, and their EMF over the shaft speed: 2 p psi [N m/A, V s]."""
+    return 2.0 * motor.pole_pairs * motor.flux_linkage
+
+
+@compilable
+def limited_reference(motor: MotorParameters, torque_reference: float) -> float:
+    """The torque reference at the shaft within the torque limit [N m]."""
+    return min(max(torque_reference, -motor.torque_limit), motor.torque_limit)

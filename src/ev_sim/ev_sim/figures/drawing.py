@@ -1,0 +1,245 @@
+"""Sheets of time series."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import cycle, product
+from typing import Any
+
+import numpy as np
+
+from ev_sim.figures.figure import DPI, Axes, Figure, new_figure
+from ev_sim.figures.panels import Curve, Panel
+
+PIXELS = 10  # of a bin
+SWINGS = 3  # across the values of a bin, from which on a line would fill it with ink
+SMALL = 0.08  # share of the range of all values below which a bin is a line all the same
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chatter:
+    """Bins of a curve: their instants (bins + 1,), lowest, highest and mean values (bins,), NaN where a line will do.
+
+    `line`: the samples (n,) without those that stand in bins, NaN in their place.
+    """
+
+    edges: np.ndarray
+    lowest: np.ndarray
+    highest: np.ndarray
+    mean: np.ndarray
+    line: np.ndarray
+
+
+def chatter(time: np.ndarray, values: np.ndarray, columns: int) -> Chatter | None:
+    """Where values (n,) over time (n,) chatter when they are drawn `columns` pixels wide; None if nowhere."""
+    count = max(columns // PIXELS, 1)
+    size = len(values) // count
+    if size <= SWINGS:
+        return None
+    whole = len(values) // size * size
+    bins = values[:whole].reshape(-1, size)
+    lowest, highest = bins.min(axis=1), bins.max(axis=1)
+    spread = highest - lowest
+    finite = values[np.isfinite(values)]
+    way = np.abs(np.diff(bins, axis=1)).sum(axis=1)
+    dense = (way > SWINGS * spread) & (spread > SMALL * (np.ptp(finite) if len(finite) else 0.0))
+    for apart in (1, 2):  # one or two bins in between are no line either
+        between = dense[: -apart - 1] & dense[apart + 1 :]
+        for n in range(1, apart + 1):
+            dense[n : len(dense) - apart - 1 + n] |= between
+    if not dense.any():
+        return None
+    in_bins = np.zeros(len(values), bool)
+    in_bins[:whole] = np.repeat(dense, size)
+    in_bins[1:] &= in_bins[:-1]  # the line goes on until the band begins
+    edges = np.append(time[:whole:size], time[whole - 1])
+    of_bins = (np.where(dense, each, np.nan) for each in (lowest, highest, bins.mean(axis=1)))
+    return Chatter(edges, *of_bins, np.where(in_bins, np.nan, values))
+
+
+PANEL_WIDTH, PANEL_HEIGHT = 4.6, 1.9  # of a panel with its labels [inch]
+TITLE_SIZE, TEXT_SIZE = 9.0, 8.0  # [pt]
+
+# Okabe and Ito's colours can be told apart with every kind of colour vision; the dashes also in print, and they
+# let a curve be seen under another one.
+SOLID, DASHED, DOTTED, MIXED = "-", (0, (4, 2)), (0, (1, 1.2)), (0, (6, 2, 1, 2))
+_FIRST = (
+    ("#0072B2", SOLID),
+    ("#D55E00", DASHED),
+    ("#009E73", DOTTED),
+    ("#CC79A7", MIXED),
+    ("#56B4E9", SOLID),
+    ("#E69F00", DASHED),
+    ("#000000", DOTTED),
+    ("#7F7F7F", MIXED),
+    ("#009E73", SOLID),
+    ("#0072B2", DASHED),
+    ("#D55E00", DOTTED),
+    ("#56B4E9", MIXED),
+)
+# Behind them all that are left, for as many laws as there may be.
+STROKES = tuple(dict.fromkeys((*_FIRST, *product([colour for colour, _ in _FIRST], (SOLID, DASHED, DOTTED, MIXED)))))
+CHARACTER, STROKE = 0.06, 0.37  # width of a letter of a legend, and of a stroke with its gaps [inch]
+BAND = "band: lowest to highest, line: mean"
+LEGEND_COLUMNS, LEGEND_ROW = 5, 0.17  # of that legend, the height of a row in [inch]
+
+
+def sheet(
+    panels: Sequence[Panel],
+    xlabel: str,
+    columns: int = 2,
+    start: float | None = None,
+    panel_width: float = PANEL_WIDTH,
+) -> Figure:
+    """A figure with the panels in reading order over one time axis, which begins at `start` [s] if that is given.
+
+    A panel with its labels is `panel_width` [inch] wide.
+    """
+    rows = -(-len(panels) // columns)
+    apart = list(
+        dict.fromkeys(c.label for p in panels if not _legend_fits(p, panel_width) for c in p.curves if c.label)
+    )
+    width = panel_width * columns
+    abreast = _legend_columns(apart, width)
+    above = LEGEND_ROW * -(-len(apart) // abreast) + 0.1 if apart else 0.0
+    height = PANEL_HEIGHT * rows + 0.35 + above
+    figure = new_figure(width, height)
+    # Fixed margins: matplotlib's layout engines draw everything twice to find them.
+    figure.subplots_adjust(
+        left=0.72 / width,
+        right=1 - 0.12 / width,
+        bottom=0.45 / height,
+        top=1 - (0.28 + above) / height,
+        wspace=0.85 / (panel_width - 0.85),
+        hspace=0.45 / (PANEL_HEIGHT - 0.45),
+    )
+    begin, end = _time_limits(panels, start)
+    for number, (panel, span) in enumerate(zip(panels, _spans(panels), strict=True)):
+        axes = figure.add_subplot(rows, columns, number + 1)
+        _draw(axes, panel, panel_width, span)
+        axes.set_xlim(begin, end)
+        if number + columns >= len(panels):
+            axes.set_xlabel(xlabel, fontsize=TEXT_SIZE)
+        else:
+            axes.tick_params(labelbottom=False)
+    if apart:
+        lines = {line.get_label(): line for axes in figure.axes for line in axes.lines}
+        handles = [lines[label] for label in apart]
+        figure.legend(handles, apart, loc="upper center", ncols=abreast, fontsize=TEXT_SIZE, frameon=False)
+    return figure
+
+
+def thinned(time: np.ndarray, values: np.ndarray, columns: int) -> tuple[np.ndarray, np.ndarray]:
+    """Samples that draw the same line at `columns` pixels: the lowest and the highest of each, and both ends.
+
+    NaN counts as lowest and highest, so a gap stays a gap. Short series come back as they are.
+    """
+    size = len(values) // columns
+    if size <= 4:
+        return time, values
+    whole = len(values) // size * size
+    first = np.arange(0, whole, size)
+    bins = values[:whole].reshape(-1, size)
+    lowest, highest = first + bins.argmin(axis=1), first + bins.argmax(axis=1)
+    # The rest behind the last whole bin is shorter than one bin: keep all of it.
+    kept = np.unique(np.concatenate(([0], lowest, highest, np.arange(whole, len(values)), [len(values) - 1])))
+    return time[kept], values[kept]
+
+
+def _time_limits(panels: Sequence[Panel], start: float | None) -> tuple[float, float]:
+    times = [curve.time for panel in panels for curve in panel.curves if len(curve.time)]
+    begin = min((float(time[0]) for time in times), default=0.0) if start is None else start
+    end = max((float(time[-1]) for time in times), default=begin)
+    return begin, end if end > begin else begin + 1.0
+
+
+def _spans(panels: Sequence[Panel]) -> list[tuple[float, float] | None]:
+    """Lowest and highest value that each panel shows, alike for all of one scale; None where there is nothing."""
+    spans = [_span(panel) for panel in panels]
+    of_scale: dict[str, list[tuple[float, float]]] = {}
+    for panel, span in zip(panels, spans, strict=True):
+        if panel.scale and span:
+            of_scale.setdefault(panel.scale, []).append(span)
+    together = {scale: (min(low for low, _ in of), max(high for _, high in of)) for scale, of in of_scale.items()}
+    return [together.get(panel.scale, span) for panel, span in zip(panels, spans, strict=True)]
+
+
+def _span(panel: Panel) -> tuple[float, float] | None:
+    finite = [curve.values[np.isfinite(curve.values)] for curve in panel.curves]
+    finite = [values for values in finite if len(values)]
+    if not finite:
+        return None
+    low, high = min(float(v.min()) for v in finite), max(float(v.max()) for v in finite)
+    return (max(low, panel.within[0]), min(high, panel.within[1])) if panel.within else (low, high)
+
+
+def _draw(axes: Axes, panel: Panel, width: float, span: tuple[float, float] | None) -> None:
+    columns = int(width * DPI)
+    ours = [curve for curve in panel.curves if not curve.published]
+    for curve, (colour, dashes) in zip(ours, cycle(STROKES), strict=False):
+        _draw_curve(axes, curve, columns, {"color": colour, "linestyle": dashes, "linewidth": 1.2})
+    named = False  # all that is published is one entry of the legend
+    for curve in (curve for curve in panel.curves if curve.published):
+        label = "_" if named else curve.label
+        axes.plot(curve.time, curve.values, color="black", linestyle=DOTTED, linewidth=1.6, zorder=3, label=label)
+        named = True
+    axes.set_title(panel.title, loc="left", fontsize=TITLE_SIZE, pad=3)
+    axes.set_ylabel(panel.ylabel, fontsize=TEXT_SIZE)
+    axes.yaxis.set_label_coords(-0.5 / (width - 0.85), 0.5)  # in line with the panels above and below
+    axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
+    axes.locator_params(nbins=6)
+    axes.grid(True, color="0.88", linewidth=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    if panel.note:
+        axes.text(0.5, 0.5, panel.note, transform=axes.transAxes, ha="center", fontsize=TEXT_SIZE, color="0.4")
+    own_legend = any(curve.label for curve in panel.curves) and _legend_fits(panel, width)
+    if own_legend:
+        axes.legend(
+            loc="upper right",
+            fontsize=TEXT_SIZE,
+            frameon=False,
+            ncols=len(_labels(panel)),
+            borderaxespad=0.0,
+            handlelength=1.8,
+            handletextpad=0.4,
+            columnspacing=1.0,
+        )
+    if span:
+        _leave_room(axes, *span, own_legend)
+
+
+def _draw_curve(axes: Axes, curve: Curve, columns: int, stroke: dict[str, Any]) -> None:
+    """A line; where it would be solid ink a band from its lowest to its highest values, with their mean."""
+    found = chatter(curve.time, curve.values, columns)
+    line = curve.values if found is None else found.line
+    axes.plot(*thinned(curve.time, line, columns), label=curve.label or None, **stroke)
+    if found is None:
+        return
+    ends = [np.append(each, each[-1]) for each in (found.lowest, found.highest)]
+    axes.fill_between(found.edges, *ends, step="post", color=stroke["color"], alpha=0.3, linewidth=0.0)
+    axes.plot(found.edges, np.append(found.mean, found.mean[-1]), drawstyle="steps-post", **stroke)
+    if not axes.texts:
+        axes.text(0.995, 0.03, BAND, transform=axes.transAxes, ha="right", fontsize=TEXT_SIZE - 1.5, zorder=4)
+
+
+def _legend_fits(panel: Panel, width: float) -> bool:
+    """Whether the legend fits into one row of the panel; where one does not, the figure has one above all panels."""
+    labels = _labels(panel)
+    return sum(map(len, labels)) * CHARACTER + len(labels) * STROKE <= width - 0.85
+
+
+def _legend_columns(labels: Sequence[str], width: float) -> int:
+    """How many entries stand abreast in the legend of a figure of a width [inch]."""
+    widest = max(map(len, labels), default=0) * CHARACTER + STROKE + 0.2
+    return max(1, min(LEGEND_COLUMNS, int(width / widest)))
+
+
+def _labels(panel: Panel) -> list[str]:
+    return list(dict.fromkeys(curve.label for curve in panel.curves if curve.label))
+
+
+def _leave_room(axes: Axes, low: float, high: float, own_legend: bool) -> None:
+    """Limits in which a constant does not look like noise and the legend stands above the curves."""
+    margin = max(0.06 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-6)
+    axes.set_ylim(low - margin, high + margin * (4.5 if own_legend else 1.0))

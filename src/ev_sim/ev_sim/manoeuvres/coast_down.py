@@ -1,0 +1,122 @@
+"""Report on a coast-down: rolling resistance and drag from the deceleration (after SAE J1263 and UN R154).
+
+Road load: (m + sum J/r^2) dV/dt = -m g f_0 - rho c_d A V^2/2, fitted by least squares to the mean decelerations of
+intervals of one second.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.drive_train import wheel_inertias
+from ev_msgs_py.contract.roles import MASTER
+from ev_sim.figures.drawing import sheet
+from ev_sim.figures.figure import Figure
+from ev_sim.figures.panels import Curve, over_time, panel
+from ev_sim.measures import motion
+from ev_sim.measures.metric import Metric, NotMeasured, Reference, metric, within
+from ev_sim.measures.samples import Parameters, Runs, channel
+from ev_sim.recording.recording import Recording
+
+GRAVITY = 9.81  # [m/s^2]
+INTERVAL = 1.0  # [s]
+LOWEST_SPEED = 15 / 3.6  # [m/s], the fit does not use lower ones
+BAND = 0.01  # of the vehicle description, in which fitted values count as found back
+UPPER, LOWER = 100 / 3.6, 80 / 3.6  # [m/s], between which the coast-down is timed
+
+
+def effective_mass(vehicle: Vehicle) -> float:
+    """Mass and rotating inertias, m + sum (J_w + J_m n^2)/r^2 [kg]."""
+    return vehicle.mass + sum(wheel_inertias(vehicle)) / vehicle.wheel_radius**2
+
+
+def decelerations(run: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Speeds (n,) [m/s] in the middle of the intervals and decelerations (n,) [m/s^2]; NotMeasured without any."""
+    speed = coasting_speed(run)
+    ends = np.arange(run.time[0], run.time[-1] + 1e-9, INTERVAL)
+    at_ends = np.interp(ends, run.time, speed)
+    if np.count_nonzero(at_ends > LOWEST_SPEED) < 10:
+        raise NotMeasured(f"the car coasts above {LOWEST_SPEED:.2f} m/s for less than 10 s")
+    ends, at_ends = ends[at_ends > LOWEST_SPEED], at_ends[at_ends > LOWEST_SPEED]
+    return np.interp((ends[:-1] + ends[1:]) / 2, run.time, speed), -np.diff(at_ends) / np.diff(ends)
+
+
+def coasting_speed(run: Recording) -> np.ndarray:
+    """Speed of the car, forwards or in reverse, (n,) [m/s]; NotMeasured if a pedal is pressed: that is no road load."""
+    for pedal in (motion.DRIVE_TORQUE, motion.BRAKE_TORQUE):
+        if channel(run, pedal).any():
+            raise NotMeasured(
+                f"the car does not coast: {pedal} is not zero at {run.time[channel(run, pedal) != 0][0]:g} s"
+            )
+    return motion.speed(run)
+
+
+def road_load(run: Recording, vehicle: Vehicle) -> tuple[float, float]:
+    """Rolling resistance coefficient f_0 [1] and drag area c_d A [m^2] that fit best."""
+    speed, deceleration = decelerations(run)
+    columns = np.column_stack((np.full_like(speed, vehicle.mass * GRAVITY), 0.5 * vehicle.air_density * speed**2))
+    (rolling, area), *_ = np.linalg.lstsq(columns, effective_mass(vehicle) * deceleration, rcond=None)
+    return float(rolling), float(area)
+
+
+def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+    """The fitted road load beside that of the vehicle description, and the time from 100 to 80 km/h."""
+    road = parameters.get(MASTER, {})
+
+    def level(measure: Callable[[], float]) -> Callable[[], float]:
+        def measured() -> float:
+            if any((*road.get("road.grade", ()), *road.get("road.side_slope", ()))):
+                raise NotMeasured("the road is not level, and what its slope gives would count as road load")
+            return measure()
+
+        return measured
+
+    area = vehicle.drag_coefficient * vehicle.frontal_area
+    if vehicle.air_density > 0.0:  # the part of the rolling resistance that grows with V^2 looks like drag
+        area += 2 * vehicle.mass * GRAVITY * vehicle.rolling_resistance_growth / vehicle.air_density
+    return motion.of_each_run(
+        runs,
+        lambda run: {
+            "rolling_resistance": metric(
+                level(lambda: road_load(run, vehicle)[0]), "1", _described(vehicle.rolling_resistance, "f_0")
+            ),
+            "drag_area": metric(level(lambda: road_load(run, vehicle)[1]), "m^2", _described(area, "c_d A and k_f")),
+            "initial_deceleration": metric(level(lambda: decelerations(run)[1][0]), "m/s^2"),
+            "time_from_100_to_80_km_h": metric(level(lambda: _time_between(run)), "s"),
+        },
+    )
+
+
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+    """Speed over time, and deceleration over speed with the fitted road load."""
+
+    def loads() -> list[Curve]:
+        run = next(iter(runs.values()))
+        speed, deceleration = decelerations(run)
+        rolling, area = road_load(run, vehicle)
+        force = vehicle.mass * GRAVITY * rolling + 0.5 * vehicle.air_density * area * speed**2
+        fitted = force / effective_mass(vehicle)
+        rising = 3.6 * speed[::-1]
+        return [Curve(rising, deceleration[::-1], "measured"), Curve(rising, fitted[::-1], "fitted")]
+
+    speed = over_time(runs, "Speed", "speed [m/s]", motion.path_speed)
+    return {
+        "speed": sheet([speed], "time [s]", columns=1),
+        "deceleration": sheet(
+            [panel("Deceleration", "deceleration [m/s²]", loads)], "speed [km/h]", columns=1, start=0.0
+        ),
+    }
+
+
+def _described(value: float, symbol: str) -> Reference | None:
+    return Reference(value, within(value, relative=BAND), f"{symbol} of the vehicle description") if value else None
+
+
+def _time_between(run: Recording) -> float:
+    slowness = -coasting_speed(run)
+    return motion.crossing_time(run.time, slowness, -LOWER, "80 km/h") - motion.crossing_time(
+        run.time, slowness, -UPPER, "100 km/h"
+    )

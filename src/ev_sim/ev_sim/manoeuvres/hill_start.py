@@ -1,0 +1,110 @@
+"""Report on a hill start: does the car stay while it is held, does it roll back, do the driven wheels spin."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ev_core.vehicle.description import Vehicle
+from ev_sim.figures.drawing import sheet
+from ev_sim.figures.figure import Figure
+from ev_sim.figures.panels import Curve, over_time, panel
+from ev_sim.measures import motion
+from ev_sim.measures.metric import Metric, NotMeasured, metric
+from ev_sim.measures.samples import Runs, channel
+from ev_sim.recording.recording import Recording
+
+ROLLING = 0.1  # [m/s], above it the car has pulled away and slip is more than the first turn of a wheel
+DISTANCE = 1.0  # [m], the pull-away is timed over it
+
+
+def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
+    """Movement while the brake holds, roll-back, slip and time for the first metre, for each run."""
+    return motion.of_each_run(
+        runs,
+        lambda run: {
+            "holding_time": metric(lambda: run.time[_release(run)] - run.time[0], "s"),
+            "movement_while_holding": metric(lambda: _movement(run), "m"),
+            "roll_back": metric(lambda: max(0.0, float(-_uphill(run)[_release(run) :].min())), "m"),
+            "time_for_one_metre": metric(lambda: _first_metre(run), "s"),
+            "peak_slip": metric(lambda: np.abs(_slips(run, vehicle)).max(), "1"),
+            "slip_sign_changes": metric(lambda: _sign_changes(_slips(run, vehicle)), "1"),
+        },
+    )
+
+
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+    """Pedals, travelled distance, speed and slip around the pull-away."""
+
+    def pedals() -> list[Curve]:
+        run = next(iter(runs.values()))
+        return [
+            Curve(run.time, channel(run, motion.DRIVE_TORQUE), "drive"),
+            Curve(run.time, channel(run, motion.BRAKE_TORQUE), "brake"),
+        ]
+
+    driven = vehicle.driven_wheels[0]
+    panels = [
+        panel("Pedals of the first run", "torque [N m]", pedals),
+        over_time(runs, "Way uphill", "distance [m]", _uphill),
+        over_time(runs, "Speed", "speed [m/s]", motion.path_speed),
+        over_time(
+            runs,
+            f"Slip ratio, {driven.replace('_', ' ')}",
+            "slip ratio [1]",
+            lambda run: channel(run, f"tire_forces.slip_ratio.{driven}"),
+        ),
+    ]
+    return {"pull_away": sheet(panels, "time [s]", start=_pull_away(runs))}
+
+
+def _pull_away(runs: Runs) -> float | None:
+    """A second before the first release of the brake [s]; None if there is none."""
+    try:
+        return min(float(run.time[_release(run)]) for run in runs.values()) - 1.0
+    except NotMeasured:
+        return None
+
+
+def _release(run: Recording) -> int:
+    """Index of the last sample before the driver begins to release the brake."""
+    brake = channel(run, motion.BRAKE_TORQUE)
+    return max(motion.first(np.diff(brake) < 0.0, "the release of the brake"), 0)
+
+
+def _released(run: Recording) -> int:
+    """Index of the first sample without brake torque after the release."""
+    start = _release(run)
+    return start + motion.first(channel(run, motion.BRAKE_TORQUE)[start:] == 0.0, "the end of braking")
+
+
+def _uphill(run: Recording) -> np.ndarray:
+    """Distance from the start in the direction of the drive torque, (n,) [m]."""
+    drive = channel(run, motion.DRIVE_TORQUE)
+    direction = np.sign(drive[np.abs(drive).argmax()])
+    if direction == 0.0:
+        raise NotMeasured("there is no drive torque")
+    heading = motion.heading(run)[0]
+    x, y = channel(run, "pose.x"), channel(run, "pose.y")
+    return direction * ((x - x[0]) * np.cos(heading) + (y - y[0]) * np.sin(heading))
+
+
+def _movement(run: Recording) -> float:
+    x, y = channel(run, "pose.x"), channel(run, "pose.y")
+    return np.hypot(x - x[0], y - y[0])[: _release(run) + 1].max()
+
+
+def _first_metre(run: Recording) -> float:
+    start = _release(run)
+    return motion.crossing_time(run.time, _uphill(run), DISTANCE, "the first metre") - float(run.time[start])
+
+
+def _slips(run: Recording, vehicle: Vehicle) -> np.ndarray:
+    """Slip ratios of the driven wheels from the pull-away on, (wheels, n) [1]."""
+    start = _released(run)
+    start += motion.first(np.abs(motion.path_speed(run)[start:]) > ROLLING, "the pull-away")
+    return np.array([channel(run, f"tire_forces.slip_ratio.{wheel}")[start:] for wheel in vehicle.driven_wheels])
+
+
+def _sign_changes(values: np.ndarray) -> float:
+    """How often the values along the last axis change their sign, all rows together."""
+    return float(np.count_nonzero(np.diff(np.sign(values), axis=-1)))

@@ -1,0 +1,69 @@
+"""Report on a launch with different friction left and right: time to speed, slip, deviation."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ev_core.vehicle.description import Vehicle
+from ev_sim.figures.figure import Figure
+from ev_sim.manoeuvres.split_friction import split_friction_figures
+from ev_sim.measures import motion
+from ev_sim.measures.metric import Metric, NotMeasured, metric
+from ev_sim.measures.samples import Runs, channel
+from ev_sim.recording.recording import Recording
+
+SPEED = 5.0  # [m/s], the launch is timed up to it
+ROLLING = 0.1  # [m/s], above it slip is more than the first turn of a wheel
+
+
+def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
+    """Time and distance to 5 m/s, deviations by then, slip of the driven wheels, for each run."""
+
+    def of(run: Recording) -> dict[str, Metric]:
+        def by_then(values: np.ndarray) -> float:
+            return np.abs(values[_launch(run)] - values[_launch(run)][0]).max()
+
+        return {
+            "time_to_5_m_s": metric(lambda: _reached(run) - run.time[_launch(run).start], "s"),
+            "distance_to_5_m_s": metric(lambda: _distance(run), "m"),
+            "peak_yaw_rate": metric(lambda: np.abs(channel(run, motion.YAW_RATE)[_launch(run)]).max(), "rad/s"),
+            "peak_yaw_deviation": metric(lambda: by_then(motion.heading(run)), "rad"),
+            "peak_lateral_deviation": metric(lambda: by_then(motion.way_aside(run, _launch(run).start)), "m"),
+            "peak_steering_wheel_angle": metric(lambda: by_then(channel(run, motion.STEERING_WHEEL_ANGLE)), "rad"),
+            **{
+                f"{wheel}_peak_slip": metric(lambda wheel=wheel: _slip(run, wheel), "1")
+                for wheel in vehicle.driven_wheels
+            },
+        }
+
+    return motion.of_each_run(runs, of)
+
+
+def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
+    """Speed, heading and steering-wheel angle of all runs, rim speeds of the first, and the paths."""
+    return split_friction_figures("launch", runs, vehicle, vehicle.driven_wheels)
+
+
+def _launch(run: Recording) -> slice:
+    """The samples from the first drive torque to SPEED."""
+    start = max(motion.first(np.abs(channel(run, motion.DRIVE_TORQUE)) > 0.0, "drive torque") - 1, 0)
+    end = motion.first(motion.speed(run) >= SPEED, f"{SPEED:g} m/s")
+    if end < start:
+        raise NotMeasured(f"the car has {SPEED:g} m/s before it is driven")
+    return slice(start, end + 1)
+
+
+def _reached(run: Recording) -> float:
+    """When the car has SPEED, forwards or in reverse [s]."""
+    return motion.crossing_time(run.time, motion.speed(run), SPEED, f"{SPEED:g} m/s")
+
+
+def _distance(run: Recording) -> float:
+    way = motion.distance_on_path(run)
+    return motion.value_at(run, way, _reached(run)) - way[_launch(run).start]
+
+
+def _slip(run: Recording, wheel: str) -> float:
+    part = _launch(run)
+    rolling = motion.speed(run)[part] > ROLLING
+    return np.abs(channel(run, f"tire_forces.slip_ratio.{wheel}")[part][rolling]).max()

@@ -1,0 +1,49 @@
+"""Figures of a car on split friction that pulls away or brakes: how it moves, how its wheels turn, where it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ev_core.vehicle.description import Vehicle
+from ev_sim.figures.drawing import sheet
+from ev_sim.figures.figure import Figure
+from ev_sim.figures.panels import Curve, degrees, motion_panels, over_time, panel
+from ev_sim.figures.plan_view import plan_view
+from ev_sim.measures import motion
+from ev_sim.measures.samples import Runs, channel, run_named
+from ev_sim.recording.recording import Recording
+
+
+def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequence[str]) -> dict[str, Figure]:
+    """Speed, heading, steering-wheel angle and path of all runs, and the rim speeds of some wheels of each.
+
+    The sheet is called `name`, the plan view `path`.
+    """
+    panels = [
+        over_time(runs, "Speed over ground", "speed [m/s]", _over_ground),
+        over_time(runs, "Heading", "heading [deg]", degrees(motion.heading)),
+        *motion_panels(runs, "steering_wheel_angle"),
+        *(
+            panel(
+                f"Rim speeds, {run.replace('_', ' ')}", "speed [m/s]", lambda run=run: _rims(runs, run, vehicle, wheels)
+            )
+            for run in runs
+        ),
+    ]
+    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), key.replace("_", " ")) for key, run in runs.items()]
+    return {name: sheet(panels, "time [s]"), "path": plan_view("Path of the centre of mass", tracks)}
+
+
+def _over_ground(run: Recording) -> np.ndarray:
+    """Speed without a sign, which would jump where a car that turns round goes across, (n,) [m/s]."""
+    return np.abs(motion.path_speed(run))
+
+
+def _rims(runs: Runs, name: str, vehicle: Vehicle, wheels: Sequence[str]) -> list[Curve]:
+    run = run_named(runs, name)
+    return [
+        Curve(run.time, vehicle.wheel_radius * channel(run, f"wheel_states.velocity.{wheel}"), wheel.replace("_", " "))
+        for wheel in wheels
+    ]

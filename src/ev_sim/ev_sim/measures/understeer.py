@@ -1,0 +1,73 @@
+"""Understeer gradient and characteristic speed of any vehicle."""
+
+from __future__ import annotations
+
+import math
+
+from ev_core.vehicle.car import GRAVITY
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.tyre import mf_tyres
+from ev_sim.surfaces.table import REFERENCE, tyre_on_road
+from ev_sim.tyres.carcass import sensitivity
+from ev_sim.tyres.curve import CURVES, SLIP_FLOOR, secant
+from ev_sim.tyres.mf_tyre import cornering_stiffness
+
+
+def axle_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tuple[float, float]:
+    """Cornering stiffnesses C_1, C_2 of the front and the rear axle [N/rad] at static load, small slip and no drive.
+
+    Those of the tyres with compliance steer, which turns front wheels out of the bend and rear ones into it:
+    1/C = 1/C_tyres + c in front and 1/C = 1/C_tyres - c behind.
+    """
+    front, rear = tyre_cornering_stiffnesses(vehicle, surface)
+    suspension = vehicle.suspension
+    softened = 1.0 / (1.0 / front + suspension.front_compliance_steer)
+    return softened, 1.0 / (1.0 / rear - suspension.rear_compliance_steer)
+
+
+def tyre_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tuple[float, float]:
+    """Cornering stiffnesses of the tyres of both axles [N/rad].
+
+    Those of a lateral line, or else the slope at zero slip of an mf_tyre at its static load, or of the friction curve
+    on the surface, stretched by `lateral_ratio`, times the load of the axle, degressive as the tyre is.
+    """
+    tyre = vehicle.tyre
+    loads = [mass * GRAVITY for mass in axle_masses(vehicle)]
+    if tyre.lateral_curve != "same":
+        return 2 * tyre.front_cornering_stiffness, 2 * tyre.rear_cornering_stiffness
+    on_road = tyre_on_road(tyre, surface)
+    if tyre.curve == "mf_tyre":
+        tyres, scales = mf_tyres(tyre.front_mf, tyre.rear_mf), on_road[:2]
+        front, rear = (2 * cornering_stiffness(tyres, 2 * n, load / 2, *scales) for n, load in enumerate(loads))
+        return front, rear
+    slope = tyre.lateral_ratio * secant(CURVES.index(tyre.curve), SLIP_FLOOR, on_road)
+    front, rear = (slope * load * sensitivity(tyre, load / 2) for load in loads)
+    return front, rear
+
+
+def axle_masses(vehicle: Vehicle) -> tuple[float, float]:
+    """Masses that the front and the rear axle carry on level ground [kg]."""
+    front = vehicle.mass * vehicle.centre_of_mass_to_rear_axle / vehicle.wheelbase
+    return front, vehicle.mass - front
+
+
+def understeer_gradient(vehicle: Vehicle, surface: str = REFERENCE) -> float:
+    """K_us = m_1/C_1 - m_2/C_2 [rad s^2/m], with the masses on the axles; above zero for an understeering car.
+
+    delta = L/R + K_us V^2/R on a steady circle (ISO 4138 has the term).
+    """
+    front, rear = axle_masses(vehicle)
+    front_stiffness, rear_stiffness = axle_cornering_stiffnesses(vehicle, surface)
+    return front / front_stiffness - rear / rear_stiffness
+
+
+def characteristic_speed(vehicle: Vehicle, surface: str = REFERENCE) -> float:
+    """sqrt(L/K_us) [m/s], where the yaw response is largest; infinite unless the car understeers."""
+    gradient = understeer_gradient(vehicle, surface)
+    return math.sqrt(vehicle.wheelbase / gradient) if gradient > 0.0 else math.inf
+
+
+def critical_speed(vehicle: Vehicle, surface: str = REFERENCE) -> float:
+    """sqrt(-L/K_us) [m/s], where an oversteering car becomes unstable; infinite unless the car oversteers."""
+    gradient = understeer_gradient(vehicle, surface)
+    return math.sqrt(-vehicle.wheelbase / gradient) if gradient < 0.0 else math.inf

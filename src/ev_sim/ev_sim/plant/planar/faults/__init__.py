@@ -1,1 +1,0 @@
-"""Faults of the car in the planar plant (docs/faults.md)."""

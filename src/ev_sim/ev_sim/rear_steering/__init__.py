@@ -1,1 +1,0 @@
-"""Steered rear wheels: a law for their angle, and the motor that turns them (docs/rear_steering.md)."""

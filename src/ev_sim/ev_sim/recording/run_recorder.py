@@ -1,0 +1,216 @@
+"""Keeps a whole run: every message in a bag as it came, every number in an array."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+
+from ev_core.nodes.stop_request import StopRequest
+from ev_core.playback.method import TIME
+from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
+from ev_msgs_py.wire.message_format import stamp_of
+from ev_sim.recording.durable_bag import DurableBag
+from ev_sim.recording.files_of_run import BAG
+from ev_sim.recording.recording import Recording, write_signals
+from ev_sim.recording.spool import BLOCK, MessageTable, Spool, SpooledTopic
+
+
+class RunRecorder:
+    """Collects the serialized messages of the recorded topics, one per topic and step, in memory that does not grow.
+
+    `names` are the full topic names by which the bag knows the topics; `period` is the step in nanoseconds. The bag,
+    where there is to be one, comes into `folder`, and so does a file without a name that has the numbers meanwhile.
+    With `may_skip` (realtime) a step that never comes holds the one before, and the run is as far as its master;
+    without, it is as far as its slowest topic, and a missing step is a loss. Nothing behind the stamp `last` is kept:
+    an integrating node is one step ahead of the end.
+
+    When the master begins the next run (reset), or is another one that counts from zero, the arrays begin anew, and so
+    does the bag; the one before is kept beside it. What comes of another run than the present one is not kept.
+    """
+
+    def __init__(
+        self,
+        topics: Sequence[Topic],
+        names: Sequence[str],
+        period: int,
+        folder: Path,
+        bag: bool = True,
+        may_skip: bool = False,
+        last: int | None = None,
+    ) -> None:
+        self._topics = tuple(topics)
+        self._names = tuple(names)
+        self._period = period
+        self._may_skip = may_skip
+        self._steps = float("inf") if last is None else last // period + 1
+        self._spool = Spool(folder)
+        self._messages = [SpooledTopic(topic, self._spool) for topic in topics]
+        self._masters = {i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes}
+        self._pacing = [self._messages[i] for i in self._masters] if may_skip else self._messages
+        self._directory = folder / BAG if bag else None
+        self._run = 0  # what stamps are above the instants that they mean [ns]
+        self._before: int | None = None  # the same of the run before a reset, while messages of it may still come
+        self._begin_bag()
+        self.loss = ""
+        self.asked = False  # whether the master has repeated itself: it may wait for the recorder
+
+    def _begin_bag(self) -> None:
+        self._bag = DurableBag(self._directory) if self._directory is not None else None
+        self._handles = [
+            self._bag.add_topic(name, topic.message_type, depth=QUEUE_DEPTH) if self._bag is not None else None
+            for topic, name in zip(self._topics, self._names, strict=True)
+        ]
+        self._beside: dict[str, object] = {}
+
+    def add(self, index: int, message: bytes, came: int) -> None:
+        """Keep a message of the topic with this index; one that repeats an earlier stamp adds nothing.
+
+        In real time the bag has it under the wall time at which it came [ns], in lockstep under its stamp.
+        """
+        kept = self._messages[index]
+        step, run = divmod(stamp_of(message), self._period)
+        if step == 0 and index in self._masters and self._begins_run(run, kept, message):
+            self._begin_anew(run)
+        if run != self._run:
+            return
+        if step >= self._steps or step < kept.count or (run == self._before and index not in self._masters):
+            self.asked = self.asked or index in self._masters
+            return
+        if self._may_skip and index not in self._masters and step > self._paced() + 1:
+            return  # nobody can be ahead of the master by more than one step: a stranger's stamp
+        if step > kept.count:
+            if self._may_skip:
+                for _ in range(kept.count, step):
+                    kept.append(kept.last or message)
+            else:
+                if kept.count:  # before its first a topic is not connected yet; the master repeats the first step
+                    self._note_loss(index, kept.count, step)
+                return
+        kept.append(message)
+        if self._bag is not None:
+            self._bag.write(self._handles[index], came if self._may_skip else step * self._period, message)
+
+    def _begins_run(self, run: int, kept: SpooledTopic, message: bytes) -> bool:
+        """Whether the first state is that of a later run, or of another master."""
+        if run == self._run:
+            return kept.count > 1 or (kept.count == 1 and message != kept.first)
+        return self._run < run < stamps.RUNS or (run == 0 and self._before is None)
+
+    def _begin_anew(self, run: int) -> None:
+        before, self._run = self._run, run
+        if not any(kept.count for kept in self._messages):  # it has joined behind resets
+            return
+        for kept in self._messages:
+            kept.clear()
+        self._spool.clear()
+        self.loss = ""
+        self._before = before
+        if self._bag is not None:
+            self._bag.close()
+            self._directory.rename(_free(f"{self._directory}_before_reset_"))
+            self._begin_bag()
+
+    def took_all(self) -> None:
+        """To be called when every message that had arrived was added: those of the run before a reset are gone."""
+        self._before = None
+
+    def _note_loss(self, index: int, due: int, came: int) -> None:
+        first, last = (stamps.to_seconds(step * self._period) for step in (due, came))
+        self.loss = f"{self._topics[index].name} at {first} s did not come, but {last} s did"
+
+    def add_beside(self, name: str, message_type: str, stamp: int, message: bytes, came: int) -> bool:
+        """Put a message that is no signal of the contract, such as /clock, into the bag only; False if it is too early.
+
+        It is for a run that has yet to begin. One of a run before is not kept.
+        """
+        if self._bag is None or stamp % self._period < self._run:
+            return True
+        if stamp % self._period > self._run:
+            return False
+        if name not in self._beside:
+            self._beside[name] = self._bag.add_topic(name, message_type)
+        self._bag.write(self._beside[name], came if self._may_skip else max(stamp - self._run, 0), message)
+        return True
+
+    @property
+    def held(self) -> int:
+        """The instant up to which the run is held, in nanoseconds; negative before the first step is complete."""
+        return (self._paced() - 1) * self._period
+
+    @property
+    def held_stamp(self) -> int:
+        """The stamp of that instant."""
+        return self.held + self._run
+
+    def _paced(self) -> int:
+        """So many steps are complete."""
+        return min(kept.count for kept in self._pacing)
+
+    @property
+    def silent(self) -> list[str]:
+        """The topics on which nothing has been heard yet; real time begins when there is none."""
+        return [topic.name for topic, kept in zip(self._topics, self._messages, strict=True) if not kept.count]
+
+    def checkpoint(self) -> None:
+        """Bring what was written so far to the disk, for times when no message comes."""
+        if self._bag is not None:
+            self._bag.checkpoint_where_due()
+
+    def close(self, signals: Path) -> None:
+        """Finish the bag, and write signals.npz with all complete steps; a topic that said nothing is left out."""
+        with closing(self._spool):
+            try:
+                if self._bag is not None:
+                    self._bag.close()
+            finally:  # what the bag has no room for may still fit in there
+                write_signals(signals, self._series())
+
+    def _series(self) -> Iterator[tuple[str, np.ndarray]]:
+        steps = self._paced()
+        yield TIME, frame.times(steps, self._period)
+        for topic, kept in zip(self._topics, self._messages, strict=True):
+            if kept.count:
+                yield from zip(topic.channels, kept.series(steps), strict=True)
+
+
+def _free(name: str) -> Path:
+    """The first path NAME1, NAME2, ... that nobody has taken."""
+    return next(path for path in (Path(f"{name}{number}") for number in count(1)) if not os.path.lexists(path))
+
+
+def write_bag(recording: Recording, topics: Sequence[Topic], names: Sequence[str], period: int, bag: Path) -> None:
+    """The bag of a run that had no messages: the same bytes that the nodes would have sent.
+
+    KeyboardInterrupt, when the message that is being written is there as a whole, if Ctrl-C or SIGTERM came.
+    """
+    with StopRequest(patient=True) as stop, DurableBag(bag, checkpoint_period=float("inf")) as written:
+        handles = [
+            written.add_topic(name, topic.message_type, depth=QUEUE_DEPTH)
+            for topic, name in zip(topics, names, strict=True)
+        ]
+        for step, messages in enumerate(_messages_of(recording, topics, period)):
+            if stop.received:
+                break
+            for handle, message in zip(handles, messages, strict=True):
+                written.write(handle, step * period, message)
+    if stop.received:
+        raise KeyboardInterrupt
+
+
+def _messages_of(recording: Recording, topics: Sequence[Topic], period: int) -> Iterator[tuple[bytes, ...]]:
+    """Those of each step, made in blocks."""
+    tables = [MessageTable(topic) for topic in topics]
+    for begin in range(0, len(recording.time), BLOCK):
+        stamp = np.arange(begin, min(begin + BLOCK, len(recording.time))) * period
+        frames = np.empty((len(stamp), frame.SIZE))
+        for topic in topics:
+            channels = [recording.channels[name][begin : begin + BLOCK] for name in topic.channels]
+            frames[:, frame.PLACES[topic.signal]] = np.stack(channels, axis=1)
+        yield from zip(*(table.serialize(stamp, frames) for table in tables), strict=True)

@@ -1,0 +1,125 @@
+"""Metrics as a table, on the terminal or in a notebook, and how well real time was kept, in words."""
+
+from __future__ import annotations
+
+import base64
+import io
+import math
+import shutil
+import sys
+import textwrap
+from collections.abc import Collection, Mapping, Sequence
+from html import escape
+from typing import Any, TextIO
+
+from ev_sim.figures.figure import DPI, Figure
+from ev_sim.measures.metric import Metric
+
+
+def text_table(columns: Sequence[str], rows: Sequence[Sequence[str]], left: Collection[str]) -> str:
+    """A table with a line below the names of its columns; those in `left` are set to the left, numbers to the right."""
+    widths = [max(len(row[i]) for row in (columns, *rows)) for i in range(len(columns))]
+    sides = [str.ljust if column in left else str.rjust for column in columns]
+    lines = [columns, ["-" * width for width in widths], *rows]
+    return "\n".join(
+        "  ".join(side(cell, width) for side, cell, width in zip(sides, line, widths, strict=True)).rstrip()
+        for line in lines
+    )
+
+
+COLUMNS = ("metric", "value", "unit", "reference", "band", "verdict")
+NARROW = (("metric", "value", "unit", "reference", "verdict"), ("metric", "value", "unit", "verdict"))
+WIDTH_OF_A_PIPE = 120
+_TEXT = ("metric", "unit", "band", "verdict")
+
+
+def print_metrics(metrics: Mapping[str, Metric], file: TextIO | None = None) -> None:
+    """Print the table of metrics, in a narrow terminal without bands, angles in degrees and references."""
+    width = shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns
+    print(metric_table(metrics, width), file=file or sys.stdout)
+
+
+def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) -> str:
+    """Name, value, unit, reference, band and verdict of each metric in aligned columns.
+
+    Angles stand in rad with deg beside. Assumptions and reasons are numbered and follow below the table.
+    """
+    notes: list[str] = []
+    rows = [_row(name, metric, notes) for name, metric in metrics.items()]
+    lines = _lines(COLUMNS, rows)
+    without_degrees = [{**row, "value": row["value in rad"]} for row in rows]
+    for columns in NARROW:
+        if max(map(len, lines)) > width:
+            lines = _lines(columns, without_degrees)
+    for number, note in enumerate(notes, start=1):
+        indent = f"[{number}] "
+        lines += textwrap.wrap(note, max(width, 40), initial_indent=indent, subsequent_indent=" " * len(indent))
+    return "\n".join(lines)
+
+
+def _lines(columns: tuple[str, ...], rows: list[dict[str, str]]) -> list[str]:
+    return text_table(columns, [[row[column] for column in columns] for row in rows], left=_TEXT).splitlines()
+
+
+def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
+    reference = metric.reference
+    value = _number(metric.value)
+    if metric.standard_deviation is not None:
+        value += f" ± {metric.standard_deviation:.2g}"
+    return {
+        "metric": name,
+        "value": f"{value} ({math.degrees(metric.value):.2f} deg)" if metric.unit == "rad" and metric.value else value,
+        "value in rad": value,
+        "unit": metric.unit,
+        "reference": _number(reference.value) if reference else "-",
+        "band": " .. ".join(_number(end) if math.isfinite(end) else "" for end in reference.band) if reference else "-",
+        "verdict": _judgement(metric, notes),
+    }
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.5g}"
+
+
+def _judgement(metric: Metric, notes: list[str]) -> str:
+    """The judgement, with the number of the note that completes it."""
+    if not metric.note:
+        return metric.judgement
+    note = f"assumption: {metric.note}" if metric.judgement == "reproduced" else metric.note
+    if note not in notes:
+        notes.append(note)
+    return f"{metric.judgement} [{notes.index(note) + 1}]"
+
+
+def html_of(metrics: Mapping[str, Metric], figures: Mapping[str, Figure], signal_hash: str) -> str:
+    """A piece of HTML that needs nothing else."""
+    table = f"<pre>{escape(metric_table(metrics))}\nsignal hash {signal_hash}</pre>"
+    return table + "".join(_image(name, figure) for name, figure in figures.items())
+
+
+def _image(name: str, figure: Figure) -> str:
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=DPI)
+    text = base64.b64encode(file.getvalue()).decode()
+    return f'<img alt="{escape(name)}" src="data:image/png;base64,{text}">'
+
+
+def quantile(histogram: Mapping[str, Any], share: float) -> float:
+    """A time [s] that at least this share of the counted ones is not above: the upper end of a bin, or the largest."""
+    due, seen = share * sum(histogram["counts"]), 0
+    for count, end in zip(histogram["counts"], histogram["edges"], strict=False):
+        seen += count
+        if seen >= due:
+            return float(min(end, histogram["largest"]))
+    return float(histogram["largest"])
+
+
+def in_words(timing: Mapping[str, Any]) -> str:
+    """One line: late steps, lateness, and commands that were missed."""
+    late = timing["lateness"]
+    middle, most, largest = (1e3 * time for time in (quantile(late, 0.5), quantile(late, 0.99), late["largest"]))
+    return (
+        f"real time: {timing['overruns']} of {timing['steps']} steps came more than a period late; lateness at most "
+        f"{middle:.3g} ms of half of them, {most:.3g} ms of 99 %, {largest:.3g} ms of all; "
+        f"{timing['without_command']} steps with less torque since the command was too old"
+    )

@@ -1,0 +1,118 @@
+"""What a scenario says about itself, in its section /**/scenario."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from ev_core.nodes.master.parameters import LONGEST
+from ev_core.parameters.data_file import files_in_config, refuse_outside
+from ev_core.parameters.declaration import entries, group, parameter
+from ev_core.parameters.values import build
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_sim.measures.samples import parsed
+from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.slow_ramp import SlowRampParameters
+
+REPORTS = "ev_stack.reports"  # of entry points: the name of a scenario, and the module of its report
+VEHICLE = "vehicle"
+
+
+def is_path(name: str) -> bool:
+    """Whether a file is meant, and no name: a name has neither folder nor suffix."""
+    return os.sep in name or name.endswith((".yaml", ".yml"))
+
+
+def configured_file(kind: str, name: str) -> Path:
+    """The file of a scenario or a vehicle in the config folders, or by its path any other that may be named.
+
+    ParameterError that lists the known ones for an unknown name.
+    """
+    if is_path(name):
+        refuse_outside(name, Path(name))
+        return Path(name)
+    known = files_in_config(f"{kind}s")
+    if name not in known:
+        raise unknown_name(kind, name, known)
+    return known[name]
+
+
+def vehicle_file(name: str) -> ParameterFile:
+    """The vehicle of a name or a path.
+
+    ParameterError that lists what is missing if the file does not say everything in which cars differ: it would be
+    filled up from another car; and for whatever else it says, which the scenario would overrule without a word.
+    """
+    file = ParameterFile(configured_file(VEHICLE, name))
+    if others := sorted(each for each in file.names() if not each.startswith(f"{VEHICLE}.")):
+        what = (
+            f"parameter {quoted(others[0])} is no vehicle's, allowed are those of {VEHICLE}; others stand in a scenario"
+        )
+        raise ParameterError(f"{file.path}: {what}")
+    said = file.values_for("/ev/plant")
+    own = [entry.name for entry in entries(Vehicle, f"{VEHICLE}.") if entry.spec.own]
+    if missing := [each for each in own if each not in said]:
+        raise ParameterError(f"{file.path}: a vehicle says everything about itself, missing: {', '.join(missing)}")
+    return file
+
+
+NAMESPACE = "/ev"  # of all nodes; of one run among several /ev/RUN
+SCENARIO_NODE = "scenario"
+_LONGEST = 100  # characters of the name of a run
+_RUN = re.compile(rf"[A-Za-z_][A-Za-z0-9_]{{0,{_LONGEST - 1}}}")  # a token of a namespace
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioParameters:
+    """What a scenario says about itself, in its section /**/scenario.
+
+    The nodes of a run live in the namespace /ev/RUN, or in /ev if there is one run only; so `/**/RUN/driver` means the
+    driver of one run, and `/**/driver` that of all.
+    """
+
+    about: str = parameter("", about="one line for --list")
+    vehicle: str = parameter("audi_a2", about="name of a file in config/vehicles, or path of your own")
+    duration: float = parameter(10.0, unit="s", low=0.01, high=LONGEST, about="simulated time of every run")
+    runs: tuple[str, ...] = parameter((), about="names of the runs, if there are several")
+    slow_ramp: SlowRampParameters = group(SlowRampParameters)
+    report: str = parameter("", about="scenario whose metrics and figures it gets; empty for that of its own name")
+    metrics: tuple[str, ...] = parameter(
+        (), about="metrics of its own, each as NAME = REDUCTION(CHANNEL), such as peak = maximum(imu.yaw_rate)"
+    )
+
+    def __post_init__(self) -> None:
+        """Names of runs are those of folders and of namespaces, and ParameterError if they cannot be."""
+        for name in self.runs:
+            if not _RUN.fullmatch(name) or self.runs.count(name) > 1:
+                raise ParameterError(
+                    f"runs: {quoted(str(name))} is refused, allowed are different names of up to {_LONGEST} letters, "
+                    "digits and underscores, the first one no digit"
+                )
+
+
+def describe_scenario(name: str) -> str:
+    """The one line that a scenario says about itself."""
+    return said_by(ParameterFile(configured_file("scenario", name))).about
+
+
+def said_by(file: ParameterFile) -> ScenarioParameters:
+    """What the file of a scenario says; ParameterError if it is refused."""
+    try:
+        about = build(ScenarioParameters, file.values_for(f"{NAMESPACE}/{SCENARIO_NODE}", by_name=True))
+        refuse_unknown_report(about.report, about.metrics)
+        return about
+    except ParameterError as error:
+        raise ParameterError(f"{file.path}: {error}") from None
+
+
+def refuse_unknown_report(report: str, metrics: Sequence[str]) -> None:
+    """ParameterError if a scenario names a report that there is not, or a metric of its own that is none."""
+    if report and not entry_points(group=REPORTS, name=report):
+        raise unknown_name("report", report, sorted({point.name for point in entry_points(group=REPORTS)}))
+    for text in metrics:
+        parsed(text)

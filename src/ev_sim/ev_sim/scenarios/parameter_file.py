@@ -1,0 +1,150 @@
+"""ROS parameter files as ROS reads them: which values they give to a node of a given full name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Mapping
+from copy import copy
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from ev_core.parameters.data_file import TEXT, TextOfFile, read_data
+from ev_msgs_py.refusal import ParameterError
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML 1.1 takes 1e-3 and 1.0e3 for texts, ROS and YAML 1.2 do not; and a key stands once, as YAML has it."""
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        """Refuse aliases, which ROS does not know: with some lines of them a text means gigabytes."""
+        if self.check_event(yaml.AliasEvent):
+            mark = self.peek_event().start_mark
+            raise yaml.MarkedYAMLError(problem="an alias, allowed is what it stands for", problem_mark=mark)
+        return super().compose_node(parent, index)
+
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> Any:
+        """A number; 1:30 is none to ROS, and to the base of sixty a long one takes hours."""
+        return node.value if ":" in node.value else super().construct_yaml_int(node)
+
+    def construct_yaml_float(self, node: yaml.ScalarNode) -> Any:
+        """The same."""
+        return node.value if ":" in node.value else super().construct_yaml_float(node)
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        seen: set[str] = set()
+        for key, _ in node.value:
+            if key.value in seen:
+                raise yaml.MarkedYAMLError(
+                    problem=f"{named(key.value)} stands there twice", problem_mark=key.start_mark
+                )
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
+)
+
+
+_Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_yaml_int)
+_Loader.add_constructor("tag:yaml.org,2002:float", _Loader.construct_yaml_float)
+
+
+def named(key: object) -> str:
+    """A key as an error may show it: what is no name may be a line of a file that is none of ours."""
+    return str(key) if re.fullmatch(r"[\w/*. -]{1,80}", str(key)) else "a key that is no name"
+
+
+def read_yaml(text: str) -> Any:
+    """The content of a YAML text; yaml.YAMLError if it is none, or if a key stands in it twice."""
+    try:
+        return yaml.load(text, _Loader)
+    except yaml.YAMLError:
+        raise
+    except RecursionError:
+        raise yaml.YAMLError("it is nested too deeply") from None
+    except Exception as error:  # what looks like a date or an octal number and is none, a list as a key, and the like
+        raise yaml.YAMLError(str(error)) from None
+
+
+_SECTION = "ros__parameters"
+yaml.SafeDumper.add_representer(TextOfFile, yaml.SafeDumper.represent_str)  # written without the mark
+
+
+class ParameterFile:
+    """The sections of one ROS parameter file.
+
+    ParameterError, in one line that names the file, if it is missing, is no YAML or is no ROS parameter file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            content = read_yaml(read_data(path, TEXT).decode())
+        except OSError as error:
+            raise ParameterError(f"{path}: {error.strerror}") from None
+        except (yaml.YAMLError, UnicodeDecodeError) as error:
+            line = getattr(getattr(error, "problem_mark", None), "line", None)
+            where = f" in line {line + 1}" if line is not None else ""
+            what = f": {error.problem}" if isinstance(error, yaml.MarkedYAMLError) else ""
+            raise ParameterError(f"{path}: not readable as YAML{where}{what}") from None
+        if not isinstance(content, dict):
+            raise ParameterError(f"{path}: a ROS parameter file has sections such as '/**/driver:', this one has none")
+        self.sections = dict(self._sections(content))
+
+    def _sections(self, content: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+        for pattern, section in content.items():
+            if not isinstance(section, dict) or list(section) != [_SECTION] or not isinstance(section[_SECTION], dict):
+                shown = repr(named(pattern))
+                raise ParameterError(f"{self.path}: section {shown} does not hold '{_SECTION}:' with parameters")
+            values = flattened(section[_SECTION])
+            yield str(pattern), {name: _marked(value, self.path) for name, value in values}
+
+    def names(self) -> set[str]:
+        """The dotted names in all sections."""
+        return {name for section in self.sections.values() for name in section}
+
+    def without(self, prefix: str, patterns: Collection[str]) -> ParameterFile:
+        """The same file without the parameters whose names begin so in the sections of these names."""
+        made = copy(self)
+        made.sections = {
+            pattern: {n: value for n, value in section.items() if pattern not in patterns or not n.startswith(prefix)}
+            for pattern, section in self.sections.items()
+        }
+        return made
+
+    def values_for(self, node: str, by_name: bool = False) -> dict[str, Any]:
+        """Dotted parameter names and values for a node by its full name; later sections go before earlier ones.
+
+        With `by_name` only sections count that name the node, not those for all nodes.
+        """
+        values: dict[str, Any] = {}
+        for pattern, section in self.sections.items():
+            if matches(pattern, node) and not (by_name and pattern.endswith("*")):
+                values.update(section)
+        return values
+
+
+def matches(pattern: str, node: str) -> bool:
+    """Whether a section name (`/**` any namespaces, `*` one token) means a node of this full name."""
+    expression = re.escape(pattern if pattern.startswith("/") else f"/{pattern}")
+    expression = expression.replace(r"/\*\*", r"(/\w+)*").replace(r"\*", r"\w+")
+    return re.fullmatch(expression, node) is not None
+
+
+def _marked(value: Any, file: Path) -> Any:
+    """A value whose texts know that a file says them."""
+    if isinstance(value, list):
+        return [_marked(each, file) for each in value]
+    return TextOfFile.of(value, file) if isinstance(value, str) else value
+
+
+def flattened(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Nested parameters under their dotted names."""
+    for name, value in values.items():
+        if isinstance(value, dict):
+            yield from flattened(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value

@@ -1,0 +1,288 @@
+"""A scenario: ordinary ROS parameter files, resolved to one configured graph per run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ev_core.faults.fault import parsed
+from ev_core.lockstep.configuration import Configuration, chosen_method, configure, refuse_unused
+from ev_core.lockstep.graph import check_graph
+from ev_core.nodes.master.parameters import LONGEST, MasterParameters
+from ev_core.parameters.data_file import files_in_config
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
+from ev_sim.scenarios.about import (
+    NAMESPACE,
+    SCENARIO_NODE,
+    VEHICLE,
+    ScenarioParameters,
+    configured_file,
+    said_by,
+    vehicle_file,
+)
+from ev_sim.scenarios.parameter_file import ParameterFile, matches
+from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
+
+_SPEED_PROFILE = "speed_profile."
+
+
+@dataclass(frozen=True)
+class Run:
+    """One configured graph, the namespace of its nodes, and by which report and metrics of its file it is measured."""
+
+    name: str
+    namespace: str
+    configurations: Mapping[str, Configuration]
+    duration: float
+    report: str = ""
+    metrics: tuple[str, ...] = ()
+
+    @property
+    def period(self) -> int:
+        """The control period in nanoseconds."""
+        return self.configurations[MASTER].period
+
+    @property
+    def realtime(self) -> bool:
+        """Whether the wall clock drives the graph."""
+        return self.configurations[MASTER].common.mode == "realtime"
+
+
+@dataclass(frozen=True)
+class Overrides:
+    """What the command line says beyond the scenario's own files; later entries go before earlier ones.
+
+    `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is driven must have each of
+    them; those that are `prepared`, which come before, may be for other methods, like what files say. `vehicle` is
+    another car than that of the scenario, as a name or a path; what the scenario itself changes about the car of all
+    runs is left out then. What it changes about that of some runs stays: it is what these runs are about.
+    """
+
+    files: Sequence[Path] = ()
+    values: Sequence[tuple[str, str, Any]] = ()
+    duration: float | None = None
+    vehicle: str | None = None
+    prepared: Sequence[tuple[str, str, Any]] = ()
+
+    @property
+    def told(self) -> tuple[tuple[str, str, Any], ...]:
+        """What is prepared, and the values that go before it."""
+        return (*self.prepared, *self.values)
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A name, what it says about itself, its runs, its file, and what of that does not hold."""
+
+    name: str
+    parameters: ScenarioParameters
+    runs: tuple[Run, ...]
+    file: Path
+    notes: tuple[str, ...] = ()
+
+
+def scenario_names() -> list[str]:
+    """Names of all scenarios in the config folders."""
+    return sorted(files_in_config("scenarios"))
+
+
+def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[str] = ()) -> Scenario:
+    """The scenario of a name or a path, with everything resolved; of its runs only those that are named, if any is.
+
+    Raises ParameterError, in one line, for unknown scenarios, runs, vehicles, nodes, methods and parameters, and for
+    values that are refused.
+    """
+    overrides = overrides or Overrides()
+    own = ParameterFile(configured_file("scenario", name))
+    name = shown(own.path.stem)
+    about = said_by(own)
+    namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
+    of_all = [pattern for pattern in own.sections if _means_all(pattern, namespaces.values())]
+    car = own.without(f"{VEHICLE}.", of_all) if overrides.vehicle else own
+    files = [vehicle_file(overrides.vehicle or about.vehicle), car, *map(ParameterFile, overrides.files)]
+    for file in files:
+        _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, SCENARIO_NODE) if file is car else tuple(ROLES))
+    _refuse_unknown_overrides(overrides)
+    duration = about.duration if overrides.duration is None else overrides.duration
+    if not 0 < duration <= LONGEST:
+        raise ParameterError(f"duration: {duration!r} is refused, allowed is more than 0 and at most {LONGEST:.0f} s")
+    for run in only:
+        if run not in namespaces:
+            raise unknown_name(f"run of {name}", run, namespaces)
+    runs, notes, angles = [], [], dict[str, float]()
+    left_out = sorted({key for pattern in of_all for key in own.sections[pattern] if key.startswith(f"{VEHICLE}.")})
+    if left_out and overrides.vehicle:
+        notes.append(f"left out for another vehicle: {', '.join(left_out)} of {own.path}")
+    for run_name, namespace in namespaces.items():
+        if only and run_name not in only:
+            continue
+        run = _run(run_name, namespace, files, overrides, duration)
+        may_differ = any((overrides.vehicle, overrides.files, overrides.told))
+        is_scaled = may_differ and _is_told(f"{COLUMN}.{SCALE}", namespace, overrides)
+        if about.slow_ramp.lateral_acceleration and may_differ and not is_scaled:
+            as_it_is = _run(run_name, namespace, [vehicle_file(about.vehicle), own], Overrides(), about.duration)
+            run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
+            notes += [note] if note else []
+        runs.append(replace(run, report=about.report or name, metrics=about.metrics))
+    refuse_unused_values(overrides.values, runs)
+    _refuse_unfollowed_speed(overrides.told, runs)
+    notes += [] if only else _unused_in(files, runs, overrides)
+    notes += [note for run in runs for note in _late_faults(run)]
+    return Scenario(name, about, tuple(runs), own.path, tuple(notes))
+
+
+def _is_told(name: str, namespace: str, overrides: Overrides) -> bool:
+    """Whether the command line or its files give a value to a parameter, NODE.PARAMETER."""
+    role, _, parameter = name.partition(".")
+    files = (ParameterFile(path).values_for(f"{namespace}/{role}") for path in overrides.files)
+    told = (key for node, key, _ in overrides.told if node in ("*", role))
+    return parameter in told or any(parameter in values for values in files)
+
+
+def _means_all(pattern: str, namespaces: Iterable[str]) -> bool:
+    """Whether a section means some node of every run."""
+    return all(any(matches(pattern, f"{space}/{role}") for role in ROLES) for space in namespaces)
+
+
+def _late_faults(run: Run) -> Iterator[str]:
+    """A line for each fault that the run does not live to see."""
+    for role, configuration in run.configurations.items():
+        for fault in parsed(configuration.faults):
+            if fault.periods(configuration.common.control_period)[0] > stamps.from_seconds(run.duration) // run.period:
+                yield f"{run.namespace}/{role}: fault {quoted(fault.text)} begins after the end at {run.duration:g} s"
+
+
+def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:
+    """What a scenario says about itself stands in its own file only, and the runner tells the recorder what to do."""
+    for pattern in file.sections:
+        if not any(matches(pattern, f"{space}/{node}") for space in (*namespaces, NAMESPACE) for node in nodes):
+            raise ParameterError(f"{file.path}: section {quoted(pattern)} means no node; known: {', '.join(nodes)}")
+
+
+def _refuse_unknown_overrides(overrides: Overrides) -> None:
+    for node, key, _ in overrides.values:
+        if node != "*" and node not in ROLES:
+            hint = f"; the car is that of all nodes: '*.{node}.{key}'" if node == VEHICLE else ""
+            raise ParameterError(f"{unknown_name('node', node, ROLES)}{hint}")
+
+
+def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
+    """ParameterError for (node, parameter, value) that nothing in these runs takes: it would silently do nothing."""
+    for node, key, _ in values:
+        played = [c for run in runs for role, c in run.configurations.items() if node in ("*", role)]
+        if not played:
+            raise ParameterError(f"{node}.{key} is refused: nobody plays {node}, allowed with --method {node}=NAME")
+        if not any(key not in each.unused for each in played):
+            try:
+                refuse_unused(key, [each for each in played if each.role == played[0].role])
+            except ParameterError as error:
+                raise ParameterError(f"{node}: {error}", key) from None
+
+
+def _refuse_unfollowed_speed(told: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
+    """ParameterError for a speed over time, or a cycle, that is told where nobody ever follows one."""
+    names = [key for node, key, _ in told if node in ("*", "driver") and key.startswith(_SPEED_PROFILE)]
+    if names and not any(map(_follows_a_speed, runs)):
+        raise ParameterError(
+            f"driver.{names[0]} is refused: the driver goes by the pedals from the start on, "
+            "allowed with driver.pedals.begin=false"
+        )
+
+
+def _follows_a_speed(run: Run) -> bool:
+    said = run.configurations["driver"].values()
+    pressed = said.get("pedals.begin", False) and said["pedals.begin_time"] == said["pedals.begin_speed"] == 0.0
+    return not pressed or run.configurations[MASTER].values().get("speed") == "imposed"
+
+
+def _unused_in(files: Sequence[ParameterFile], runs: Sequence[Run], overrides: Overrides) -> list[str]:
+    """What files say and no run uses, a note for each file, but for roles whose method the command line chooses."""
+    switched = {node for node, key, _ in overrides.values if key == "method"}
+    roles = [role for role in ROLES if role not in switched]
+    notes = []
+    for file in files:
+        said: dict[str, bool] = {}  # by name whether it is used
+        for run in runs:
+            for role in (role for role in roles if role in run.configurations):
+                for name in file.values_for(f"{run.namespace}/{role}"):
+                    is_used = name not in run.configurations[role].unused
+                    said[f"{role}.{name}"] = said.get(f"{role}.{name}", False) or is_used
+        if unused := [name for name, is_used in said.items() if not is_used]:
+            notes.append(f"used by no chosen method: {', '.join(unused)} of {file.path}")
+    return notes
+
+
+def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides, duration: float) -> Run:
+    values = {role: _values(role, namespace, files, overrides) for role in ROLES}
+    if "duration" in values[MASTER]:
+        raise ParameterError("plant.duration is refused: the duration of a run is that of the scenario, or --duration")
+    values[MASTER]["duration"] = duration
+    configurations = {}
+    for role in values:
+        if not _is_played(role, values):
+            continue
+        try:
+            method = chosen_method(role, values[role])
+            for other, needed in method.requires.items():
+                if other in values:
+                    values[other].setdefault("method", needed)
+            if values[role].get("mode") == "realtime":
+                for other, value in method.in_real_time.items():
+                    node, _, parameter = other.partition(".")
+                    values[node].setdefault(parameter, value)
+        except ParameterError as error:
+            raise ParameterError(f"{role}: {error}") from None
+    for role in values:
+        if not _is_played(role, values):
+            continue
+        try:
+            configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
+            _refuse_before_a_file(configurations[role], namespace, files, overrides)
+        except ParameterError as error:
+            origin = _origin(error.parameter, role, namespace, files, overrides)
+            raise ParameterError(f"{role}: {error}{origin}") from None
+    check_graph(configurations)
+    period = configurations[MASTER].common.control_period
+    if duration < period:
+        raise ParameterError(f"duration: {duration!r} is refused, allowed is at least one control period, {period:g} s")
+    return Run(name, namespace, configurations, duration)
+
+
+def _refuse_before_a_file(
+    configuration: Configuration, namespace: str, files: Sequence[ParameterFile], overrides: Overrides
+) -> None:
+    """ParameterError for what is told after or beside the name of a file that says it: it would silently do nothing."""
+    role = configuration.role
+    places = [file.values_for(f"{namespace}/{role}").keys() for file in files]
+    places.append({key for node, key, _ in overrides.told if node in ("*", role)})
+    last = {name: place for place, names in enumerate(places) for name in names}
+    for file in (name for name in configuration.from_files if name.endswith("file")):
+        for name in configuration.from_files:
+            is_told = name in last and (last[name] > last.get(file, -1) or last[name] == len(files))
+            if is_told and name != file and name.startswith(file.removesuffix("file")):
+                raise ParameterError(f"parameter {name} is refused: {file} says it, allowed with {file} ''", name)
+
+
+def _is_played(role: str, values: Mapping[str, Mapping[str, Any]]) -> bool:
+    """Optional roles are played where a parameter chooses their method, or another method requires it."""
+    return "method" in values[role] or not ROLES[role].optional
+
+
+def _origin(name: str, role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> str:
+    """Where a value was given that is refused, in words; nothing for one of the command line, which the user sees."""
+    if not name or any(key == name and node in ("*", role) for node, key, _ in overrides.told):
+        return ""
+    given = [file.path for file in files if name in file.values_for(f"{namespace}/{role}")]
+    return f" ({given[-1]})" if given else ""
+
+
+def _values(role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for file in files:
+        values.update(file.values_for(f"{namespace}/{role}"))
+    values.update({key: value for node, key, value in overrides.told if node in ("*", role)})
+    return values

@@ -1,0 +1,141 @@
+"""Steered rear wheels: against or with the front ones by speed, or so that the sideslip angle stays zero."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import parameter
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.optional_signals import RearSteeringState
+from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, TireForces
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.measures.understeer import axle_cornering_stiffnesses
+from ev_sim.profiles.profile import LINEAR, Profile, profile_of, value_at
+from ev_sim.steering.actuator import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
+
+PLANT = {"plant": "planar_rear_steering"}  # the others do not turn their rear wheels by it
+
+
+@compilable
+def shown(p: SteeringMotorParameters, s: SteeringMotorState) -> RearSteeringState:
+    """Wheels and motor at this instant."""
+    return RearSteeringState(s.angle, s.rate, p.gear_ratio * s.rate, s.torque, s.power)
+
+
+@compilable
+def moment_of_road(p: SteeringMotorParameters, tyres: TireForces) -> float:
+    """Of the side forces, which act behind the steering axes by the trail and turn the wheels back [N m]."""
+    return -p.trail * (tyres.lateral_force.rear_left + tyres.lateral_force.rear_right)
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedDependentParameters(SteeringMotorParameters):
+    """The ratio of the angles over speed, and the motor."""
+
+    speed: tuple[float, ...] = parameter(
+        (0.0, 10.0, 15.0, 30.0), unit="m/s", low=0.0, about="speeds of the points, increasing", source="assumption"
+    )
+    ratio: tuple[float, ...] = parameter(
+        (-0.4, -0.2, 0.0, 0.3),
+        unit="1",
+        low=-1.0,
+        high=1.0,
+        about="angle of the rear wheels over that of the front ones at these speeds, linear between them",
+        source="assumption",
+    )
+
+    def __post_init__(self) -> None:
+        if not self.speed or len(self.speed) != len(self.ratio):
+            raise ParameterError(
+                f"speed and ratio have {len(self.speed)} and {len(self.ratio)} elements, allowed is the same number,"
+                " at least one"
+            )
+        for lower, higher in pairwise(self.speed):
+            if not lower < higher:
+                raise ParameterError(f"speed: {higher:g} m/s after {lower:g} m/s is refused, allowed is increasing")
+
+
+class SpeedDependentConstants(NamedTuple):
+    """The motor, and the ratio over speed."""
+
+    servo: Servo
+    ratio: Profile
+
+
+def speed_dependent_constants(p: SpeedDependentParameters, _vehicle: Vehicle, period: float) -> SpeedDependentConstants:
+    """The motor over a period [s]."""
+    return SpeedDependentConstants(servo(p, period), profile_of(p.speed, p.ratio, LINEAR))
+
+
+@method(
+    "rear_steering",
+    "speed_dependent",
+    SpeedDependentParameters,
+    state=SteeringMotorState,
+    prepare=speed_dependent_constants,
+    outputs=shown,
+    requires=PLANT,
+    mirrored=True,
+)
+@compilable
+def speed_dependent(
+    p: SpeedDependentParameters,
+    c: SpeedDependentConstants,
+    s: SteeringMotorState,
+    column: SteeringColumnState,
+    velocity: BodyVelocity,
+    tyres: TireForces,
+) -> None:
+    """Turn the rear wheels by a share of the front angle that depends on speed, delta_r = k(|V|) delta_f."""
+    wanted = value_at(c.ratio, abs(velocity.longitudinal)) * column.road_wheel_angle
+    turn(p, c.servo, s, wanted, moment_of_road(p, tyres))
+
+
+class ZeroSideslipConstants(NamedTuple):
+    """The motor, and the cornering stiffnesses of the axles on dry asphalt at static load."""
+
+    servo: Servo
+    front_stiffness: float  # C_1 [N/rad]
+    rear_stiffness: float  # C_2 [N/rad]
+
+
+def zero_sideslip_constants(p: SteeringMotorParameters, vehicle: Vehicle, period: float) -> ZeroSideslipConstants:
+    """The motor over a period [s], and the axles of the vehicle."""
+    return ZeroSideslipConstants(servo(p, period), *axle_cornering_stiffnesses(vehicle))
+
+
+@method(
+    "rear_steering",
+    "zero_sideslip",
+    SteeringMotorParameters,
+    state=SteeringMotorState,
+    prepare=zero_sideslip_constants,
+    outputs=shown,
+    requires=PLANT,
+    mirrored=True,
+)
+@compilable
+def zero_sideslip(
+    p: SteeringMotorParameters,
+    car: Car,
+    c: ZeroSideslipConstants,
+    s: SteeringMotorState,
+    column: SteeringColumnState,
+    velocity: BodyVelocity,
+    tyres: TireForces,
+) -> None:
+    """Turn the rear wheels so that the linear car of its own tyres turns without sideslip.
+
+    With forces m V r b/L in front and m V r a/L behind, slip angles delta_f - a r/V and delta_r + b r/V, and V_y = 0:
+    delta_r/delta_f = (m a V^2/(L C_2) - b)/(m b V^2/(L C_1) + a), a and b from the centre of mass to the axles.
+    """
+    b = car.centre_of_mass_to_rear_axle
+    a = car.wheelbase - b
+    squared = car.mass * velocity.longitudinal * velocity.longitudinal / car.wheelbase
+    ratio = (a * squared / c.rear_stiffness - b) / (b * squared / c.front_stiffness + a)
+    turn(p, c.servo, s, ratio * column.road_wheel_angle, moment_of_road(p, tyres))

@@ -1,1 +1,0 @@
-"""What turns road wheels where no column or rod does."""

@@ -1,1 +1,0 @@
-"""What the linear single-track model takes from a vehicle: below driver, plant and report."""
