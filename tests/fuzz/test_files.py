@@ -12,8 +12,7 @@ from fuzz.fuzzing import assert_one_line, damaged, fuzzed, spoil
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_core.parameters.data_file import config_folders
-from ev_core.playback.method import RecordingError
+from ev_core.parameters.data_file import RecordingError, config_folders
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.reviews.report import read_folder
 from ev_sim.profiles.speed_profile import SpeedProfileParameters, with_profile_from_file

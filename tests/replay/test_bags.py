@@ -21,8 +21,8 @@ from ev_core.parameters.data_file import MEGABYTE
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.recording.recording import load
 from ev_sim.replay.comparing import in_words, latency_of
+from ev_sim.replay.finding import find_recorded
 from ev_sim.replay.graph import replay_of
-from ev_sim.replay.recorded import find_recorded
 from ev_sim.scenarios.scenario import Overrides
 
 PART = {"/a/wheel_states": "wheel_states", "/a/torque_request": "torque_request", "/a/torque_command": "torque_command"}

@@ -21,7 +21,7 @@ from ev_sim.commands.run_scenario import main
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording, load, save, signal_hash
 from ev_sim.replay.comparing import in_words
-from ev_sim.replay.recorded import find_recorded
+from ev_sim.replay.finding import find_recorded
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
 ROOT = Path(__file__).parents[2]

@@ -19,7 +19,7 @@ from numba.extending import register_jitable
 
 from ev_core.compiling.fingerprint import Reach
 from ev_core.compiling.inside_numba import only_machine_code_of
-from ev_core.compiling.machine_code import forget_older, keep, kept_file, key_of, reach_of
+from ev_core.compiling.kept_code import forget_older, keep, kept_file, key_of, reach_of
 from ev_core.compiling.user_cache import read_checked, write_checked
 from ev_msgs_py.compilable import FUNCTIONS, INLINED
 

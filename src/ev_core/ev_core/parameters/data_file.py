@@ -1,4 +1,4 @@
-"""Files of data: where they may lie, opened so that none blocks or fills the memory, and tables in CSV."""
+"""Files of data: where they may lie, opened so that none blocks or fills the memory; tables in CSV, and signals."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import io
 import math
 import os
 import stat
+import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
@@ -17,6 +18,9 @@ from importlib.util import find_spec
 from io import BufferedReader
 from pathlib import Path
 from typing import IO, TypeVar
+
+import numpy as np
+from numpy.lib import format
 
 from ev_msgs_py.refusal import ParameterError, quoted
 
@@ -208,3 +212,39 @@ def _number(text: str | None, column: str, line: int) -> float:
     if not math.isfinite(value):
         raise ParameterError(f"line {line}: {column} is no finite number")
     return value
+
+
+TIME = "time"  # [s], what the array of the instants is called
+
+
+class RecordingError(ValueError):
+    """A file holds no recording; the message names it, in one line."""
+
+
+def read_arrays(path: Path | str) -> dict[str, np.ndarray]:
+    """The arrays of signals.npz by name; FileNotFoundError, or RecordingError if they are damaged or too large.
+
+    Nothing is made of what the file says of sizes before these fit each other: a few bytes can claim any.
+    """
+    try:
+        with open_data(path, SIGNALS) as file, zipfile.ZipFile(file) as archive:
+            members = archive.infolist()
+            if sum(each.file_size for each in members) > SIGNALS:
+                raise ValueError(f"its arrays are larger than {SIGNALS // MEGABYTE} MB")
+            return {each.filename.removesuffix(".npy"): _array(archive, each) for each in members}
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise RecordingError(f"{path} holds no signals: {error.strerror or error}") from None
+    except Exception as error:  # whatever numpy, zip and zlib raise for bytes that are none of theirs
+        raise RecordingError(f"{path} holds no signals: {' '.join(str(error).split())[:200]}") from None
+
+
+def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
+    """One array, (n,) of numbers; ValueError if it is something else."""
+    with archive.open(member) as file:
+        format.read_magic(file)
+        shape, _, kind = format.read_array_header_1_0(file)
+        if kind.kind not in "fiu" or len(shape) != 1 or shape[0] * kind.itemsize != member.file_size - file.tell():
+            raise ValueError(f"{quoted(member.filename)} is no series of numbers")
+        return np.frombuffer(bytearray(file.read()), kind)

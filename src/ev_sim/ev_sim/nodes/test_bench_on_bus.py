@@ -1,4 +1,4 @@
-"""The node of the role test_bench in real time, with its inverters on a CAN bus."""
+"""What makes of the node of the role test_bench one in real time, with its inverters on a CAN bus."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ from ev_core.bus.channel import BusMeter
 from ev_core.bus.channels import Channels
 from ev_core.lockstep.configuration import Configuration
 from ev_core.nodes.on_bus.role import RoleOnBus
-from ev_sim.nodes.test_bench import TestBenchNode
 from ev_sim.test_bench.on_bus import BenchOnBus, meters_of
 
 
-class TestBenchOnBus(RoleOnBus, TestBenchNode):
-    """The same in real time with its inverters on a CAN bus."""
+class OnBus(RoleOnBus):
+    """A base before that of the node: its bench has its inverters on the bus."""
 
     _meters: Mapping[str, BusMeter] = MappingProxyType({})
 

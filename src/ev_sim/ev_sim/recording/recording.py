@@ -11,7 +11,7 @@ from zipfile import ZipFile
 
 import numpy as np
 
-from ev_core.playback.method import TIME, RecordingError, read_arrays
+from ev_core.parameters.data_file import TIME, RecordingError, read_arrays
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.topics import Topic
 from ev_sim.recording.atomic import atomic_file

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ev_core.nodes.stop_request import StopRequest
-from ev_core.playback.method import TIME
+from ev_core.parameters.data_file import TIME
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic

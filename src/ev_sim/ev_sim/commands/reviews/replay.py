@@ -18,9 +18,9 @@ from ev_sim.recording.outcome import Outcome
 from ev_sim.recording.progress_bar import progress_bar
 from ev_sim.recording.recording import save
 from ev_sim.replay.comparing import differences_of
+from ev_sim.replay.finding import find_recorded
 from ev_sim.replay.graph import Replay, replay_of
 from ev_sim.replay.outputs import Replayed, prepared, replay_folder
-from ev_sim.replay.recorded import find_recorded
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
 from ev_sim.running.offline import drive_offline
 from ev_sim.scenarios.scenario import Run

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.playback.method import TIME
+from ev_core.parameters.data_file import TIME
 from ev_core.vehicle.description import Vehicle
 from ev_sim.measures.samples import Runs
 from ev_sim.recording.recording import Recording
