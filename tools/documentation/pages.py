@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from documentation import can_reference, parameter_reference, topic_reference, verdict_tables
+from documentation import architecture, can_reference, parameter_reference, topic_reference, verdict_tables
 from documentation.graph_diagram import graph_diagram
 from documentation.hashes import HASHES
 from documentation.lists import method_table, scenario_table, study_list
@@ -36,6 +36,10 @@ PARTS: dict[str, Callable[[], str]] = {
     "can faults": can_reference.fault_table,
     "can gateway": parameter_reference.gateway_parameters,
     "can inverter": parameter_reference.inverter_parameters,
+    "packages": architecture.package_table,
+    "drawing": architecture.drawing,
+    "rooms": architecture.room_tables,
+    "layers": architecture.declaration,
 }
 
 PAGES = {
@@ -44,6 +48,7 @@ PAGES = {
     "docs/parameters.md": tuple(name for name in PARTS if name.endswith("parameters")),
     "docs/topics.md": ("topics", "wheel names", "fields"),
     "docs/can.md": tuple(name for name in PARTS if name.startswith("can ")),
+    "docs/architecture.md": ("packages", "drawing", "rooms", "layers"),
     HASHES: (RESULTS,),
     SHCHUR: (RESULTS, CONTROL_PERIODS),
     verdict_tables.PAGE: verdict_tables.PARTS,  # made from runs, too

@@ -1,0 +1,70 @@
+"""Imports go one way, as .importlinter declares; the drawing has no arrow upward; rooms and files keep their size."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import house
+import pytest
+
+from documentation.architecture import DECLARATION, arrows, layers
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ["", *(name for layer in layers() for name in layer)]
+
+
+def lint_imports(config: Path) -> subprocess.CompletedProcess[str]:
+    """What `lint-imports` gives from the top of the repository."""
+    program = "import sys; from importlinter.cli import lint_imports_command; lint_imports_command()"
+    words = [sys.executable, "-c", program, "--no-cache", "--no-logo", "--config", str(config)]
+    return subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
+
+
+def test_imports_go_one_way():
+    found = lint_imports(DECLARATION)
+    assert found.returncode == 0, found.stdout + found.stderr
+
+
+def test_an_import_against_the_layers_is_found(tmp_path: Path):
+    """With the packages in another order, those that import downwards import upwards."""
+    turned = tmp_path / "turned"
+    declared = DECLARATION.read_text()
+    turned.write_text(declared.replace("    ev_core\n    ev_msgs_py\n\n", "    ev_msgs_py\n    ev_core\n\n", 1))
+    assert turned.read_text() != declared
+    found = lint_imports(turned)
+    assert found.returncode == 1
+    assert "ev_core is not allowed to import ev_msgs_py" in found.stdout
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda name: name or "packages")
+def test_no_arrow_of_the_drawing_leads_upward_or_sideways(package: str):
+    prefix = f"{package}." if package else ""
+    height = {f"{prefix}{name}": -depth for depth, layer in enumerate(layers(package)) for name in layer}
+    assert all(height[importer] > height[imported] for importer, imported in arrows(package))
+
+
+def test_rooms_and_files_keep_their_size():
+    found = house.modules()
+    assert len(found) > 300
+    assert house.crowded(found) == {}
+    assert house.long(found) == {}
+    assert house.median(found) >= house.MEDIAN
+
+
+def test_what_is_too_large_is_named(tmp_path: Path):
+    room = tmp_path / "src" / "large" / "large"
+    room.mkdir(parents=True)
+    (room / "__init__.py").touch()
+    for number in range(house.ROOM + 1):
+        (room / f"module_{number}.py").write_text("import os\n" + "x = 1\n" * (house.FILE - number))
+    found = house.modules(tmp_path)
+    assert house.crowded(found) == {"src/large/large": house.ROOM + 1}
+    assert house.long(found) == {"src/large/large/module_0.py": house.FILE + 1}
+    assert house.import_share(found) == pytest.approx(16 / sum(each.lines for each in found))
+
+
+def test_the_counts_are_printed():
+    done = subprocess.run([sys.executable, "tools/house.py"], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "modules, median" in done.stdout and done.stdout.count("none") == 2

@@ -1,0 +1,127 @@
+"""The map of the house: its packages and rooms by the layers of .importlinter, and a drawing of who imports whom."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from importlib.util import find_spec
+from pathlib import Path
+
+import grimp
+import house
+from importlinter.api import read_configuration
+
+from documentation.markdown import code, table
+
+DECLARATION = Path(__file__).parents[2] / ".importlinter"
+_PACKAGES = "packages"  # id of the contract that puts these into layers
+
+Layers = tuple[tuple[str, ...], ...]  # the upper ones first; names without the package that holds them
+
+
+def package_table() -> str:
+    """Every package with what it holds and its size."""
+    lines = house.lines_of(house.modules())
+    names = [name for layer in layers() for name in layer]
+    return table(
+        ("package", "what it holds", "lines"),
+        ((code(name), about(name), f"{lines[name] / 1000:.0f} 000") for name in names),
+    )
+
+
+def room_tables() -> str:
+    """Every room with its line, by package and layer, the uppermost first; rooms within a room stand below it."""
+    texts = []
+    for package in (name for layer in layers() for name in layer):
+        rows = []
+        for number, layer in enumerate(reversed(layers(package)), 1):
+            below = [
+                (str(number), code(room.removeprefix(f"{package}.")), about(room))
+                for name in layer
+                for room in (f"{package}.{name}", *_rooms_within(f"{package}.{name}"))
+            ]
+            rows = [*below, *rows]
+        texts.append(f"### {package}\n\n{table(('layer', 'room', 'what it is for'), rows)}")
+    return "\n".join(texts)
+
+
+def declaration() -> str:
+    """The contracts of .importlinter as they stand there."""
+    return f"```ini\n{DECLARATION.read_text(encoding='utf-8').strip()}\n```"
+
+
+def drawing() -> str:
+    """Packages and rooms as a Mermaid flowchart."""
+    names = [name for layer in layers() for name in layer]
+    lines = ["```mermaid", "flowchart TB"]
+    for package in names:
+        lines.append(f"    subgraph {package}")
+        lines += [f'        {_node(f"{package}.{name}")}["{name}"]' for layer in layers(package) for name in layer]
+        lines.append("    end")
+    for importer, imported in (*arrows(), *(each for package in names for each in arrows(package))):
+        lines.append(f"    {_node(importer)} --> {_node(imported)}")
+    return "\n".join([*lines, "```"])
+
+
+def _node(module: str) -> str:
+    return module.replace(".", "_")
+
+
+def layers(package: str = "") -> Layers:
+    """The layers of a package, or those of the packages; all its rooms are one layer where none are declared."""
+    for contract in read_configuration(str(DECLARATION))["contracts_options"]:
+        if contract.get("containers") == package or (not package and contract["id"] == _PACKAGES):
+            return tuple(filter(None, (tuple(_there(line, package)) for line in contract["layers"])))
+    return (tuple(name.removeprefix(f"{package}.") for name in _rooms_within(package, 1)),)
+
+
+def _there(line: str, package: str) -> Iterator[str]:
+    """The names of a line; one in brackets need not be there."""
+    for name in map(str.strip, line.split("|")):
+        full = f"{package}.{name}" if package else name
+        if not name.startswith("(") or find_spec(full.replace("(", "").rstrip(")")):
+            yield name.strip("()")
+
+
+def _rooms_within(room: str, depth: int = 9) -> list[str]:
+    """The folders below a room, with the full names of their modules; those of a single module have none."""
+    file = Path(find_spec(room).origin)
+    found = sorted(file.parent.rglob("*/__init__.py")) if file.name == "__init__.py" else []
+    paths = [path.parent.relative_to(file.parent).parts for path in found]
+    return [".".join((room, *parts)) for parts in paths if len(parts) <= depth]
+
+
+def about(module: str) -> str:
+    """The first line of the docstring of a module."""
+    text = Path(find_spec(module).origin).read_text(encoding="utf-8")
+    return (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
+
+
+def arrows(package: str = "") -> list[tuple[str, str]]:
+    """Who imports whom among the rooms of a package, or among the packages; what follows from others is left out."""
+    packages = [name for layer in layers() for name in layer]
+    graph = grimp.build_graph(*packages, cache_dir=None)
+    rooms = [f"{package}.{name}" if package else name for layer in layers(package) for name in layer]
+    for room in rooms:
+        graph.squash_module(room)
+    imports = {
+        room: [each for each in rooms if graph.direct_import_exists(importer=room, imported=each)] for room in rooms
+    }
+    return [
+        (room, each)
+        for room in rooms
+        for each in imports[room]
+        if not any(each in _reached(other, imports) for other in imports[room])
+    ]
+
+
+def _reached(room: str, imports: Mapping[str, list[str]]) -> set[str]:
+    """What a room imports, and what that imports, and so on."""
+    found: set[str] = set()
+    waiting = list(imports[room])
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found.add(name)
+            waiting += imports[name]
+    return found
