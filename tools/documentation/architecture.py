@@ -55,7 +55,7 @@ def drawing() -> str:
     names = [name for layer in layers() for name in layer]
     lines = ["```mermaid", "flowchart TB"]
     for package in names:
-        lines.append(f"    subgraph {package}")
+        lines += [f"    subgraph {package}", "        direction TB"]
         lines += [f'        {_node(f"{package}.{name}")}["{name}"]' for layer in layers(package) for name in layer]
         lines.append("    end")
     for importer, imported in (*arrows(), *(each for package in names for each in arrows(package))):
@@ -104,9 +104,7 @@ def arrows(package: str = "") -> list[tuple[str, str]]:
     rooms = [f"{package}.{name}" if package else name for layer in layers(package) for name in layer]
     for room in rooms:
         graph.squash_module(room)
-    imports = {
-        room: [each for each in rooms if graph.direct_import_exists(importer=room, imported=each)] for room in rooms
-    }
+    imports = {room: sorted(graph.find_modules_directly_imported_by(room) & {*rooms} - {room}) for room in rooms}
     return [
         (room, each)
         for room in rooms
