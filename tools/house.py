@@ -30,7 +30,8 @@ class Module:
 def modules(root: Path = ROOT) -> list[Module]:
     """Everything that the packages of a repository install."""
     packages = sorted(path.parent for path in root.glob("src/*/*/__init__.py"))
-    return [_module(root, path, package.name) for package in packages for path in sorted(package.rglob("*.py"))]
+    found = ((path, package.name) for package in packages for path in sorted(package.rglob("*.py")))
+    return [_module(root, path, package) for path, package in found if "__pycache__" not in path.parts]
 
 
 def _module(root: Path, path: Path, package: str) -> Module:
