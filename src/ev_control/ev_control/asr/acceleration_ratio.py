@@ -5,21 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters
-from ev_control.estimation.wheel_dynamics import WheelMotion
+from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, WheelMotion, traction_control
 from ev_control.shared.acceleration_criterion import (
     AccelerationCriterionParameters,
     Accelerations,
     forget_accelerations,
     gains_on_car,
 )
-from ev_control.shared.limp_mode import LimpModeParameters
-from ev_control.shared.traction_control import LimitedWheel
-from ev_control.shared.traction_method import traction_control
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, group, parameter, part
 
 
 @dataclass(frozen=True, slots=True)

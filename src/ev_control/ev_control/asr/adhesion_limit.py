@@ -8,15 +8,9 @@ from math import inf
 from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.friction_estimate import FrictionLearningParameters, learnt_friction
 from ev_control.estimation.plausible import wheel_load
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters
-from ev_control.estimation.wheel_dynamics import WheelMotion, road_torque, slip_of
-from ev_control.shared.limp_mode import LimpModeParameters
-from ev_control.shared.traction_control import LimitedWheel
+from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, WheelMotion, road_torque, slip_of
 from ev_control.shared.traction_method import traction_control
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, entry, group, parameter, part
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,6 @@ from ev_control.estimation.expected_friction import (
 )
 from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.plausible import wheel_load
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.side_force import slip_angle_of
 from ev_control.estimation.slip_angle_observer import SlipAngleObserverParameters, SlipAngleObserverState
 from ev_control.estimation.wheel_dynamics import (
@@ -23,14 +22,8 @@ from ev_control.estimation.wheel_dynamics import (
     slip_of,
     slowest_wheel,
 )
-from ev_control.shared.limp_mode import LimpModeParameters
-from ev_control.shared.traction_control import LimitedWheel
-from ev_control.shared.traction_method import traction_control
-from ev_core.elementary import tan
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, traction_control
+from ev_core.law import Car, compilable, entry, group, parameter, part, tan
 
 
 @dataclass(frozen=True, slots=True)

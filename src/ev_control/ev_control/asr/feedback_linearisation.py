@@ -8,20 +8,10 @@ from math import inf
 from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.slip_observers import observed_slip
 from ev_control.estimation.wheel_dynamics import WheelMotion, road_torque
-from ev_control.shared.slip_regulator import (
-    RegulatedWheel,
-    SlipRegulatorParameters,
-    acceleration_with_decay,
-    forget_regulation,
-    stays_out,
-    until_served,
-    weighed,
-)
+from ev_control.law import RegulatedWheel, SlipRegulatorParameters, forget_regulation, stays_out, until_served, weighed
+from ev_control.shared.slip_regulator import acceleration_with_decay
 from ev_control.shared.traction_method import traction_control
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, group, parameter, part
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,16 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters
-from ev_control.estimation.wheel_dynamics import WheelMotion, slip_of, slowest_wheel
+from ev_control.law import LimitedWheel, ReferenceSpeedParameters, WheelMotion, slip_of, slowest_wheel, traction_control
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.slip_thresholds import SlipThresholdParameters
-from ev_control.shared.traction_control import LimitedWheel
-from ev_control.shared.traction_method import traction_control
-from ev_core.parameters.declaration import group
-from ev_core.parameters.record import entry
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, entry, group
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,17 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.slip_peak import SlipPeakState, forget_peak, peak_is_passed, watch_slip
 from ev_control.estimation.wheel_dynamics import WheelMotion, road_torque, share_at, slip_of
+from ev_control.law import Filtered, LimitedWheel, filter_share, follow, forget_filtered, traction_control, until_served
 from ev_control.shared.least_squares_parameters import LeastSquaresParameters
-from ev_control.shared.slip_regulator import until_served
-from ev_control.shared.traction_control import LimitedWheel
-from ev_control.shared.traction_method import traction_control
-from ev_core.elementary import sqrt
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, entry, part, sqrt
 
 LARGEST_TARGET = 0.9  # [1]; the speed that belongs to a slip grows with 1/(1 - x)
 

@@ -5,17 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_curve import SlipCurveParameters, fits, fitted_curve, slope
 from ev_control.estimation.slip_curve_fit import SlipCurveFit, add_sample, forget_samples, is_full
-from ev_control.estimation.wheel_dynamics import WheelMotion
-from ev_control.shared.limp_mode import LimpModeParameters
-from ev_control.shared.traction_control import LimitedWheel
-from ev_control.shared.traction_method import traction_control
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, WheelMotion, traction_control
+from ev_core.law import Car, compilable, entry, group, parameter, part
 
 
 @dataclass(frozen=True, slots=True)

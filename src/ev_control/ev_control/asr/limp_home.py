@@ -6,12 +6,7 @@ from dataclasses import dataclass
 
 from ev_control.shared.limp_mode import without_yaw
 from ev_control.shared.torque_plausibility import PlausibilityParameters, PlausibilityState
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group
-from ev_core.parameters.record import part
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.layout import each_driven, equal_motors
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, each_driven, equal_motors, group, method, part
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand, WheelTorqueRequest
 
 

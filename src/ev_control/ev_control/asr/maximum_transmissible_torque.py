@@ -6,18 +6,12 @@ from dataclasses import dataclass
 from math import inf
 
 from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters
-from ev_control.estimation.wheel_dynamics import WheelMotion, mass_share, road_torque
+from ev_control.estimation.wheel_dynamics import mass_share
+from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, WheelMotion, road_torque
 from ev_control.shared.acceleration_criterion import GainedSpeedParameters, has_gained
-from ev_control.shared.limp_mode import LimpModeParameters
-from ev_control.shared.traction_control import LimitedWheel
 from ev_control.shared.traction_method import traction_control
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
+from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part
 from ev_core.vehicle.drive_train import has_own_motors
-from ev_msgs_py.compilable import compilable
 
 LIMITS = ("while_gaining", "always")
 WHILE_GAINING, ALWAYS = range(len(LIMITS))

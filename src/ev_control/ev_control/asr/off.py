@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.methods.register import method
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
+from ev_core.law import WheelTorqueCommand, WheelTorqueRequest, compilable, method
 
 
 @dataclass(frozen=True, slots=True)

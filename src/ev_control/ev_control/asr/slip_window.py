@@ -6,17 +6,11 @@ from dataclasses import dataclass
 from math import inf
 
 from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.side_force import SideForceParameters, SideForceState, forget_side_force, share_left
 from ev_control.estimation.wheel_dynamics import WheelMotion, share_at, share_at_rest, slip_of, slowest_wheel
-from ev_control.shared.limp_mode import LimpModeParameters
-from ev_control.shared.slip_thresholds import SlipThresholdParameters
-from ev_control.shared.traction_control import LimitedWheel
+from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, SlipThresholdParameters
 from ev_control.shared.traction_method import traction_control
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, group, parameter, part
 
 
 @dataclass(frozen=True, slots=True)

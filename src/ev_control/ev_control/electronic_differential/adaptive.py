@@ -4,15 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.first_order_filter import filter_share
-from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
+from ev_control.law import AllocationParameters, allocated, filter_share, own_motors_to_allocate
 from ev_control.shared.torque_split import BrakeSplitParameters, split
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import per_wheel
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.layout import each_driven
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, each_driven, group, method, parameter, per_wheel
 from ev_msgs_py.contract.signals import DriverCommand, WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_LEFT, REAR_RIGHT, Wheels
 

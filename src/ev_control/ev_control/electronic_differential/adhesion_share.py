@@ -12,15 +12,9 @@ from ev_control.estimation.friction_estimate import (
 )
 from ev_control.estimation.plausible import wheel_loads
 from ev_control.estimation.reference_speed import free_wheels_for
-from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
+from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split_brake
 from ev_control.shared.axle_redistribution import SOURCES, TRUTH
-from ev_control.shared.torque_split import BrakeSplitParameters, split_brake
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import part
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.layout import each_driven
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, Wheels, compilable, each_driven, group, method, parameter, part
 from ev_msgs_py.contract.signals import (
     DriverCommand,
     InertialMeasurement,
@@ -29,7 +23,6 @@ from ev_msgs_py.contract.signals import (
     WheelStates,
     WheelTorqueRequest,
 )
-from ev_msgs_py.contract.wheels import Wheels
 
 
 @dataclass(frozen=True, slots=True)

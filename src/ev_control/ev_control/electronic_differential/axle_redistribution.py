@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.slip_angle_observer import SlipAngleObserverState, axle_slip_angles, observed_slip_angles
+from ev_control.law import split_brake
 from ev_control.shared.axle_redistribution import (
     BY_SPEED,
     COMMAND,
@@ -15,13 +16,7 @@ from ev_control.shared.axle_redistribution import (
     front_share,
     rear_difference,
 )
-from ev_control.shared.torque_split import split_brake
-from ev_core.elementary import hypot
-from ev_core.methods.register import method
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.layout import ALL_WHEELS_DRIVEN
-from ev_msgs_py.compilable import compilable
+from ev_core.law import ALL_WHEELS_DRIVEN, Car, Wheels, compilable, entry, hypot, method, part
 from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
@@ -30,7 +25,6 @@ from ev_msgs_py.contract.signals import (
     WheelStates,
     WheelTorqueRequest,
 )
-from ev_msgs_py.contract.wheels import Wheels
 
 
 @dataclass(slots=True)

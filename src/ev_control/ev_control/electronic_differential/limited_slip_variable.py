@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
-from ev_control.shared.torque_split import BrakeSplitParameters, locked, locking_share, split
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group, parameter
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.layout import each_driven
-from ev_msgs_py.compilable import compilable
+from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
+from ev_control.shared.torque_split import locked, locking_share
+from ev_core.law import Car, compilable, each_driven, group, method, parameter
 from ev_msgs_py.contract.signals import DriverCommand, WheelStates, WheelTorqueRequest
 
 

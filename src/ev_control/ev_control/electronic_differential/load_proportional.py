@@ -6,17 +6,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ev_control.estimation.plausible import wheel_loads
-from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
+from ev_control.law import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.torque_split import BrakeSplitParameters, split, split_brake
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group, parameter
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.layout import each_driven
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, ParameterError, Vehicle, compilable, each_driven, group, method, parameter
 from ev_msgs_py.contract.signals import DriverCommand, InertialMeasurement, WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.refusal import ParameterError
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.shared.torque_split import BrakeSplitParameters, split
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.layout import any_driven, equal_motors
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueRequest
+from ev_control.law import BrakeSplitParameters, split
+from ev_core.law import Car, DriverCommand, WheelTorqueRequest, any_driven, compilable, equal_motors, group, method
 from ev_msgs_py.contract.wheels import Wheels
 
 

@@ -4,14 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
-from ev_control.shared.torque_split import BrakeSplitParameters, split
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group, parameter
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.layout import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN
-from ev_msgs_py.compilable import compilable
+from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
+from ev_core.law import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN, Car, Vehicle, compilable, group, method, parameter
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
 

@@ -9,9 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.elementary import sqrt
-from ev_core.parameters.declaration import parameter
-from ev_msgs_py.compilable import compilable
+from ev_core.law import compilable, parameter, sqrt
 
 
 @dataclass(frozen=True, slots=True)

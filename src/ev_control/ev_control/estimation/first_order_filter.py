@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.record import entry
-from ev_msgs_py.compilable import compilable
+from ev_core.law import compilable, entry
 
 
 @dataclass(slots=True)

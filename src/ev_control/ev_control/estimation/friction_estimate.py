@@ -8,12 +8,8 @@ from ev_control.estimation.first_order_filter import filter_share
 from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
 from ev_control.estimation.wheel_dynamics import slowest_wheel
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry, part, per_wheel
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, Wheels, compilable, entry, group, parameter, part, per_wheel
 from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState, WheelStates
-from ev_msgs_py.contract.wheels import Wheels
 
 
 @dataclass(frozen=True, slots=True)

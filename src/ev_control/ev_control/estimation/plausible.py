@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from ev_core.vehicle.car import GRAVITY, Car
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState, WheelStates
+from ev_core.law import GRAVITY, Car, InertialMeasurement, SteeringColumnState, WheelStates, compilable
 from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT, Wheels
 
 

@@ -8,14 +8,7 @@ from operator import attrgetter
 from typing import Any
 
 from ev_control.estimation.trusted_wheels import WheelTrustParameters, WheelTrustState, believed, judge_wheels
-from ev_core.elementary import cos, sin
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.layout import Need
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import InertialMeasurement
+from ev_core.law import Car, InertialMeasurement, Need, Vehicle, compilable, cos, entry, group, parameter, part, sin
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 
 

@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.estimation.slip_peak import SlipPeakParameters, SlipPeakState, forget_peak, peak_is_passed, watch_slip
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import WheelStates
+from ev_core.law import Car, WheelStates, compilable, entry, group, parameter, part
 
 TARGETS = ("fixed", "fitted")
 FIXED, FITTED = range(len(TARGETS))

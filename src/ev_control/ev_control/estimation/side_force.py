@@ -10,11 +10,7 @@ from ev_control.estimation.slip_angle_observer import (
     slip_angles_at,
 )
 from ev_control.estimation.wheel_dynamics import WheelMotion
-from ev_core.elementary import sqrt
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, group, parameter, part, sqrt
 
 CORRECTIONS = ("none", "ellipse")
 NONE, ELLIPSE = range(len(CORRECTIONS))

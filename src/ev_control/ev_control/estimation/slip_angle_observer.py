@@ -5,13 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.elementary import atan, cos, sin
-from ev_core.parameters.declaration import parameter
-from ev_core.parameters.record import entry
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, Wheels, atan, compilable, cos, entry, parameter, sin
 from ev_msgs_py.contract.signals import DriverCommand, InertialMeasurement, SteeringColumnState, WheelStates
-from ev_msgs_py.contract.wheels import Wheels
 
 
 @dataclass(frozen=True, slots=True)

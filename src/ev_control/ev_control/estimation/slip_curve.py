@@ -7,9 +7,7 @@ from math import inf
 from typing import NamedTuple
 
 from ev_control.estimation.slip_curve_fit import SQUARE, TEMPLATES, SlipCurveFit, samples_in
-from ev_core.elementary import sqrt
-from ev_core.parameters.declaration import parameter
-from ev_msgs_py.compilable import compilable
+from ev_core.law import compilable, parameter, sqrt
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,9 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ev_core.elementary import sqrt
-from ev_core.parameters.record import entry, series
-from ev_msgs_py.compilable import compilable
+from ev_core.law import compilable, entry, series, sqrt
 
 EMPTY_SUM = (0.0, 0.0)
 

@@ -6,10 +6,7 @@ from dataclasses import dataclass
 
 from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.wheel_dynamics import WheelMotion, mass_share, slip_of, slowest_wheel
-from ev_core.parameters.declaration import parameter
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, entry, parameter, part
 
 OBSERVERS = ("reference_speed", "derivative", "corrected_derivative", "disturbance")
 REFERENCE_SPEED, DERIVATIVE, CORRECTED_DERIVATIVE, DISTURBANCE = range(len(OBSERVERS))

@@ -14,9 +14,7 @@ from ev_control.estimation.slip_curve_fit import (
     slip_variance,
 )
 from ev_control.estimation.wheel_dynamics import slowest_wheel
-from ev_core.parameters.declaration import parameter
-from ev_core.parameters.record import entry, part
-from ev_msgs_py.compilable import compilable
+from ev_core.law import compilable, entry, parameter, part
 
 FEWEST_SAMPLES = 8  # four for each coefficient
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ev_core.parameters.declaration import parameter
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, parameter
 
 
 class WheelMotion(NamedTuple):

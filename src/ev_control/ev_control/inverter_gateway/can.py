@@ -13,17 +13,11 @@ from ev_control.inverter_gateway.parameters import LockstepGatewayParameters
 from ev_control.inverter_gateway.sending import heartbeat, set_point
 from ev_control.inverter_gateway.state import Device, Gateway
 from ev_core.bus.database_file import load_database
-from ev_core.methods.register import method
-from ev_core.parameters.record import part, series
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
+from ev_core.law import BenchShafts, Car, LoadCommand, Vehicle, WheelTorqueCommand, compilable, method, part, series
 from ev_core.vehicle.layout import listed
 from ev_msgs_py.can.frames import TICK, BenchFrames, DeviceFrames, bench_frames, is_due, ticks_of
 from ev_msgs_py.can.payload import NO_FRAME, are_words, joined, words
-from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, FeedbackFrames, SetPointFrames
-from ev_msgs_py.contract.optional_signals import BenchShafts, LoadCommand
-from ev_msgs_py.contract.signals import WheelTorqueCommand
 
 SAID = 2 * MOST_TICKS  # words of the set-points of a device
 _HEARD = SAID + 6  # words of its feedback

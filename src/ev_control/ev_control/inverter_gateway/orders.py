@@ -6,11 +6,8 @@ from ev_control.inverter_gateway.leading import begin_reset, command_device, is_
 from ev_control.inverter_gateway.parameters import LockstepGatewayParameters
 from ev_control.inverter_gateway.plausibility import watch
 from ev_control.inverter_gateway.state import Device, Gateway
-from ev_core.elementary import isfinite
+from ev_core.law import BenchShafts, LoadCommand, WheelTorqueCommand, compilable, inlined, isfinite
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
-from ev_msgs_py.compilable import compilable, inlined
-from ev_msgs_py.contract.optional_signals import BenchShafts, LoadCommand
-from ev_msgs_py.contract.signals import WheelTorqueCommand
 
 
 @inlined

@@ -7,10 +7,7 @@ from typing import Any
 
 from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.wheel_dynamics import WheelMotion
-from ev_core.parameters.declaration import parameter
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, entry, parameter, part
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,14 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ev_core.elementary import copysign, isfinite
-from ev_core.parameters.declaration import parameter
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
+from ev_core.law import Car, Vehicle, WheelStates, WheelTorqueRequest, compilable, copysign, isfinite, parameter
 from ev_core.vehicle.drive_train import has_own_motors
 from ev_core.vehicle.motor import driving_torque, generating_torque
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 
 KEEPS = ("asked", "sum", "difference")

@@ -6,9 +6,7 @@ from dataclasses import dataclass
 
 from ev_control.estimation.slip_angle_observer import SlipAngleObserverParameters
 from ev_control.shared.torque_split import BrakeSplitParameters
-from ev_core.parameters.declaration import group, parameter
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, group, parameter
 
 SOURCES = ("truth", "estimated")
 TRUTH, ESTIMATED = range(len(SOURCES))

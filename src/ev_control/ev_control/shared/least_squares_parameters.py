@@ -8,8 +8,7 @@ from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_peak import SlipPeakParameters
 from ev_control.estimation.wheel_dynamics import share_at_rest
 from ev_control.shared.limp_mode import LimpModeParameters
-from ev_core.parameters.declaration import group, parameter
-from ev_msgs_py.refusal import ParameterError
+from ev_core.law import ParameterError, group, parameter
 
 
 @dataclass(frozen=True, slots=True)

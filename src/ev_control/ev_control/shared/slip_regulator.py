@@ -11,10 +11,7 @@ from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObs
 from ev_control.estimation.wheel_dynamics import WheelMotion, share_at, share_at_rest
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, entry, group, parameter, part
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import parameter
-from ev_msgs_py.refusal import ParameterError
+from ev_core.law import ParameterError, parameter
 
 
 @dataclass(frozen=True, slots=True)

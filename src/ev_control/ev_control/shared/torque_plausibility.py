@@ -12,13 +12,8 @@ from dataclasses import dataclass
 
 from ev_control.estimation.first_order_filter import filter_share
 from ev_control.estimation.plausible import LARGEST_TORQUE
-from ev_core.elementary import copysign
-from ev_core.parameters.declaration import parameter
-from ev_core.parameters.record import entry, per_wheel
-from ev_core.vehicle.car import Car
+from ev_core.law import Car, WheelStates, WheelTorqueCommand, compilable, copysign, entry, parameter, per_wheel
 from ev_core.vehicle.motor import driving_torque, generating_torque
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand
 
 PARTNERS = (1, 0, 3, 2)  # the other wheel of the axle, in the order of Wheels
 NEARLY_FASTEST = 0.95  # share of the motor's maximum speed from which on no torque is expected of it

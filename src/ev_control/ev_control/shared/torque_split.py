@@ -8,11 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import parameter
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueRequest
-from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
+from ev_core.law import NO_WHEELS, Car, DriverCommand, Wheels, WheelTorqueRequest, compilable, parameter
 
 
 @compilable

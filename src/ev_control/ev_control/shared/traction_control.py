@@ -12,10 +12,7 @@ from ev_control.estimation.reference_speed import ReferenceSpeedParameters, Refe
 from ev_control.estimation.wheel_dynamics import WheelMotion
 from ev_control.shared.limp_mode import LimpModeParameters, without_yaw
 from ev_control.shared.torque_plausibility import PlausibilityState
-from ev_core.elementary import copysign
-from ev_core.parameters.record import entry, part, per_wheel
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import NO_WHEELS, Car, Wheels, compilable, copysign, entry, part, per_wheel
 from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,
@@ -23,7 +20,6 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
-from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 
 # Slower than this a car is about to pull away, perhaps on a hill: its drives, told ahead, do not brake it as it rolls
 # back, and a brake that is still pressed is about to be released.

@@ -10,13 +10,9 @@ from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.shared.limp_mode import limp_mode_for
 from ev_control.shared.speed_mode import speed_controlled
 from ev_control.shared.traction_control import TractionControlState, controlled
+from ev_core.law import Car, Need, WheelSpeedCommand, compilable, each_wheel, method, part
 from ev_core.methods.law import named_after
-from ev_core.methods.register import method
-from ev_core.parameters.record import each_wheel, part
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.layout import Need
-from ev_msgs_py.compilable import FUNCTIONS, compilable
-from ev_msgs_py.contract.optional_signals import WheelSpeedCommand
+from ev_msgs_py.compilable import FUNCTIONS
 from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,

@@ -7,14 +7,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
+from ev_core.law import Car, Need, Vehicle, compilable, entry, group, method, part, speed_along_path
 from ev_core.methods.law import named_after
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car, speed_along_path
-from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.layout import Need
-from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
 from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
 from ev_sim.driver.path import Path, edge_notes, path_of

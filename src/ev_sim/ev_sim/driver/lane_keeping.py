@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.elementary import atan2, copysign
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import BodyPose, SteeringColumnState
+from ev_core.law import BodyPose, Car, SteeringColumnState, atan2, compilable, copysign, entry, group, parameter, part
 from ev_sim.driver.path import Path, PathParameters, RoadEdgeState, nearest, point_at, watch_edge
 from ev_sim.driver.steering import AngleControlParameters, AngleControlState, turn_to_angle
 

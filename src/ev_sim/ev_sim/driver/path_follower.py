@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.methods.register import method
-from ev_core.parameters.record import part
-from ev_core.vehicle.car import Car, speed_along_path
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, Vehicle, compilable, method, part, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
 from ev_sim.driver.manoeuvre import UNBOUNDED, FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals

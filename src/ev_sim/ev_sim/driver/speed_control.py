@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.elementary import copysign
-from ev_core.parameters.declaration import parameter
-from ev_core.parameters.record import entry
-from ev_core.vehicle.car import GRAVITY, Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import GRAVITY, Car, compilable, copysign, entry, parameter
 
 
 @compilable

@@ -5,12 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group
-from ev_core.parameters.record import part
-from ev_core.vehicle.car import Car, speed_along_path
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, Vehicle, compilable, group, method, part, speed_along_path
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.driver.steering import HAND_TORQUE, AngleControlState, SteeringParameters, turn_to_angle

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import group, parameter
-from ev_core.vehicle.car import GRAVITY, Car
-from ev_core.vehicle.layout import any_driven
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import WheelStates
+from ev_core.law import GRAVITY, Car, WheelStates, any_driven, compilable, group, parameter
 from ev_sim.driver.cycle_driver import CycleDriverParameters, CycleDriverState, cycle_driver
 from ev_sim.driver.speed_control import follow_speed
 

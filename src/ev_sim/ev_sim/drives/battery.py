@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ev_core.elementary import sqrt
+from ev_core.law import inlined, sqrt
 from ev_core.vehicle.battery import Battery
-from ev_msgs_py.compilable import inlined
 
 
 @inlined

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import parameter
+from ev_core.law import compilable, inlined, parameter
 from ev_core.vehicle.motor import Motor, driving_torque, generating_torque
-from ev_msgs_py.compilable import compilable, inlined
 
 # Overshoot of the thermal state over which the peak torque shrinks to the nominal one; it softens a corner.
 HEAT_FADE = 0.1

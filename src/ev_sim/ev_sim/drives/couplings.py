@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
 
-from ev_core.elementary import tanh
-from ev_core.vehicle.car import Car
+from ev_core.law import Car, inlined, tanh
 from ev_core.vehicle.driveline import COUPLINGS
-from ev_msgs_py.compilable import inlined
 
 INDIVIDUAL, OPEN, LIMITED_SLIP, CLUTCH, CENTRE = range(len(COUPLINGS))
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.record import entry
+from ev_core.law import compilable, entry
 from ev_core.vehicle.engine import Engine
 from ev_core.vehicle.motor import speed_fade
-from ev_msgs_py.compilable import compilable
 
 # Speed ratio at which the stator runs free: there the converter's two torques meet, and those of the coupling begin.
 COUPLING_POINT = 0.8831

@@ -11,9 +11,8 @@ Antriebssystemen, 4th ed. 2015, chapter on synchronous machines.
 
 from __future__ import annotations
 
-from ev_core.elementary import sqrt
+from ev_core.law import inlined, sqrt
 from ev_core.vehicle.motor import Motor, Winding
-from ev_msgs_py.compilable import inlined
 
 _SQRT_2 = 1.4142135623730951
 _SQRT_3 = 1.7320508075688772

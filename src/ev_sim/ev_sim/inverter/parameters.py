@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_core.bus.parameters import BusParameters
-from ev_core.parameters.declaration import group, parameter
+from ev_core.law import ParameterError, group, parameter
 from ev_core.vehicle.motor import ThermalParameters, Winding
-from ev_msgs_py.refusal import ParameterError
 from ev_sim.inverter.injection import INJECTIONS
 
 _TABLE = "dissertation, table 1.1"

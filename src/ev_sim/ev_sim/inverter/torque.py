@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from ev_core.elementary import exp
+from ev_core.law import compilable, exp
 from ev_core.vehicle.motor import SPEED_FADE, ThermalParameters
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE
 from ev_msgs_py.can.frames import INVERTER_TEMPERATURE, SPEED_MODE, TORQUE_MODE, WINDING_TEMPERATURE
-from ev_msgs_py.compilable import compilable
 from ev_sim.drives.controlled_motor import limited_torque, speed_control
 from ev_sim.drives.field_weakening import (
     current_limited_torque,

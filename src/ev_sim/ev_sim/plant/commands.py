@@ -9,12 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.elementary import isfinite
-from ev_core.parameters.record import entry, per_wheel
-from ev_core.vehicle.description import Vehicle
+from ev_core.law import SteeringColumnState, Vehicle, WheelTorqueCommand, compilable, entry, isfinite, per_wheel
 from ev_core.vehicle.drive_train import drive_train_numbers, motors_behind
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 
 

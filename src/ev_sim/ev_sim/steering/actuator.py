@@ -6,10 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.elementary import expm1
-from ev_core.parameters.declaration import parameter
-from ev_core.parameters.record import entry
-from ev_msgs_py.compilable import compilable
+from ev_core.law import compilable, entry, expm1, parameter
 
 _LONGEST_STEP = 0.5e-3  # s, a quarter of the default lag of the torque
 

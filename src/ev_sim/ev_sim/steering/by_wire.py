@@ -5,12 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, Vehicle, compilable, entry, group, method, parameter
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates
 from ev_sim.steering.friction_oscillator import Oscillator, oscillated, oscillator
 from ev_sim.steering.road_wheels import DrivenRoadWheelParameters, drive_moment, road_wheels, speed_difference

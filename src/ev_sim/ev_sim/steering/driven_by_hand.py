@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.methods.register import method
-from ev_core.parameters.record import entry
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates
+from ev_core.law import Car, DriverCommand, SteeringColumnState, WheelStates, compilable, entry, method
 from ev_sim.steering.friction_oscillator import Oscillator, oscillated
 from ev_sim.steering.road_wheels import (
     DrivenRoadWheelParameters,

@@ -10,8 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ev_core.elementary import atan2, atanh, copysign, cos, exp, expm1, sin, sqrt
-from ev_msgs_py.compilable import compilable
+from ev_core.law import atan2, atanh, compilable, copysign, cos, exp, expm1, sin, sqrt
 
 # Halvings of a bracket after which the instant of an impact is known to the last bit of a double.
 _HALVINGS = 54

@@ -6,14 +6,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import parameter
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.optional_signals import RearSteeringState
+from ev_core.law import Car, ParameterError, RearSteeringState, Vehicle, compilable, method, parameter
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, TireForces
-from ev_msgs_py.refusal import ParameterError
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
 from ev_sim.profiles.profile import LINEAR, Profile, profile_of, value_at
 from ev_sim.steering.actuator import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import parameter
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import SteeringColumnState, WheelStates
+from ev_core.law import Car, SteeringColumnState, Vehicle, WheelStates, compilable, parameter
 from ev_sim.steering.friction_oscillator import Oscillator, oscillator
 
 

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.parameters.declaration import parameter
-from ev_core.parameters.record import entry
+from ev_core.law import compilable, entry, parameter
 from ev_msgs_py.can.frames import TICK
 from ev_msgs_py.can.payload import NO_FRAME
-from ev_msgs_py.compilable import compilable
 from ev_sim.test_bench.state import CircuitState
 
 KINDS = (

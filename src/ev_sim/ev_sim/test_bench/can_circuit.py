@@ -18,11 +18,10 @@ from ev_core.bus.model import (
     release,
     take,
 )
-from ev_core.parameters.record import part, series
+from ev_core.law import compilable, part, series
 from ev_msgs_py.can.drive_states import DISABLE_VOLTAGE, OPERATION_ENABLED
 from ev_msgs_py.can.frames import TICK, BenchFrames, DeviceFrames, is_due
 from ev_msgs_py.can.payload import NO_FRAME, are_words, joined, words
-from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.bus_signals import MOST_TICKS
 from ev_sim.inverter.frames import FAULTS, MOTION, made, ticks_between
 from ev_sim.inverter.inverter import end_inverter_cycle, lead_inverter

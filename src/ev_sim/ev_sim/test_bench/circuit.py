@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_core.elementary import floor, remainder
-from ev_core.vehicle.car import Car
+from ev_core.law import Car, LoadCommand, Wheels, WheelTorqueCommand, compilable, floor, inlined, remainder
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, SWITCH_ON_DISABLED
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
-from ev_msgs_py.compilable import compilable, inlined
-from ev_msgs_py.contract.optional_signals import LoadCommand
-from ev_msgs_py.contract.signals import WheelTorqueCommand
-from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.drives.losses import loss_power
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.torque import advance_electrical, advance_temperatures, follow_reference, largest_torque

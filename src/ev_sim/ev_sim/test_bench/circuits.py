@@ -5,11 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import fields
 
-from ev_core.methods.register import method
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.layout import any_driven
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, ParameterError, Vehicle, Wheels, any_driven, compilable, method
 from ev_msgs_py.contract.optional_signals import (
     BenchElectrical,
     BenchEnergy,
@@ -18,8 +14,6 @@ from ev_msgs_py.contract.optional_signals import (
     LoadCommand,
 )
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
-from ev_msgs_py.contract.wheels import Wheels
-from ev_msgs_py.refusal import ParameterError
 from ev_sim.inverter.parameters import InverterParameters, Machine
 from ev_sim.inverter.torque import coolant_outlet, share_of_lag, winding_temperature
 from ev_sim.test_bench.circuit import (

@@ -7,20 +7,14 @@ from dataclasses import dataclass, replace
 
 from ev_core.bus.database_file import load_database
 from ev_core.bus.model import channel_frames
-from ev_core.methods.register import method
-from ev_core.parameters.record import part, series
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
+from ev_core.law import BatteryCondition, Car, ParameterError, Vehicle, compilable, method, part, series
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.frame_layout import FrameLayout
 from ev_msgs_py.can.frames import TICK, bench_frames, ticks_of
 from ev_msgs_py.can.payload import NO_FRAME
-from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, BusStates, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures
-from ev_msgs_py.contract.signals import BatteryCondition
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.refusal import ParameterError
 from ev_sim.test_bench.bus_faults import measured, present
 from ev_sim.test_bench.can_circuit import SAID, CanConstants, Circuit, Line, advance_can_circuit
 from ev_sim.test_bench.circuits import constants

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from ev_core.elementary import sqrt
+from ev_core.law import inlined, sqrt
 from ev_core.vehicle.tyre import MfTyres, Tyre
-from ev_msgs_py.compilable import inlined
 from ev_sim.tyres.curve import SLIP_FLOOR, Coefficients, secant
 from ev_sim.tyres.mf_tyre import AtLoad, forces
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any, NamedTuple
 
-from ev_core.elementary import atan, exp, sin
-from ev_msgs_py.compilable import compilable, inlined
+from ev_core.law import atan, compilable, exp, inlined, sin
 
 
 @inlined

@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_core.elementary import sqrt
 from ev_core.elementary.unbranched import cosine_of_multiple, first_quadrant, moderate_exp, sine_of_multiple
+from ev_core.law import inlined, sqrt
 from ev_core.vehicle.tyre import MfTyres
-from ev_msgs_py.compilable import inlined
 
 # Least share of the nominal load whose coefficients are taken: files are measured from about there on, and their
 # polynomials may lose their sign further out. Likewise the largest. Both are assumptions.

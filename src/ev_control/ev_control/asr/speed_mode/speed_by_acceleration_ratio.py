@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.wheel_dynamics import WheelMotion
+from ev_control.law import SpeedSetPointParameters, SpeedSetPointWheel, WheelMotion, forget_set_point, moved
 from ev_control.shared.acceleration_criterion import (
     AccelerationCriterionParameters,
     Accelerations,
     forget_accelerations,
     gains_on_car,
 )
-from ev_control.shared.speed_mode import SpeedSetPointParameters, SpeedSetPointWheel, forget_set_point, moved
 from ev_control.shared.traction_method import traction_control
-from ev_core.parameters.declaration import group
-from ev_core.parameters.record import part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, group, part
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.wheel_dynamics import WheelMotion, slip_of
-from ev_control.shared.slip_thresholds import SlipThresholdParameters
+from ev_control.law import SlipThresholdParameters, WheelMotion, slip_of, traction_control
 from ev_control.shared.speed_mode import SpeedSetPointParameters, SpeedSetPointWheel, forget_set_point, moved
-from ev_control.shared.traction_method import traction_control
-from ev_core.parameters.declaration import group
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, compilable, group
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.wheel_dynamics import WheelMotion
-from ev_control.shared.speed_mode import SpeedSetPointParameters, SpeedSetPointWheel, forget_set_point, moved
+from ev_control.law import SpeedSetPointParameters, SpeedSetPointWheel, WheelMotion, forget_set_point, moved
 from ev_control.shared.traction_method import traction_control
-from ev_core.parameters.declaration import group, parameter
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.refusal import ParameterError
+from ev_core.law import Car, ParameterError, compilable, group, parameter
 
 REGIMES = ("road", "sport", "winter", "terrain")
 ROAD, SPORT, WINTER, TERRAIN = range(len(REGIMES))

@@ -14,8 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ev_core.parameters.declaration import parameter
-from ev_core.vehicle.description import Vehicle
+from ev_core.law import Vehicle, parameter
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
 
 STEP = 0.05  # [s] from one point of the path that the driver looks at to the next

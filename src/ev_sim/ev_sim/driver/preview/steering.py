@@ -6,11 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.elementary import atan2, exp
-from ev_core.parameters.record import entry
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import BodyPose, BodyVelocity
+from ev_core.law import BodyPose, BodyVelocity, Vehicle, atan2, compilable, entry, exp
 from ev_sim.driver.path import Path, nearest, point_at
 from ev_sim.driver.preview.gains import SPEEDS, STATES, STEP, Gains, PreviewParameters, preview_gains
 from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient

@@ -10,9 +10,7 @@ Everywhere: delta is the mean road-wheel angle, left positive [rad], |delta| < p
 
 from __future__ import annotations
 
-from ev_core.elementary import atan2, cos, hypot, sin
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.wheels import Wheels
+from ev_core.law import Wheels, atan2, compilable, cos, hypot, sin
 
 
 @compilable

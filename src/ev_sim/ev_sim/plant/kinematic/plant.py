@@ -4,14 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ev_core.elementary import copysign, cos, sin
-from ev_core.methods.register import method
-from ev_core.vehicle.car import GRAVITY, Car
-from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.layout import equal_motors
-from ev_msgs_py.compilable import compilable
+from ev_core.law import GRAVITY, Car, Vehicle, Wheels, compilable, copysign, cos, equal_motors, method, sin
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
-from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.drives.drive import advance_drive
 from ev_sim.plant.commands import GuardLimits, guard_limits, guarded_angle, guarded_torques
 from ev_sim.plant.kinematic.ackermann import course_offset, path_curvature, wheel_speed_ratios

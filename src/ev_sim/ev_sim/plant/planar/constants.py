@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.record import entry, part, per_wheel
-from ev_core.vehicle.car import GRAVITY
-from ev_core.vehicle.description import Vehicle
+from ev_core.law import GRAVITY, ParameterError, Vehicle, entry, part, per_wheel
 from ev_core.vehicle.drive_train import wheel_inertias
 from ev_core.vehicle.tyre import MfTyres, mf_tyres
-from ev_msgs_py.refusal import ParameterError
 from ev_sim.tyres.mf_tyre import is_plain
 
 

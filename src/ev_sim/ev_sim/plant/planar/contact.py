@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from ev_core.elementary import asin, sqrt
-from ev_core.vehicle.car import GRAVITY, Car
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import compilable, inlined
+from ev_core.law import GRAVITY, Car, Vehicle, asin, compilable, inlined, sqrt
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.state import (
     BODY_DISTANCE,

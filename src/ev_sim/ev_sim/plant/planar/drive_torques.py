@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import inlined
+from ev_core.law import Car, inlined
 from ev_sim.drives.controlled_motor import limited_torque
 from ev_sim.drives.couplings import (
     CLUTCH,

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_core.elementary import exp, expm1
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import inlined
+from ev_core.law import Car, Vehicle, exp, expm1, inlined
 from ev_sim.drives.battery import (
     cell_power_limits,
     current_at_power,

@@ -7,11 +7,9 @@ from collections.abc import MutableSequence, Sequence
 import numpy as np
 
 from ev_core.compiled.function import compiled, one_record
+from ev_core.law import NO_WHEELS, Car, Vehicle, inlined
 from ev_core.parameters.declaration import number_tree
-from ev_core.vehicle.car import Car, car_numbers
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import inlined
-from ev_msgs_py.contract.wheels import NO_WHEELS
+from ev_core.vehicle.car import car_numbers
 from ev_sim.plant.planar.body import rates, steer
 from ev_sim.plant.planar.constants import BodyConstants, body_constants
 from ev_sim.plant.planar.contact import RoadTables, find_road, road_tables

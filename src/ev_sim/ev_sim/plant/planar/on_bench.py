@@ -7,14 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import parameter
-from ev_core.parameters.record import entry, per_wheel, working_memory
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
+from ev_core.law import Car, Vehicle, compilable, entry, inlined, method, parameter, per_wheel, working_memory
 from ev_core.vehicle.drive_train import has_equal_motors, has_own_motors
 from ev_msgs_py.can.frames import SPEED_MODE
-from ev_msgs_py.compilable import compilable, inlined
 from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchShafts, LoadCommand
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.battery import current_at_power

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from typing import get_args
 
-from ev_core.elementary import asin, cos, sin
-from ev_core.parameters.record import working_memory
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, Wheels, asin, compilable, cos, sin, working_memory
 from ev_msgs_py.contract.optional_signals import CellCondition, MotorElectrics, MotorTemperatures
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
@@ -18,7 +15,6 @@ from ev_msgs_py.contract.signals import (
     TireForces,
     WheelStates,
 )
-from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.drives.battery import current_at_power
 from ev_sim.drives.couplings import shaft_speeds
 from ev_sim.drives.field_weakening import phase_values

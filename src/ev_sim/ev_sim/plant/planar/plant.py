@@ -5,12 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from ev_core.elementary import cos, sin
-from ev_core.methods.register import method
-from ev_core.parameters.record import working_memory
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import inlined
-from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
+from ev_core.law import Car, SteeringColumnState, WheelTorqueCommand, cos, inlined, method, sin, working_memory
 from ev_sim.plant.commands import guarded_steering, guarded_torques
 from ev_sim.plant.planar.body import steer
 from ev_sim.plant.planar.car_faults import deflate, delay_commands, find_faults

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import inlined
-from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.refusal import ParameterError
+from ev_core.law import WHEEL_NAMES, Car, ParameterError, inlined
 from ev_sim.drives.engine import begin_engine
 from ev_sim.plant.commands import guard_notes
 from ev_sim.plant.planar.body import loads

@@ -4,14 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group
-from ev_core.parameters.record import per_wheel
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
+from ev_core.law import Car, RearSteeringState, Vehicle, WheelSpeedCommand, group, inlined, method, per_wheel
 from ev_core.vehicle.drive_train import has_own_motors
-from ev_msgs_py.compilable import inlined
-from ev_msgs_py.contract.optional_signals import RearSteeringState, WheelSpeedCommand
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.controlled_motor import SpeedControlParameters, speed_control_without_windup
 from ev_sim.plant.commands import accepted

@@ -1,0 +1,67 @@
+"""What laws of one kind share, by one import beside that of `ev_core.law`: `from ev_control.law import split, ...`.
+
+- traction controls: `traction_control` makes a method of the law of one wheel; its record is a `LimitedWheel` with
+  more, what it is given a `WheelMotion`; `ReferenceSpeedParameters` and `LimpModeParameters` stand among its parameters
+- those that regulate a slip: `SlipRegulatorParameters`, `RegulatedWheel`, `forget_regulation`, `stays_out`, `weighed`,
+  `until_served`; by thresholds: `SlipThresholdParameters`
+- those that set the speed of a drive: `SpeedSetPointParameters`, `SpeedSetPointWheel`, `forget_set_point`, `moved`
+- what is known of a wheel: `slip_of`, `observed_slip`, `slowest_wheel`, `share_at`, `road_torque`
+- differentials: `split` gives the wheel torques by the driver's and a difference, `split_brake` the brake torques, both
+  with `BrakeSplitParameters`; `allocated` keeps to what motors and battery can give, with `AllocationParameters` and
+  the need `own_motors_to_allocate`
+- first-order filters: `Filtered`, `filter_share`, `follow`, `forget_filtered`
+"""
+
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.slip_observers import observed_slip
+from ev_control.estimation.wheel_dynamics import WheelMotion, road_torque, share_at, slip_of, slowest_wheel
+from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
+from ev_control.shared.limp_mode import LimpModeParameters
+from ev_control.shared.slip_regulator import (
+    RegulatedWheel,
+    SlipRegulatorParameters,
+    forget_regulation,
+    stays_out,
+    until_served,
+    weighed,
+)
+from ev_control.shared.slip_thresholds import SlipThresholdParameters
+from ev_control.shared.speed_mode import SpeedSetPointParameters, SpeedSetPointWheel, forget_set_point, moved
+from ev_control.shared.torque_split import BrakeSplitParameters, split, split_brake
+from ev_control.shared.traction_control import LimitedWheel
+from ev_control.shared.traction_method import traction_control
+
+__all__ = [
+    "AllocationParameters",
+    "BrakeSplitParameters",
+    "Filtered",
+    "LimitedWheel",
+    "LimpModeParameters",
+    "ReferenceSpeedParameters",
+    "RegulatedWheel",
+    "SlipRegulatorParameters",
+    "SlipThresholdParameters",
+    "SpeedSetPointParameters",
+    "SpeedSetPointWheel",
+    "WheelMotion",
+    "allocated",
+    "filter_share",
+    "follow",
+    "forget_filtered",
+    "forget_regulation",
+    "forget_set_point",
+    "moved",
+    "observed_slip",
+    "own_motors_to_allocate",
+    "road_torque",
+    "share_at",
+    "slip_of",
+    "slowest_wheel",
+    "split",
+    "split_brake",
+    "stays_out",
+    "traction_control",
+    "until_served",
+    "weighed",
+]

@@ -1,0 +1,137 @@
+"""All that the author of a law needs, by one import: `from ev_core.law import method, parameter, compilable, ...`.
+
+- to declare a method: `method`; its parameters: `parameter`, `group`, `ParameterError`
+- state, records of numbers: `entry`, `per_wheel`, `series`, `part`, `each_wheel`, and `row` of `Place` and
+  `wheel_places`; within a step: `working_memory` of a `memory_type`
+- marks of what may run compiled: `compilable`, `inlined`
+- the vehicle: `Car` for the numbers that a law reads, `Vehicle` for the description, `GRAVITY`, `speed_along_path`
+- what the vehicle must have (`needs=`): `any_driven`, `each_driven`, `equal_motors`, `driven`, `only_driven`,
+  `FRONT_WHEELS_DRIVEN`, `REAR_WHEELS_DRIVEN`, `ALL_WHEELS_DRIVEN`, and `Need` for one of your own
+- one value per wheel: `Wheels`, `NO_WHEELS`, `WHEEL_NAMES` and the places `FRONT_LEFT` to `REAR_RIGHT`
+- signals, from `DriverCommand` to `BenchEnergy` (docs/topics.md), and `Instant`, the time of a step
+- elementary functions, from `sin` to `hypot` (docs/elementary_functions.md)
+
+What traction controls and differentials share, such as `traction_control` and `split`, is in `ev_control.law`.
+Nothing in ev_core imports this module: it is a door from outside.
+"""
+
+from ev_core import elementary
+from ev_core.elementary import *  # noqa: F403 - as its __all__ lists them
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import (
+    Place,
+    each_wheel,
+    entry,
+    memory_type,
+    part,
+    per_wheel,
+    row,
+    series,
+    wheel_places,
+    working_memory,
+)
+from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
+from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.layout import (
+    ALL_WHEELS_DRIVEN,
+    FRONT_WHEELS_DRIVEN,
+    REAR_WHEELS_DRIVEN,
+    Need,
+    any_driven,
+    driven,
+    each_driven,
+    equal_motors,
+    only_driven,
+)
+from ev_msgs_py.compilable import compilable, inlined
+from ev_msgs_py.contract.optional_signals import (
+    BenchElectrical,
+    BenchEnergy,
+    BenchShafts,
+    BenchTemperatures,
+    CellCondition,
+    LoadCommand,
+    MotorElectrics,
+    MotorTemperatures,
+    RearSteeringState,
+    WheelSpeedCommand,
+)
+from ev_msgs_py.contract.signals import (
+    BatteryCondition,
+    BodyPose,
+    BodyVelocity,
+    DriverCommand,
+    InertialMeasurement,
+    Instant,
+    MotorStates,
+    SteeringColumnState,
+    TireForces,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+)
+from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_LEFT, REAR_RIGHT, WHEEL_NAMES, Wheels
+from ev_msgs_py.refusal import ParameterError
+
+__all__ = [
+    "ALL_WHEELS_DRIVEN",
+    "FRONT_LEFT",
+    "FRONT_RIGHT",
+    "FRONT_WHEELS_DRIVEN",
+    "GRAVITY",
+    "NO_WHEELS",
+    "REAR_LEFT",
+    "REAR_RIGHT",
+    "REAR_WHEELS_DRIVEN",
+    "WHEEL_NAMES",
+    "BatteryCondition",
+    "BenchElectrical",
+    "BenchEnergy",
+    "BenchShafts",
+    "BenchTemperatures",
+    "BodyPose",
+    "BodyVelocity",
+    "Car",
+    "CellCondition",
+    "DriverCommand",
+    "InertialMeasurement",
+    "Instant",
+    "LoadCommand",
+    "MotorElectrics",
+    "MotorStates",
+    "MotorTemperatures",
+    "Need",
+    "ParameterError",
+    "Place",
+    "RearSteeringState",
+    "SteeringColumnState",
+    "TireForces",
+    "Vehicle",
+    "WheelSpeedCommand",
+    "WheelStates",
+    "WheelTorqueCommand",
+    "WheelTorqueRequest",
+    "Wheels",
+    "any_driven",
+    "compilable",
+    "driven",
+    "each_driven",
+    "each_wheel",
+    "entry",
+    "equal_motors",
+    "group",
+    "inlined",
+    "memory_type",
+    "method",
+    "only_driven",
+    "parameter",
+    "part",
+    "per_wheel",
+    "row",
+    "series",
+    "speed_along_path",
+    "wheel_places",
+    "working_memory",
+]
+__all__ += elementary.__all__
