@@ -1,7 +1,10 @@
-"""Build and install ev_papers."""
+"""Build and install ev_papers; a source whose folder has been removed is not offered any more."""
+
+from pathlib import Path
 
 from setuptools import find_packages, setup
 
+HERE = Path(__file__).parent
 SOURCES = ("shchur2019", "ge_ni2005", "tatar_chudzik", "dissertation", "zhileykin2018")
 REPORTS = [
     "shchur2019 = ev_papers.shchur2019.report_cycle",
@@ -22,6 +25,13 @@ STUDIES = [
     "zhileykin2018_variants = ev_papers.zhileykin2018.variants",
 ]
 
+
+def there(points: list[str]) -> list[str]:
+    """The entry points whose modules are in this folder."""
+    modules = [HERE / point.partition(" = ")[2].replace(".", "/") for point in points]
+    return [point for point, module in zip(points, modules, strict=True) if module.with_suffix(".py").is_file()]
+
+
 setup(
     name="ev_papers",
     version="0.1.0",
@@ -30,7 +40,7 @@ setup(
     maintainer_email="maintainers@ev-control-stack.org",
     license="Apache-2.0",
     packages=find_packages(exclude=["test"]),
-    package_data={f"ev_papers.{source}": ["published.csv"] for source in SOURCES},
+    package_data={"": ["published.csv"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_papers"]),
         ("share/ev_papers", ["package.xml"]),
@@ -39,8 +49,8 @@ setup(
     install_requires=["ev_sim==0.1.0"],
     zip_safe=False,  # published.csv is read as a file
     entry_points={
-        "ev_stack.sources": [f"{source} = ev_papers.{source}.source" for source in SOURCES],
-        "ev_stack.reports": REPORTS,
-        "ev_stack.studies": STUDIES,
+        "ev_stack.sources": there([f"{source} = ev_papers.{source}.source" for source in SOURCES]),
+        "ev_stack.reports": there(REPORTS),
+        "ev_stack.studies": there(STUDIES),
     },
 )

@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -146,14 +145,6 @@ def test_own_methods_are_held_against_the_contract():
     command = [sys.executable, str(EXAMPLES / "check_own_law.py")]
     said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     assert said.count("keeps the contract") == 4
-
-
-def test_own_package_offers_the_own_method(tmp_path: Path):
-    for file in ("own_method.py", "yaw_moment.py", "own_package/setup.py"):
-        shutil.copy(EXAMPLES / file, tmp_path)
-    subprocess.run([sys.executable, "setup.py", "-q", "egg_info"], cwd=tmp_path, check=True, capture_output=True)
-    offered = (tmp_path / "own_laws.egg-info" / "entry_points.txt").read_text()
-    assert offered.split("\n")[1:3] == ["asr = own_method", "electronic_differential = yaw_moment"]
 
 
 def test_yaw_moment_lowers_the_error_that_the_page_says():

@@ -1,0 +1,23 @@
+"""The report on the scenario own_source: its verdicts as metrics, and figure 1 of the source."""
+
+from ev_sim.figures.drawing import sheet
+from ev_sim.figures.panels import over_time
+from ev_sim.measures import motion
+from ev_sim.measures.samples import channel
+from ev_sim.verdicts.all_verdicts import metrics_at_hand
+from ev_sim.verdicts.need import ScenarioRuns
+
+
+def metrics(runs, vehicle, parameters):
+    """What the source is judged by."""
+    return metrics_at_hand("own_source", "own_source", ScenarioRuns(runs, vehicle, parameters))
+
+
+def figures(runs):
+    """Figure 1."""
+    return {"fig1": sheet([yaw_rates(runs)], "time [s]")}
+
+
+def yaw_rates(runs):
+    """Figure 1: the yaw rates of all runs."""
+    return over_time(runs, "1  Yaw rate", "yaw rate [rad/s]", lambda run: channel(run, motion.YAW_RATE))
