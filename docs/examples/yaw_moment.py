@@ -2,14 +2,9 @@
 
 from dataclasses import dataclass
 
-from ev_control.shared.torque_split import BrakeSplitParameters, split_brake
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry
-from ev_core.vehicle.car import GRAVITY, Car
-from ev_msgs_py.compilable import compilable
+from ev_control.law import BrakeSplitParameters, split_brake
+from ev_core.law import GRAVITY, Car, Wheels, compilable, entry, group, method, parameter
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, SteeringColumnState, WheelTorqueRequest
-from ev_msgs_py.contract.wheels import Wheels
 
 SLIDING_MODE = 1
 

@@ -7,15 +7,11 @@ import random
 from dataclasses import dataclass
 from typing import Any
 
+from ev_core.law import Wheels, WheelTorqueCommand, WheelTorqueRequest, compilable, entry, parameter
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.common_parameters import CommonParameters
 from ev_core.methods.law import Law
 from ev_core.methods.register import Method
-from ev_core.parameters.declaration import parameter
-from ev_core.parameters.record import entry
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
-from ev_msgs_py.contract.wheels import Wheels
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,8 @@ from check.bad_methods import FINDINGS, WRAPPING, AnsweringNan, Good, Hiding, Le
 from ev_core.check.inputs import ExtremeInputs, RandomInputs
 from ev_core.check.method import ContractError, check_configuration, check_method
 from ev_core.check.mirror import mirrored_configuration, mirrored_numbers
+from ev_core.law import WHEEL_NAMES, ParameterError, Wheels, parameter
 from ev_core.lockstep.configuration import configure
-from ev_core.parameters.declaration import parameter
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
@@ -24,8 +24,6 @@ from ev_msgs_py.contract.signals import (
     TireForces,
     WheelTorqueRequest,
 )
-from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_msgs_py.refusal import ParameterError
 
 pytestmark = pytest.mark.slow
 

@@ -27,8 +27,7 @@ from ev_core.compiled.function import compiled
 from ev_core.compiling import user_cache
 from ev_core.compiling.fingerprint import fingerprint
 from ev_core.compiling.user_cache import cache_folder, read_checked, write_checked
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.refusal import ParameterError
+from ev_core.law import ParameterError, compilable
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import signal_hash
 from ev_sim.scenarios.scenario import load_scenario

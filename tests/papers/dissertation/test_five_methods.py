@@ -158,7 +158,7 @@ def test_another_cycle_takes_its_own_length_and_has_nothing_printed_beside(tmp_p
     assert "99.7" not in capsys.readouterr().out
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["simulated_time"] == 6 * 195.0
-    page = (Path(__file__).parents[2] / "docs" / "dissertation.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "dissertation.md").read_text(encoding="utf-8")
     row = next(line for line in page.splitlines() if line.startswith("| ECE 15 |")).split("|")[3:9]
     names = (f"wheel_speed_efficiency_{method}_imposed_speed" for method in METHODS)
     shown = [f"{summary['metrics'][name]['value']:.3f}" for name in names]

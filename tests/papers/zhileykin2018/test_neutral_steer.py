@@ -4,7 +4,7 @@ from pathlib import Path
 
 from documentation.neutral_steer import neutral_steer_table
 
-PAGE = (Path(__file__).parents[2] / "docs" / "zhileykin2018.md").read_text()
+PAGE = (Path(__file__).parents[3] / "docs" / "zhileykin2018.md").read_text()
 
 
 def test_neutral_steer_table_is_that_of_the_models():

@@ -19,7 +19,7 @@ from ev_papers.zhileykin2018.runs import SWEEP
 from ev_sim.study.case import CaseResult, drive_case
 from ev_sim.study.workers import drive_cases
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "zhileykin2018.md").read_text()
 CALM = dict.fromkeys(("h_n", "h_2", "h_4"), 0)
 

@@ -26,7 +26,7 @@ from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import report_for
 from ev_sim.surfaces.road import RoadParameters, left_and_right
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 DRIVERS = ("tracking", "pulse", "imposed_speed")
 FIGURES = [
     "figure_2_8",
