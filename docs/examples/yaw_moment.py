@@ -3,8 +3,20 @@
 from dataclasses import dataclass
 
 from ev_control.law import BrakeSplitParameters, split_brake
-from ev_core.law import GRAVITY, Car, Wheels, compilable, entry, group, method, parameter
-from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_core.law import (
+    GRAVITY,
+    BodyVelocity,
+    Car,
+    DriverCommand,
+    SteeringColumnState,
+    Wheels,
+    WheelTorqueRequest,
+    compilable,
+    entry,
+    group,
+    method,
+    parameter,
+)
 
 SLIDING_MODE = 1
 

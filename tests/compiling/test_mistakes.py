@@ -15,12 +15,7 @@ from ev_sim.commands.run_scenario import main as run_scenario
 HEAD = '''
 from dataclasses import dataclass
 import numpy as np
-from ev_msgs_py.compilable import compilable
-from ev_core.parameters.record import entry
-from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
-from ev_msgs_py.contract.wheels import Wheels
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import parameter
+from ev_core.law import Wheels, WheelTorqueCommand, WheelTorqueRequest, compilable, entry, method, parameter
 
 @dataclass(frozen=True, slots=True)
 class P:

@@ -21,11 +21,7 @@ LIMIT = """
 from dataclasses import dataclass
 
 from ev_control.asr.off import off
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
-from ev_msgs_py.contract.wheels import Wheels
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import parameter
+from ev_core.law import Wheels, WheelTorqueCommand, WheelTorqueRequest, compilable, method, parameter
 
 
 @dataclass(frozen=True, slots=True)
