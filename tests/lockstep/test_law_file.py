@@ -109,7 +109,7 @@ def test_it_keeps_the_contract_and_goes_to_other_processes(tmp_path):
         ("def f():\n    raise ValueError('no')\n\nf()\n", "line 2: ValueError: no"),
         (
             LIMIT.replace("request: WheelTorqueRequest", "request"),
-            "line 17: TypeError: asr method NAME: argument request has no annotation",
+            "line 13: TypeError: asr method NAME: argument request has no annotation",
         ),
     ],
 )
@@ -142,7 +142,7 @@ def test_the_check_refuses_what_another_c_library_rounds_otherwise(tmp_path):
         file.write_text(f"{take}\n{file.read_text()}")
         name = used.replace("np.", "numpy.")
         with pytest.raises(
-            ContractError, match=rf"{file}, line 23: {name} is rounded otherwise elsewhere, take it from"
+            ContractError, match=rf"{file}, line 19: {name} is rounded otherwise elsewhere, take it from"
         ):
             check_method("asr", str(file))
     file = law_file(tmp_path, share="math.sqrt(TABLE[0] * p.share)")
