@@ -19,12 +19,8 @@ from ev_core.law import Car, compilable, group, parameter, part
 class AccelerationRatioParameters(AccelerationCriterionParameters):
     """The ratio that tells slip from grip, and how the limit moves."""
 
-    fall: float = parameter(
-        8000.0, unit="N m/s", low=1.0, high=1e6, about="fall of the limit while the wheel slips", source="assumption"
-    )
-    rise: float = parameter(
-        500.0, unit="N m/s", low=1.0, high=1e6, about="rise of the limit while it grips", source="assumption"
-    )
+    fall: float = parameter(8000.0, unit="N m/s", low=1.0, high=1e6, about="fall of the limit while the wheel slips")
+    rise: float = parameter(500.0, unit="N m/s", low=1.0, high=1e6, about="rise of the limit while it grips")
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)
 

@@ -23,7 +23,6 @@ class AdhesionLimitParameters(FrictionLearningParameters):
         low=0.1,
         high=1.0,
         about="share of the estimate that is used; at 1 a wheel that spins has just the torque to spin on",
-        source="assumption",
     )
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)

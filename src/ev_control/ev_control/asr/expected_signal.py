@@ -30,15 +30,9 @@ from ev_core.law import Car, compilable, entry, group, parameter, part, tan
 class ExpectedSignalParameters:
     """The diagrams, and how the estimate of the road follows the difference between signal and expectation."""
 
-    largest_friction: float = parameter(
-        1.2, unit="1", low=0.01, high=3.0, about="friction at the start and at most", source="assumption"
-    )
-    least_friction: float = parameter(
-        0.03, unit="1", low=1e-3, high=1.0, about="least friction that is believed in", source="assumption"
-    )
-    least_slip: float = parameter(
-        0.02, unit="1", low=1e-3, high=0.5, about="slip below which nothing can be compared", source="assumption"
-    )
+    largest_friction: float = parameter(1.2, unit="1", low=0.01, high=3.0, about="friction at the start and at most")
+    least_friction: float = parameter(0.03, unit="1", low=1e-3, high=1.0, about="least friction that is believed in")
+    least_slip: float = parameter(0.02, unit="1", low=1e-3, high=0.5, about="slip below which nothing can be compared")
     rise: float = parameter(
         0.3,
         unit="1/s",
@@ -46,17 +40,10 @@ class ExpectedSignalParameters:
         high=100.0,
         about="rise of the estimate below that slip: a wheel that had spun shows less than the road carries, and a car "
         "on a slippery hill would stand for ever",
-        source="assumption",
     )
-    rate: float = parameter(
-        50.0, unit="1/s", low=0.0, high=1000.0, about="correction of the estimate", source="assumption"
-    )
-    filter_time: float = parameter(
-        0.02, unit="s", low=0.0, high=1.0, about="time constant of friction in use and slip", source="assumption"
-    )
-    use: float = parameter(
-        0.95, unit="1", low=0.1, high=1.0, about="share of the expected peak that is used", source="assumption"
-    )
+    rate: float = parameter(50.0, unit="1/s", low=0.0, high=1000.0, about="correction of the estimate")
+    filter_time: float = parameter(0.02, unit="s", low=0.0, high=1.0, about="time constant of friction in use and slip")
+    use: float = parameter(0.95, unit="1", low=0.1, high=1.0, about="share of the expected peak that is used")
     slowest: float = slowest_wheel()
     at_rest: float = share_at_rest(0.3)
     diagram: FrictionDiagramParameters = group(FrictionDiagramParameters)

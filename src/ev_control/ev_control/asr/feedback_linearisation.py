@@ -18,11 +18,9 @@ from ev_core.law import Car, compilable, group, parameter, part
 class FeedbackLinearisationParameters:
     """How fast the slip error decays, and how fast the road is believed to change; the source gives neither."""
 
-    rate: float = parameter(
-        25.0, unit="1/s", low=0.1, high=1000.0, about="decay of the slip error, k", source="assumption"
-    )
+    rate: float = parameter(25.0, unit="1/s", low=0.1, high=1000.0, about="decay of the slip error, k")
     road_filter: float = parameter(
-        0.02, unit="s", low=0.0, high=1.0, about="time constant of road torque and acceleration", source="assumption"
+        0.02, unit="s", low=0.0, high=1.0, about="time constant of road torque and acceleration"
     )
     regulator: SlipRegulatorParameters = group(SlipRegulatorParameters)
 

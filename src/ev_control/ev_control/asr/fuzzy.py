@@ -25,16 +25,12 @@ class FuzzyParameters:
     """How wide the sets are and how fast the limit moves; the source gives no rule and no number."""
 
     error_width: float = parameter(
-        0.08, unit="1", low=1e-3, high=1.0, about="slip over its target that is surely too much", source="assumption"
+        0.08, unit="1", low=1e-3, high=1.0, about="slip over its target that is surely too much"
     )
-    rate_width: float = parameter(
-        2.0, unit="1/s", low=1e-3, high=100.0, about="rise of the slip that is surely one", source="assumption"
-    )
-    filter_time: float = parameter(
-        0.02, unit="s", low=0.0, high=1.0, about="time constant of the rate of the slip", source="assumption"
-    )
+    rate_width: float = parameter(2.0, unit="1/s", low=1e-3, high=100.0, about="rise of the slip that is surely one")
+    filter_time: float = parameter(0.02, unit="s", low=0.0, high=1.0, about="time constant of the rate of the slip")
     largest_rate: float = parameter(
-        10.0, unit="1/s", low=0.1, high=1000.0, about="largest change of the limit over itself", source="assumption"
+        10.0, unit="1/s", low=0.1, high=1000.0, about="largest change of the limit over itself"
     )
     least_torque: float = parameter(
         50.0,
@@ -42,7 +38,6 @@ class FuzzyParameters:
         low=1.0,
         high=1e4,
         about="limit below which it changes as if it were this",
-        source="assumption",
     )
     regulator: SlipRegulatorParameters = group(SlipRegulatorParameters)
 

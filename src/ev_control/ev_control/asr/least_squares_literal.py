@@ -15,9 +15,7 @@ from ev_core.law import Car, compilable, entry, group, parameter, part
 class LeastSquaresLiteralParameters(SlipCurveParameters):
     """The length of the window, which the source leaves open."""
 
-    samples: int = parameter(
-        25, unit="1", low=2, high=1000, about="samples in the window of the fit, n", source="assumption"
-    )
+    samples: int = parameter(25, unit="1", low=2, high=1000, about="samples in the window of the fit, n")
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)
 

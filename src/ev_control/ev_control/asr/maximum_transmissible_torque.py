@@ -34,18 +34,14 @@ class MaximumTransmissibleTorqueParameters(GainedSpeedParameters):
         low=0.1,
         high=1.0,
         about="acceleration of the car over that of the tyre's tread which is allowed, a/r",
-        source="assumption",
     )
-    filter_time: float = parameter(
-        0.03, unit="s", low=0.0, high=1.0, about="time constant of force and accelerations", source="assumption"
-    )
+    filter_time: float = parameter(0.03, unit="s", low=0.0, high=1.0, about="time constant of force and accelerations")
     margin: float = parameter(
         1.0,
         unit="m/s^2",
         low=0.0,
         high=50.0,
         about="while_gaining: acceleration of the tread over the allowed one that is noise",
-        source="assumption",
     )
     rise: float = parameter(
         1000.0,
@@ -53,7 +49,6 @@ class MaximumTransmissibleTorqueParameters(GainedSpeedParameters):
         low=1.0,
         high=1e6,
         about="while_gaining: rise of the limit while the wheel follows the car; by eq 1.7 alone, no force stays none",
-        source="assumption",
     )
     compensation: float = parameter(
         0.15,

@@ -18,20 +18,15 @@ from ev_core.law import Car, compilable, group, parameter, part
 class ModifiedLambdaParameters:
     """How fast the slip error decays, and how fast the wheel's acceleration follows; the source gives neither."""
 
-    rate: float = parameter(
-        12.0, unit="1/s", low=0.1, high=1000.0, about="decay of the slip error, k", source="assumption"
-    )
+    rate: float = parameter(12.0, unit="1/s", low=0.1, high=1000.0, about="decay of the slip error, k")
     acceleration_time: float = parameter(
         0.03,
         unit="s",
         low=1e-3,
         high=10.0,
         about="time constant with which the acceleration of the wheel follows the wanted one",
-        source="assumption",
     )
-    filter_time: float = parameter(
-        0.01, unit="s", low=0.0, high=1.0, about="time constant of both accelerations", source="assumption"
-    )
+    filter_time: float = parameter(0.01, unit="s", low=0.0, high=1.0, about="time constant of both accelerations")
     regulator: SlipRegulatorParameters = group(SlipRegulatorParameters)
 
 

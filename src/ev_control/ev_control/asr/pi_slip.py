@@ -17,11 +17,9 @@ class PiSlipParameters:
     """Where the two poles of the slip lie; the source gives no gains."""
 
     natural_frequency: float = parameter(
-        20.0, unit="rad/s", low=0.1, high=1000.0, about="natural frequency of the slip", source="assumption"
+        20.0, unit="rad/s", low=0.1, high=1000.0, about="natural frequency of the slip"
     )
-    damping_ratio: float = parameter(
-        1.0, unit="1", low=0.1, high=10.0, about="damping ratio of the slip", source="assumption"
-    )
+    damping_ratio: float = parameter(1.0, unit="1", low=0.1, high=10.0, about="damping ratio of the slip")
     regulator: SlipRegulatorParameters = group(SlipRegulatorParameters)
 
 

@@ -17,19 +17,14 @@ from ev_core.law import Car, compilable, group, parameter, part
 class SlipWindowParameters(SlipThresholdParameters):
     """The window of the source, and how fast the limit moves outside it."""
 
-    fall: float = parameter(
-        8000.0, unit="N m/s", low=1.0, high=1e6, about="fall of the limit above the window", source="assumption"
-    )
-    rise: float = parameter(
-        2000.0, unit="N m/s", low=1.0, high=1e6, about="rise of the limit below the window", source="assumption"
-    )
+    fall: float = parameter(8000.0, unit="N m/s", low=1.0, high=1e6, about="fall of the limit above the window")
+    rise: float = parameter(2000.0, unit="N m/s", low=1.0, high=1e6, about="rise of the limit below the window")
     trend: float = parameter(
         0.02,
         unit="s",
         low=0.0,
         high=1.0,
         about="time over which the slip shows whether it is already on its way back to the window",
-        source="assumption",
     )
     slowest: float = slowest_wheel()
     at_rest: float = share_at_rest(0.5)  # with less its limit swings more on ice, which costs speed

@@ -26,7 +26,6 @@ class AdaptiveParameters:
         low=0.0,
         high=10.0,
         about="time constant with which a refusal is noticed; much longer than the drives need to follow",
-        source="assumption",
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
     allocation: AllocationParameters = group(AllocationParameters)

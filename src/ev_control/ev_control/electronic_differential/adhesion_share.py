@@ -36,7 +36,7 @@ class AdhesionShareParameters:
         source="the dissertation takes it as known",
     )
     error_factor: float = parameter(
-        1.0, unit="1", low=0.1, high=10.0, about="friction that the law believes in over that", source="assumption"
+        1.0, unit="1", low=0.1, high=10.0, about="friction that the law believes in over that"
     )
     estimate: FrictionEstimateParameters = group(FrictionEstimateParameters)
     brake: BrakeSplitParameters = group(BrakeSplitParameters)

@@ -48,9 +48,7 @@ class SlipTargetParameters(SwitchingControlParameters):
         about="difference of the target slip ratios per error of the yaw rate, K1",
         source="Ge & Ni 2005, print damaged",
     )
-    slowest: float = parameter(
-        0.5, unit="m/s", low=0.01, high=10.0, about="least divisor of a slip ratio", source="assumption"
-    )
+    slowest: float = parameter(0.5, unit="m/s", low=0.01, high=10.0, about="least divisor of a slip ratio")
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 

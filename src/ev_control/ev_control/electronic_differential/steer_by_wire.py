@@ -15,22 +15,17 @@ class SteerByWireParameters:
     """The wanted motion of the road wheels and the law's own idea of the steering system; the paper gives no law."""
 
     natural_frequency: float = parameter(
-        8.0, unit="rad/s", low=0.1, high=100.0, about="natural frequency of the servo, w_0", source="assumption"
+        8.0, unit="rad/s", low=0.1, high=100.0, about="natural frequency of the servo, w_0"
     )
-    damping_ratio: float = parameter(
-        0.9, unit="1", low=0.1, high=5.0, about="damping ratio of the servo, D", source="assumption"
-    )
+    damping_ratio: float = parameter(0.9, unit="1", low=0.1, high=5.0, about="damping ratio of the servo, D")
     disturbance_rate: float = parameter(
         2.0,
         unit="1/s",
         low=0.0,
         high=100.0,
         about="rate at which the integral action removes the effect of disturbances, p; 0 for no integral action",
-        source="assumption",
     )
-    max_torque_difference: float = parameter(
-        150.0, unit="N m", low=0.0, high=10000.0, about="limit of |M_R - M_L|", source="assumption"
-    )
+    max_torque_difference: float = parameter(150.0, unit="N m", low=0.0, high=10000.0, about="limit of |M_R - M_L|")
     inertia: float = parameter(
         2.8, unit="kg m^2", low=0.001, high=1000.0, about="inertia of the steering system, J_p", source="Shchur 2019"
     )

@@ -29,7 +29,6 @@ class SteeringCorrectionParameters:
         low=0.0,
         high=20.0,
         about="change of each wheel's torque over its equal share, per road-wheel angle; the default is 50 % at pi/10",
-        source="assumption",
     )
     largest_correction: float = parameter(
         1.0,
@@ -37,7 +36,6 @@ class SteeringCorrectionParameters:
         low=0.0,
         high=1.0,
         about="limit of the change over the equal share; 1 takes all torque from the inner wheel",
-        source="assumption",
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
     allocation: AllocationParameters = group(AllocationParameters)

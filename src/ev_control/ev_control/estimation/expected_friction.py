@@ -23,11 +23,8 @@ class FrictionDiagramParameters:
         high=1.0,
         about="slip of the peak on a road without friction; with the growth it is within 0.01 of Burckhardt's peaks on "
         "snow and wet asphalt",
-        source="assumption",
     )
-    growth: float = parameter(
-        0.11, unit="1", low=0.0, high=1.0, about="growth of that slip with mu_max", source="assumption"
-    )
+    growth: float = parameter(0.11, unit="1", low=0.0, high=1.0, about="growth of that slip with mu_max")
 
 
 @compilable

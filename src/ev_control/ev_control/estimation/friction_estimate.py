@@ -16,27 +16,21 @@ from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState
 class FrictionLearningParameters:
     """How the friction under a wheel is learnt while it slips; the source takes it as known."""
 
-    largest_friction: float = parameter(
-        1.2, unit="1", low=0.01, high=3.0, about="friction at the start and at most", source="assumption"
-    )
+    largest_friction: float = parameter(1.2, unit="1", low=0.01, high=3.0, about="friction at the start and at most")
     learning_slip: float = parameter(
         0.15,
         unit="1",
         low=0.01,
         high=1.0,
         about="slip from which on the friction in use is taken for the friction of the road",
-        source="assumption",
     )
-    filter_time: float = parameter(
-        0.02, unit="s", low=0.0, high=1.0, about="time constant of the friction in use", source="assumption"
-    )
+    filter_time: float = parameter(0.02, unit="s", low=0.0, high=1.0, about="time constant of the friction in use")
     rise: float = parameter(
         0.3,
         unit="1/s",
         low=0.0,
         high=100.0,
         about="rise of the estimate without slip, which finds out when the road gets better",
-        source="assumption",
     )
     slowest: float = slowest_wheel()
 

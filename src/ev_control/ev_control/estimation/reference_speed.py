@@ -47,7 +47,6 @@ class ReferenceSpeedParameters:
         low=0.0,
         high=1000.0,
         about="correction of the observer by a wheel that cannot be slipping",
-        source="assumption",
     )
     slipping_rate: float = parameter(
         0.5,
@@ -55,7 +54,6 @@ class ReferenceSpeedParameters:
         low=0.0,
         high=1000.0,
         about="correction of the observer by wheels that may be slipping; bounds what a sensor's offset adds up to",
-        source="assumption",
     )
     trust: WheelTrustParameters = group(WheelTrustParameters)
 

@@ -33,11 +33,8 @@ class SideForceParameters:
         low=0.01,
         high=1.0,
         about="slip angle of the largest side force, alpha_max",
-        source="assumption",
     )
-    least: float = parameter(
-        0.2, unit="1", low=0.0, high=1.0, about="share of a threshold that is always left", source="assumption"
-    )
+    least: float = parameter(0.2, unit="1", low=0.0, high=1.0, about="share of a threshold that is always left")
     observer: SlipAngleObserverParameters = group(SlipAngleObserverParameters)
 
 

@@ -20,16 +20,11 @@ class SlipAngleObserverParameters:
         high=1.0,
         about="weight of the measured lateral acceleration against that of the linear tyre; the steady value is "
         "the tyre's alone unless it is 1, which drifts with every offset",
-        source="assumption",
     )
-    front_cornering_stiffness: float = parameter(
-        160e3, unit="N/rad", low=1e3, high=1e6, about="of the front axle", source="assumption"
-    )
-    rear_cornering_stiffness: float = parameter(
-        160e3, unit="N/rad", low=1e3, high=1e6, about="of the rear axle", source="assumption"
-    )
+    front_cornering_stiffness: float = parameter(160e3, unit="N/rad", low=1e3, high=1e6, about="of the front axle")
+    rear_cornering_stiffness: float = parameter(160e3, unit="N/rad", low=1e3, high=1e6, about="of the rear axle")
     slowest: float = parameter(
-        1.0, unit="m/s", low=0.1, high=10.0, about="speed at which slip angles are taken at least", source="assumption"
+        1.0, unit="m/s", low=0.1, high=10.0, about="speed at which slip angles are taken at least"
     )
 
 

@@ -33,7 +33,6 @@ class SlipObserverParameters:
     )
     filter_time: float = parameter(
         0.05, unit="s", low=0.0, high=1.0, about="disturbance: time constant of torque and acceleration",
-        source="assumption",
     )  # fmt: skip
     least_acceleration: float = parameter(
         3.0,
@@ -41,7 +40,6 @@ class SlipObserverParameters:
         low=0.1,
         high=1000.0,
         about="disturbance: wheel acceleration below which eq 1.10, which divides by it, says nothing",
-        source="assumption",
     )
     forget_time: float = parameter(
         0.3,
@@ -49,7 +47,6 @@ class SlipObserverParameters:
         low=0.0,
         high=100.0,
         about="disturbance: time constant of forgetting the slip where eq 1.10 says nothing",
-        source="assumption",
     )
 
 

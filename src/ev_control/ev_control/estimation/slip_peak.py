@@ -29,7 +29,6 @@ class SlipPeakParameters(SlipCurveParameters):
         low=0.01,
         high=2.0,
         about="length of the window; shorter than 0.05 s misses peaks, longer than 0.25 s is late",
-        source="assumption",
     )
     slowest: float = slowest_wheel()
     offset: float = parameter(
@@ -38,7 +37,6 @@ class SlipPeakParameters(SlipCurveParameters):
         low=1e-9,
         high=0.1,
         about="added to the slip under the square root, whose slope at no slip stays finite then",
-        source="assumption",
     )
     least_slip: float = parameter(
         0.03,
@@ -46,7 +44,6 @@ class SlipPeakParameters(SlipCurveParameters):
         low=0.0,
         high=0.5,
         about="slip below which nothing is a hit, and least slip that is regulated to",
-        source="assumption",
     )
     speed_noise: float = parameter(
         0.03,
@@ -54,7 +51,6 @@ class SlipPeakParameters(SlipCurveParameters):
         low=1e-4,
         high=10.0,
         about="standard deviation of the measured wheel speeds; scatter that it explains is no reason to fit",
-        source="assumption",
     )
     spread: float = parameter(
         3.0,
@@ -62,11 +58,8 @@ class SlipPeakParameters(SlipCurveParameters):
         low=0.0,
         high=100.0,
         about="standard deviation of the slip in the window over that of its noise, from which on the fit counts",
-        source="assumption",
     )
-    hits: int = parameter(
-        5, unit="1", low=1, high=100, about="steps in a row in which the curve falls, for a hit", source="assumption"
-    )
+    hits: int = parameter(5, unit="1", low=1, high=100, about="steps in a row in which the curve falls, for a hit")
 
 
 @dataclass(slots=True)

@@ -12,20 +12,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.law import Car, Wheels, compilable, entry, parameter, per_wheel
+from ev_core.parameters.declaration import setting
+from ev_core.parameters.record import entry, per_wheel
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.wheels import Wheels
 
 
 @dataclass(frozen=True, slots=True)
 class WheelTrustParameters:
     """When a wheel speed is no longer believed; all of it is assumed."""
 
-    watch: bool = parameter(False, about="whether wheel speeds that cannot be are left out; else all are believed")
-    tolerance: float = parameter(
+    watch: bool = setting(False, about="whether wheel speeds that cannot be are left out; else all are believed")
+    tolerance: float = setting(
         0.3, unit="m/s", low=0.01, high=100.0, about="deviation from the speed of the car that is allowed"
     )
-    share: float = parameter(0.1, unit="1", low=0.0, high=1.0, about="of the speed of the car, allowed besides")
-    time: float = parameter(0.1, unit="s", low=0.0, high=10.0, about="of deviation until a sensor counts as lost")
-    recovery: float = parameter(
+    share: float = setting(0.1, unit="1", low=0.0, high=1.0, about="of the speed of the car, allowed besides")
+    time: float = setting(0.1, unit="s", low=0.0, high=10.0, about="of deviation until a sensor counts as lost")
+    recovery: float = setting(
         1.0, unit="s", low=0.01, high=100.0, about="of agreement until a lost one is believed again"
     )
 

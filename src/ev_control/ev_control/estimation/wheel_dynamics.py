@@ -32,7 +32,6 @@ def slowest_wheel() -> Any:
         low=0.1,
         high=100.0,
         about="wheel speed below which slip is counted against this speed, so that rest is no slip",
-        source="assumption",
     )
 
 
@@ -45,7 +44,6 @@ def share_at_rest(share: float) -> Any:
         high=1.0,
         about="share of the wanted slip that a limited wheel has at rest; from `slowest` on it is whole. With 1 a "
         "tread that slides by slip times `slowest` passes as one that grips, and the car stands on a slippery hill",
-        source="assumption",
     )
 
 

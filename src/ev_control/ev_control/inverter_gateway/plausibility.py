@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.inverter_gateway.state import Device
-from ev_core.law import compilable, parameter
+from ev_core.parameters.declaration import parameter, setting
+from ev_msgs_py.compilable import compilable
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +21,7 @@ class PlausibilityParameters:
         30.0, unit="rad/s", low=1.0, high=1000.0, source="assumption: above what the load machine lags behind",
         about="of the shaft, between transducer and the virtual car's wheel",
     )  # fmt: skip
-    time: float = parameter(0.01, unit="s", low=0.001, high=1.0, about="for longer than this: fault of that drive")
+    time: float = setting(0.01, unit="s", low=0.001, high=1.0, about="for longer than this: fault of that drive")
 
 
 @compilable

@@ -21,7 +21,6 @@ class GainedSpeedParameters:
         high=0.5,
         about="share of its speed that a wheel may gain on the car while its tyre grips; dry asphalt carries half of "
         "the load at a slip of 0.03",
-        source="assumption",
     )
     least_gain: float = parameter(
         0.3,
@@ -29,7 +28,6 @@ class GainedSpeedParameters:
         low=0.0,
         high=100.0,
         about="what it may gain at any speed: noise, and a carcass that winds up at rest",
-        source="assumption",
     )
     memory: float = parameter(
         1.0,
@@ -37,7 +35,6 @@ class GainedSpeedParameters:
         low=0.01,
         high=100.0,
         about="time constant with which the gained speed is forgotten, so that no offset adds up",
-        source="assumption",
     )
 
 
@@ -69,11 +66,8 @@ class AccelerationCriterionParameters(GainedSpeedParameters):
         low=0.0,
         high=1000.0,
         about="wheel acceleration below which the ratio is noise",
-        source="assumption",
     )
-    filter_time: float = parameter(
-        0.03, unit="s", low=0.0, high=1.0, about="time constant of both accelerations", source="assumption"
-    )
+    filter_time: float = parameter(0.03, unit="s", low=0.0, high=1.0, about="time constant of both accelerations")
 
 
 @dataclass(slots=True)

@@ -35,7 +35,6 @@ class AllocationParameters:
         low=0.1,
         high=1.0,
         about="mechanical power of the motors over the electrical one, counted on while the battery is discharged",
-        source="assumption",
     )
 
 

@@ -37,7 +37,6 @@ class NeutralSteerParameters:
         low=0.0,
         high=5.0,
         about="K of the factor `given`; 1 reads proportional as equal",
-        source="assumption",
     )
     second_branch: str = parameter(
         "printed",
@@ -126,7 +125,6 @@ class AxleRedistributionParameters(NeutralSteerParameters):
         low=0.0,
         high=0.5,
         about="difference of the magnitudes of the slip angles that changes the branch; straight ahead it is undefined",
-        source="assumption",
     )
     acceleration_deadband: float = parameter(
         0.1,
@@ -134,7 +132,6 @@ class AxleRedistributionParameters(NeutralSteerParameters):
         low=1e-6,
         high=5.0,
         about="acceleration below which its direction is undefined and the last one is held",
-        source="assumption",
     )
     speed_deadband: float = parameter(
         0.1,
@@ -142,7 +139,6 @@ class AxleRedistributionParameters(NeutralSteerParameters):
         low=0.0,
         high=10.0,
         about="difference of the rear wheel speeds that changes which one is the slower",
-        source="assumption",
     )
     observer: SlipAngleObserverParameters = group(SlipAngleObserverParameters)
     brake: BrakeSplitParameters = group(BrakeSplitParameters)

@@ -21,7 +21,6 @@ class LeastSquaresParameters(SlipPeakParameters):
         low=0.05,
         high=0.9,
         about="slip that is a hit whatever the fit says: it was too late, or there is no peak, as on ice",
-        source="assumption",
     )
     first_slip: float = parameter(
         0.08,
@@ -29,7 +28,6 @@ class LeastSquaresParameters(SlipPeakParameters):
         low=0.01,
         high=0.5,
         about="slip that is regulated to where the backstop was the hit, which tells nothing of the peak",
-        source="assumption",
     )
     use: float = parameter(
         1.0,
@@ -46,21 +44,15 @@ class LeastSquaresParameters(SlipPeakParameters):
         low=0.1,
         high=1000.0,
         about="rate at which the slip approaches its target",
-        source="assumption",
     )
-    road_filter: float = parameter(
-        0.02, unit="s", low=0.0, high=1.0, about="time constant of the road torque", source="assumption"
-    )
-    hold: float = parameter(
-        0.3, unit="s", low=0.0, high=100.0, about="time for which the target stays after a hit", source="assumption"
-    )
+    road_filter: float = parameter(0.02, unit="s", low=0.0, high=1.0, about="time constant of the road torque")
+    hold: float = parameter(0.3, unit="s", low=0.0, high=100.0, about="time for which the target stays after a hit")
     probe: float = parameter(
         1.5,
         unit="1",
         low=0.0,
         high=100.0,
         about="rise of the target after that, over the slowest one whose slips spread enough in a window to be fitted",
-        source="assumption",
     )
     release: float = parameter(
         0.2,
@@ -68,7 +60,6 @@ class LeastSquaresParameters(SlipPeakParameters):
         low=0.0,
         high=100.0,
         about="time for which the road has to carry the whole request before the limit ends",
-        source="assumption",
     )
     at_rest: float = share_at_rest(0.3)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)

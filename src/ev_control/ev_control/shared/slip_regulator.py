@@ -24,7 +24,6 @@ class SlipRegulatorParameters:
         low=0.01,
         high=0.5,
         about="wanted slip; the peaks of snow and wet asphalt lie at 0.09 and 0.13",
-        source="assumption",
     )
     release: float = parameter(
         0.2,
@@ -32,7 +31,6 @@ class SlipRegulatorParameters:
         low=0.0,
         high=100.0,
         about="time for which the limit has to be above the request before it ends",
-        source="assumption",
     )
     at_rest: float = share_at_rest(0.3)
     slip: SlipObserverParameters = group(SlipObserverParameters)

@@ -24,16 +24,13 @@ from ev_msgs_py.contract.signals import (
 class SpeedSetPointParameters:
     """How the set-point moves; the source says that it is lowered, and neither how fast nor when it is raised."""
 
-    lowering: float = parameter(
-        200.0, unit="rad/s^2", low=0.1, high=1e5, about="fall of the set-point", source="assumption"
-    )
+    lowering: float = parameter(200.0, unit="rad/s^2", low=0.1, high=1e5, about="fall of the set-point")
     raising: float = parameter(
         60.0,
         unit="rad/s^2",
         low=0.1,
         high=1e5,
         about="rise of the set-point; faster than any road lets the car gain speed, so that it finds the limit again",
-        source="assumption",
     )
     least_slip: float = parameter(
         0.02,
@@ -41,7 +38,6 @@ class SpeedSetPointParameters:
         low=0.0,
         high=0.5,
         about="slip below which the set-point is not lowered: a lower one would be a drive without torque",
-        source="assumption",
     )
     served: float = parameter(
         0.95,
@@ -49,7 +45,6 @@ class SpeedSetPointParameters:
         low=0.1,
         high=1.0,
         about="share of the request that the drive gives where the set-point does not limit it any more",
-        source="assumption",
     )
     release: float = parameter(
         0.2,
@@ -57,7 +52,6 @@ class SpeedSetPointParameters:
         low=0.0,
         high=100.0,
         about="time for which it has to before the set-point ends",
-        source="assumption",
     )
     slowest: float = slowest_wheel()
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)

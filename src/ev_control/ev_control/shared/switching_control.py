@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.law import compilable, copysign, parameter
+from ev_core.elementary import copysign
+from ev_core.parameters.declaration import parameter, setting
+from ev_msgs_py.compilable import compilable
 
 
 @compilable
@@ -49,7 +51,7 @@ class SwitchingControlParameters:
         about="switching gain of the outer wheel, k_R of a left turn; for the reading rate per second",
         source="Ge & Ni 2005",
     )
-    boundary_layer: bool = parameter(True, about="whether the control is linear within the boundary layer")
+    boundary_layer: bool = setting(True, about="whether the control is linear within the boundary layer")
     layer_width: float = parameter(
         0.001, unit="1", low=1e-6, high=1.0, about="half width of the boundary layer, phi", source="Ge & Ni 2005"
     )
@@ -59,7 +61,6 @@ class SwitchingControlParameters:
         low=0.0,
         high=1.0,
         about="limit of each wheel's change of torque over its equal share, so that no torque comes without the pedal",
-        source="assumption",
     )
 
 

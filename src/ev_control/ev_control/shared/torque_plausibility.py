@@ -12,7 +12,10 @@ from dataclasses import dataclass
 
 from ev_control.estimation.first_order_filter import filter_share
 from ev_control.estimation.plausible import LARGEST_TORQUE
-from ev_core.law import Car, WheelStates, WheelTorqueCommand, compilable, copysign, entry, parameter, per_wheel
+from ev_core.elementary import copysign
+from ev_core.parameters.declaration import setting
+from ev_core.parameters.record import entry, per_wheel
+from ev_core.vehicle.car import Car
 from ev_core.vehicle.motor import driving_torque, generating_torque
 
 PARTNERS = (1, 0, 3, 2)  # the other wheel of the axle, in the order of Wheels
@@ -23,27 +26,27 @@ NEARLY_FASTEST = 0.95  # share of the motor's maximum speed from which on no tor
 class PlausibilityParameters:
     """When a torque is not plausible; all of it is assumed."""
 
-    lag: float = parameter(
+    lag: float = setting(
         0.0,
         unit="s",
         low=0.0,
         high=1.0,
         about="of bus and sensor between command and measured torque, beside the car's `motor.torque_lag`",
     )
-    tolerance: float = parameter(20.0, unit="N m", low=0.1, high=1e4, about="deviation at the wheel that is allowed")
-    share: float = parameter(0.2, unit="1", low=0.0, high=1.0, about="of the expected torque, allowed besides")
-    power: float = parameter(
+    tolerance: float = setting(20.0, unit="N m", low=0.1, high=1e4, about="deviation at the wheel that is allowed")
+    share: float = setting(0.2, unit="1", low=0.0, high=1.0, about="of the expected torque, allowed besides")
+    power: float = setting(
         0.7, unit="1", low=0.0, high=1.0, about="of a motor's peak power that a low voltage leaves of it"
     )
-    time: float = parameter(
+    time: float = setting(
         0.02, unit="s", low=0.0, high=10.0, about="of twice the allowed deviation until a motor counts as lost"
     )
-    keep_difference: bool = parameter(
+    keep_difference: bool = setting(
         False,
         about="whether drives steer the car: the difference asked of a lost motor and its partner is given also "
         "where the partner's torque changes its sign by it",
     )
-    recovery: float = parameter(
+    recovery: float = setting(
         0.5, unit="s", low=0.0, high=100.0, about="of torques as told, not about zero, until it counts as sound"
     )
 

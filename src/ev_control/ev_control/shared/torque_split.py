@@ -37,7 +37,7 @@ class BrakeSplitParameters:
     """How the brake torque of the driver is distributed."""
 
     front_share: float = parameter(
-        0.6, unit="1", low=0.0, high=1.0, about="share of the brake torque on the front axle", source="assumption"
+        0.6, unit="1", low=0.0, high=1.0, about="share of the brake torque on the front axle"
     )
 
 

@@ -8,7 +8,7 @@ from math import ceil
 from typing import NamedTuple
 
 from ev_core.bus.parameters import BusInterface
-from ev_core.parameters.declaration import parameter
+from ev_core.parameters.declaration import parameter, setting
 from ev_core.parameters.record import entry, series
 from ev_core.sensors.random_numbers import WORD, philox, uniform
 from ev_msgs_py.can.frame_layout import FrameLayout
@@ -31,18 +31,16 @@ _MOST_SENT = int(MOST_TICKS * TICK * _FASTEST) // _SHORTEST + 1  # frames that c
 class BusModelParameters(BusInterface):
     """The bus in lockstep; in real time its frames go over the interface."""
 
-    bit_rate: float = parameter(
-        1e6, unit="bit/s", low=1.25e5, high=_FASTEST, about="of both channels", source="assumption"
-    )
+    bit_rate: float = parameter(1e6, unit="bit/s", low=1.25e5, high=_FASTEST, about="of both channels")
     phase: float = parameter(
         0.0005, unit="s", low=0.0, high=0.0009, source="assumption: they are not synchronised",
         about="from the controller's cycle to that of the inverters",
     )  # fmt: skip
-    loss: float = parameter(0.0, unit="1", low=0.0, high=1.0, about="share of frames that are lost, by chance")
-    other_load: float = parameter(
+    loss: float = setting(0.0, unit="1", low=0.0, high=1.0, about="share of frames that are lost, by chance")
+    other_load: float = setting(
         0.0, unit="1", low=0.0, high=0.9, about="share of time that frames of others take, before all of ours"
     )
-    seed: int = parameter(0, low=0, high=2**31 - 1, about="of what is lost; goes with the seed of the node")
+    seed: int = setting(0, low=0, high=2**31 - 1, about="of what is lost; goes with the seed of the node")
 
     @property
     def is_random(self) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from ev_core.parameters.data_file import TextOfFile, find_file
-from ev_core.parameters.declaration import parameter
+from ev_core.parameters.declaration import setting
 from ev_msgs_py.refusal import ParameterError, quoted
 
 INTERFACES = ("virtual", "udp_multicast", "socketcand", "socketcan")
@@ -28,27 +28,27 @@ DEFAULT_CHANNELS = MappingProxyType(
 class BusInterface:
     """What frames there are and what carries them in real time: one channel for each circuit."""
 
-    interface: str = parameter(
+    interface: str = setting(
         "udp_multicast",
         choices=INTERFACES,
         about="virtual: within one process; udp_multicast: between processes, see `bus.address`; socketcand: between "
         "those of this machine, over TCP through `ev_sim can_hub`; socketcan: hardware",
         read_only=True,
     )
-    channel_11: str = parameter(
+    channel_11: str = setting(
         "",
         about="of the right circuit: a name, GROUP:PORT, NAME@HOST:PORT or a network interface, by the interface; "
         "empty for its usual one",
         read_only=True,
     )
-    channel_12: str = parameter("", about="of the left circuit, likewise", read_only=True)
-    address: str = parameter(
+    channel_12: str = setting("", about="of the left circuit, likewise", read_only=True)
+    address: str = setting(
         LOOPBACK,
         about="of this machine in the network that udp_multicast uses; with any but 127.0.0.1 whoever is there hears "
         "all frames and can send some",
         read_only=True,
     )
-    database: str = parameter("can/ev_bench.dbc", about="DBC file of the frames", read_only=True)
+    database: str = setting("can/ev_bench.dbc", about="DBC file of the frames", read_only=True)
 
     def __post_init__(self) -> None:
         """What a file may not open is refused: a socket on a network, and what is further away than it may lead."""
@@ -74,7 +74,7 @@ class BusInterface:
 class BusParameters(BusInterface):
     """The CAN bus of a node and its log."""
 
-    log: str = parameter(
+    log: str = setting(
         "",
         about="file for all frames that are sent and received: .log (candump), .blf (Vector) or, where asammdf is "
         "installed, .mf4; empty for none; that of a run lies beside its signals",

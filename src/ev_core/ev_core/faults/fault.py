@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ev_core.parameters.declaration import parameter
+from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
@@ -66,7 +66,7 @@ _SOME_WHEELS = {
 
 def faults_parameter() -> Any:
     """Declare the one parameter `faults`."""
-    return parameter((), about=f"what goes wrong, each as {SYNTAX} (docs/faults.md)")
+    return setting((), about=f"what goes wrong, each as {SYNTAX} (docs/faults.md)")
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from typing import Any
 from ev_core.methods.register import refuse_taken
 from ev_core.native.interface import BY_WHEEL, CAR, VERSION, bit, layout, reads_of, size_of
 from ev_core.parameters.data_file import find_file
-from ev_core.parameters.declaration import parameter
+from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, quoted
 
@@ -122,7 +122,7 @@ class Library:
             seen.add(name)
             if not name.isidentifier() or not low <= each.value <= high or not math.isfinite(each.value):
                 raise self.refused(f"parameter {quoted(name)} needs a name and a finite value between its bounds")
-            declared_as = parameter(
+            declared_as = setting(
                 each.value,
                 about=_text(each.about),
                 unit=_text(each.unit),

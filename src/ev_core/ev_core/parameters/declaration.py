@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 
 P = TypeVar("P")
 _SPEC = "parameter"
+_ASSUMED = "assumption"  # the source that is reproduced gives no value
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +57,7 @@ def parameter(
     low: float | None = None,
     high: float | None = None,
     choices: tuple[str, ...] = (),
-    source: str = "",
+    source: str = _ASSUMED,
     read_only: bool = False,
     lateral: bool = False,
     per_wheel: bool = False,
@@ -64,13 +65,18 @@ def parameter(
 ) -> Any:
     """Declare one field of a parameter dataclass.
 
-    `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and switches);
-    for an array they hold for each element. `read_only` parameters are fixed when a node starts. Where left and
-    right are exchanged, `lateral` ones change their sign, and arrays `per_wheel` are in another order. Of `own` ones
-    everything that is described by such parameters has its own value: no default can stand for it.
+    `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and switches); for an array
+    they hold for each element. `source` says where the default comes from. `read_only` parameters are fixed when a node
+    starts. Where left and right are exchanged, `lateral` ones change their sign, and arrays `per_wheel` are in another
+    order. Of `own` ones everything that is described by such parameters has its own value: no default can stand for it.
     """
     spec = Spec(about, unit, low, high, choices, source, read_only, lateral, per_wheel, own)
     return field(default=default, metadata={_SPEC: spec})
+
+
+def setting(default: Any, **about: Any) -> Any:
+    """Declare a field as `parameter` does, one whose value is chosen or describes a thing, so that it has no source."""
+    return parameter(default, source="", **about)
 
 
 def group(of: type, **changed: Any) -> Any:

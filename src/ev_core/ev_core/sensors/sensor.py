@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 
-from ev_core.parameters.declaration import parameter
+from ev_core.parameters.declaration import setting
 from ev_msgs_py.refusal import ParameterError
 
 DISTRIBUTIONS = ("gaussian", "uniform")
@@ -21,40 +21,40 @@ def sensor_parameters(unit: str, largest: float) -> type:
     class SensorParameters:
         """Errors of one sensor, in the order in which they come about."""
 
-        gain: float = parameter(1.0, unit="1", low=0.5, high=2.0, about="what is shown over what is true")
-        bias: float = parameter(0.0, unit=unit, low=-largest, high=largest, about="constant error")
-        noise: float = parameter(
+        gain: float = setting(1.0, unit="1", low=0.5, high=2.0, about="what is shown over what is true")
+        bias: float = setting(0.0, unit=unit, low=-largest, high=largest, about="constant error")
+        noise: float = setting(
             0.0, unit=unit, low=0.0, high=largest, about="size of the random error, new in every period: `distribution`"
         )
-        bias_of_range: float = parameter(
+        bias_of_range: float = setting(
             0.0, unit="1", low=-1.0, high=1.0, about="constant error over the range from lowest to highest, on top"
         )
-        noise_of_reading: float = parameter(
+        noise_of_reading: float = setting(
             0.0, unit="1", low=0.0, high=1.0, about="random error over the true value, on top of `noise`"
         )
-        noise_of_range: float = parameter(
+        noise_of_range: float = setting(
             0.0,
             unit="1",
             low=0.0,
             high=1.0,
             about="random error over lowest to highest, on top of `noise`",
         )
-        distribution: str = parameter(
+        distribution: str = setting(
             "gaussian",
             choices=DISTRIBUTIONS,
             about="of the random error; gaussian: its standard deviation is `noise`; uniform: `noise` is its bound",
         )
-        lowest: float = parameter(
+        lowest: float = setting(
             -_NO_RANGE, unit=unit, low=-_NO_RANGE, high=_NO_RANGE, about="smallest value that it can show"
         )
-        highest: float = parameter(
+        highest: float = setting(
             _NO_RANGE, unit=unit, low=-_NO_RANGE, high=_NO_RANGE, about="largest value that it can show"
         )
-        quantisation: float = parameter(
+        quantisation: float = setting(
             0.0, unit=unit, low=0.0, high=largest, about="distance between the values that it can show; 0: shows all"
         )
-        delay: int = parameter(0, unit="1", low=0, high=1000, about="age of the value, in whole control periods")
-        dropout: float = parameter(
+        delay: int = setting(0, unit="1", low=0, high=1000, about="age of the value, in whole control periods")
+        dropout: float = setting(
             0.0, unit="1", low=0.0, high=1.0, about="probability that a period brings no value and the last one stays"
         )
 

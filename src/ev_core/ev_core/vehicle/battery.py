@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.declaration import group, parameter, setting
 from ev_msgs_py.refusal import ParameterError
 
 _WINSTON = "assumption for a Winston WB-LYP60AHA, whose data are lost in the dissertation (figure 4.8)"
@@ -14,7 +14,7 @@ _WINSTON = "assumption for a Winston WB-LYP60AHA, whose data are lost in the dis
 class Cells:
     """Equal cells in series, of the plant `planar_electrical`; their charge is the battery's `capacity`."""
 
-    in_series: int = parameter(
+    in_series: int = setting(
         150,
         unit="1",
         low=1,
@@ -45,14 +45,12 @@ class Cells:
         180.0, unit="A", low=0.0, high=1e5, about="largest, at a good temperature", source=_WINSTON
     )
     ambient: float = parameter(
-        25.0, unit="degC", low=-40.0, high=60.0, about="of the cells at the start, and around them", source="assumption"
+        25.0, unit="degC", low=-40.0, high=60.0, about="of the cells at the start, and around them"
     )
     heat_capacity: float = parameter(
         2500.0, unit="J/K", low=1.0, high=1e6, about="of a cell", source="assumption for 2.5 kg"
     )
-    thermal_resistance: float = parameter(
-        2.0, unit="K/W", low=1e-3, high=1e3, about="from a cell to what is around it", source="assumption"
-    )
+    thermal_resistance: float = parameter(2.0, unit="K/W", low=1e-3, high=1e3, about="from a cell to what is around it")
     discharge_temperature: tuple[float, ...] = parameter(
         (-30.0, 0.0, 45.0, 60.0),
         unit="degC",
@@ -83,7 +81,7 @@ class Cells:
 class Battery:
     """The traction battery: open-circuit voltage over charge, one resistance, limits; or cells."""
 
-    open_circuit_voltage: tuple[float, ...] = parameter(
+    open_circuit_voltage: tuple[float, ...] = setting(
         (432.0, 468.0, 480.0, 492.0, 528.0),
         unit="V",
         low=10.0,
@@ -91,12 +89,12 @@ class Battery:
         about="at equally spaced states of charge from empty to full",
         own=True,
     )
-    resistance: float = parameter(0.1, unit="ohm", low=1e-6, high=10.0, about="internal resistance", own=True)
-    capacity: float = parameter(50.0, unit="A h", low=0.1, high=1e4, about="charge between empty and full", own=True)
-    state_of_charge: float = parameter(0.8, unit="1", low=0.0, high=1.0, about="at the start")
-    discharge_power: float = parameter(120e3, unit="W", low=0.0, high=1e7, about="largest power given")
-    charge_power: float = parameter(60e3, unit="W", low=0.0, high=1e7, about="largest power taken")
-    auxiliary_power: float = parameter(0.0, unit="W", low=0.0, high=1e5, about="steady consumption besides the drives")
+    resistance: float = setting(0.1, unit="ohm", low=1e-6, high=10.0, about="internal resistance", own=True)
+    capacity: float = setting(50.0, unit="A h", low=0.1, high=1e4, about="charge between empty and full", own=True)
+    state_of_charge: float = setting(0.8, unit="1", low=0.0, high=1.0, about="at the start")
+    discharge_power: float = setting(120e3, unit="W", low=0.0, high=1e7, about="largest power given")
+    charge_power: float = setting(60e3, unit="W", low=0.0, high=1e7, about="largest power taken")
+    auxiliary_power: float = setting(0.0, unit="W", low=0.0, high=1e5, about="steady consumption besides the drives")
     cells: Cells = group(Cells)
 
     def __post_init__(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.declaration import group, parameter, setting
 from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.drive_train import refuse_drive_train
 from ev_core.vehicle.driveline import Driveline
@@ -25,17 +25,15 @@ class Vehicle:
     The defaults are the Audi A2 of Shchur (2019).
     """
 
-    name: str = parameter("audi_a2", about="name of the vehicle file", own=True)
-    mass: float = parameter(1400.0, unit="kg", low=50.0, high=60000.0, about="mass with load, m", own=True)
-    wheelbase: float = parameter(2.405, unit="m", low=0.3, high=12.0, about="distance of the axles, L", own=True)
-    front_track: float = parameter(
-        1.462, unit="m", low=0.2, high=4.0, about="distance of the front wheels, d", own=True
-    )
-    rear_track: float = parameter(1.462, unit="m", low=0.2, high=4.0, about="distance of the rear wheels", own=True)
-    centre_of_mass_to_rear_axle: float = parameter(
+    name: str = setting("audi_a2", about="name of the vehicle file", own=True)
+    mass: float = setting(1400.0, unit="kg", low=50.0, high=60000.0, about="mass with load, m", own=True)
+    wheelbase: float = setting(2.405, unit="m", low=0.3, high=12.0, about="distance of the axles, L", own=True)
+    front_track: float = setting(1.462, unit="m", low=0.2, high=4.0, about="distance of the front wheels, d", own=True)
+    rear_track: float = setting(1.462, unit="m", low=0.2, high=4.0, about="distance of the rear wheels", own=True)
+    centre_of_mass_to_rear_axle: float = setting(
         1.08225, unit="m", low=0.0, high=12.0, about="centre of mass in front of the rear axle, l_cm L", own=True
     )
-    wheel_radius: float = parameter(
+    wheel_radius: float = setting(
         0.294, unit="m", low=0.05, high=1.5, about="rolling radius of the wheels, r_k", own=True
     )
     wheel_radius_ratio: tuple[float, ...] = parameter(
@@ -47,23 +45,23 @@ class Vehicle:
         source="dissertation, chapter 2: r_k,i of the i-th wheel",
         per_wheel=True,
     )
-    steering_ratio: float = parameter(
+    steering_ratio: float = setting(
         16.0, unit="1", low=1.0, high=40.0, about="steering-wheel angle over road-wheel angle, i", own=True
     )
-    gear_ratio: float = parameter(2.65, unit="1", low=0.1, high=50.0, about="motor speed over wheel speed", own=True)
-    driven_wheels: tuple[str, ...] = parameter(
+    gear_ratio: float = setting(2.65, unit="1", low=0.1, high=50.0, about="motor speed over wheel speed", own=True)
+    driven_wheels: tuple[str, ...] = setting(
         ("front_left", "front_right"),
         choices=("front_left", "front_right", "rear_left", "rear_right"),
         about="wheels with a motor",
         own=True,
     )
-    rolling_resistance: float = parameter(
+    rolling_resistance: float = setting(
         0.015, unit="1", low=0.0, high=0.5, about="rolling resistance coefficient, k_r or f_0", own=True
     )
-    drag_coefficient: float = parameter(
+    drag_coefficient: float = setting(
         0.3, unit="1", low=0.0, high=3.0, about="aerodynamic drag coefficient, c_d", own=True
     )
-    frontal_area: float = parameter(2.1, unit="m^2", low=0.0, high=20.0, about="frontal area, A", own=True)
+    frontal_area: float = setting(2.1, unit="m^2", low=0.0, high=20.0, about="frontal area, A", own=True)
     side_drag_coefficient: float = parameter(
         0.0,
         unit="1",
@@ -72,9 +70,9 @@ class Vehicle:
         about="drag across the car, of the planar plant, C_wy",
         source="dissertation, eq 2.22, without a value",
     )
-    side_area: float = parameter(0.0, unit="m^2", low=0.0, high=100.0, about="area seen from the side, F_side")
-    air_density: float = parameter(1.24, unit="kg/m^3", low=0.0, high=2.0, about="density of the air, rho")
-    rolling_resistance_speed: float = parameter(
+    side_area: float = setting(0.0, unit="m^2", low=0.0, high=100.0, about="area seen from the side, F_side")
+    air_density: float = setting(1.24, unit="kg/m^3", low=0.0, high=2.0, about="density of the air, rho")
+    rolling_resistance_speed: float = setting(
         0.0,
         unit="s^2/m^2 or h^2/km^2",
         low=0.0,
@@ -87,14 +85,14 @@ class Vehicle:
         about="added: f = f_0 + k_f V^2 with V in m/s; relative: f = f_0 (1 + k_f V^2) with V in km/h",
         source="dissertation, eq 2.8, which leaves the unit of V open: added is its literal form",
     )
-    yaw_inertia: float = parameter(
+    yaw_inertia: float = setting(
         1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z", own=True
     )
-    centre_of_mass_height: float = parameter(0.55, unit="m", low=0.0, high=4.0, about="above the road, h", own=True)
-    centre_of_mass_offset: float = parameter(
+    centre_of_mass_height: float = setting(0.55, unit="m", low=0.0, high=4.0, about="above the road, h", own=True)
+    centre_of_mass_offset: float = setting(
         0.0, unit="m", low=-2.0, high=2.0, about="centre of mass left of the car's middle", lateral=True
     )
-    front_roll_share: float = parameter(
+    front_roll_share: float = setting(
         0.5,
         unit="1",
         low=0.0,
@@ -107,7 +105,7 @@ class Vehicle:
         about="accelerations that move the wheel loads; a source may leave out the longitudinal one, or both",
         source="lateral: Ge & Ni 2005; none: Tatar & Chudzik",
     )
-    wheel_inertia: float = parameter(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w", own=True)
+    wheel_inertia: float = setting(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w", own=True)
     undriven_inertia_ratio: float = parameter(
         1.0,
         unit="1",
@@ -121,7 +119,7 @@ class Vehicle:
         about="add m r_k^2/4 to the inertia of each wheel: the car's mass counts twice",
         source="Tatar & Chudzik, eq 1 as printed",
     )
-    steering_geometry: str = parameter(
+    steering_geometry: str = setting(
         "ackermann", choices=("ackermann", "parallel"), about="road-wheel angles of the two front wheels"
     )
     rear_steering_ratio: float = parameter(
@@ -132,16 +130,16 @@ class Vehicle:
         about="angle of both rear wheels over the mean road-wheel angle of the front ones, in the planar plant",
         source="Ge & Ni 2005, eq 3: delta_r",
     )
-    maximum_road_wheel_angle: float = parameter(
+    maximum_road_wheel_angle: float = setting(
         0.7, unit="rad", low=0.01, high=1.4, about="largest mean road-wheel angle, either way"
     )
-    maximum_brake_torque: float = parameter(
+    maximum_brake_torque: float = setting(
         4000.0, unit="N m", low=0.0, high=1e6, about="of the friction brake of each wheel"
     )
-    blend_brakes: bool = parameter(
+    blend_brakes: bool = setting(
         False, about="serve brake torques by the motors first, as far as their generator limits reach"
     )
-    blend_fade_speed: float = parameter(
+    blend_fade_speed: float = setting(
         10.0, unit="rad/s", low=0.1, high=1e3, about="wheel speed below which motors hand braking back to the brakes"
     )
     suspension: Suspension = group(Suspension)

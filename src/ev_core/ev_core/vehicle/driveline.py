@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ev_core.parameters.declaration import parameter
+from ev_core.parameters.declaration import parameter, setting
 from ev_msgs_py.refusal import ParameterError
 
 COUPLINGS = ("individual", "open", "limited_slip", "clutch", "centre")
@@ -37,7 +37,7 @@ def _coefficient(place: str) -> Any:
 
 
 def _axle(place: str) -> Any:
-    return parameter(
+    return setting(
         "same",
         choices=("same", *COUPLINGS[:3], *TORSENS),
         about=f"`coupling` of the {place} axle, if it has its own",
@@ -45,13 +45,13 @@ def _axle(place: str) -> Any:
 
 
 def _gear(place: str) -> Any:
-    return parameter(
+    return setting(
         1.0, unit="1", low=0.01, high=100.0, about=f"gear ratio of the {place} axle over the vehicle's `gear_ratio`"
     )
 
 
 def _size(place: str) -> Any:
-    return parameter(
+    return setting(
         1.0,
         unit="1",
         low=0.01,
@@ -64,7 +64,7 @@ def _size(place: str) -> Any:
 class Driveline:
     """How drive torque reaches the wheels; what an axle does not say itself is that of the car."""
 
-    coupling: str = parameter(
+    coupling: str = setting(
         "individual",
         choices=COUPLINGS,
         about="individual: a motor for each driven wheel; open, limited_slip: a motor for each driven axle, with a "
@@ -73,22 +73,22 @@ class Driveline:
     )
     front: str = _axle("front")
     rear: str = _axle("rear")
-    centre: str = parameter(
+    centre: str = setting(
         "open", choices=("open", "limited_slip", *TORSENS, "dccd"), about="the centre differential, if there is one"
     )
-    front_share: float = parameter(
+    front_share: float = setting(
         0.5, unit="1", low=0.01, high=0.99, about="of the torque of an open centre differential that goes to the front"
     )
     front_lock: float = _coefficient("front")
     rear_lock: float = _coefficient("rear")
     centre_lock: float = _coefficient("centre")
-    preload: float = parameter(
+    preload: float = setting(
         50.0, unit="N m", low=0.0, high=1e4, about="locking torque of a limited-slip differential at no drive torque"
     )
-    locking_ratio: float = parameter(
+    locking_ratio: float = setting(
         0.3, unit="1", low=0.0, high=1.0, about="locking torque over drive torque of a limited-slip differential"
     )
-    locking_speed: float = parameter(
+    locking_speed: float = setting(
         1.0, unit="rad/s", low=0.1, high=100.0, about="speed difference at which 76 % of the locking torque acts"
     )
     clutch_lag: float = parameter(

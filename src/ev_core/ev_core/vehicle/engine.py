@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.declaration import group, parameter, setting
 from ev_msgs_py.refusal import ParameterError
 
 _CAR = "assumption for a medium car"
@@ -51,7 +51,7 @@ class Gearbox:
 class Engine:
     """Spark ignition engine, torque converter and gearbox; without peak power there are motors instead."""
 
-    peak_power: float = parameter(0.0, unit="W", low=0.0, high=1e7, about="at full load; 0 for no engine")
+    peak_power: float = setting(0.0, unit="W", low=0.0, high=1e7, about="at full load; 0 for no engine")
     peak_power_speed: float = parameter(580.0, unit="rad/s", low=1.0, high=5000.0, about="at which", source=_CAR)
     maximum_speed: float = parameter(
         650.0, unit="rad/s", low=1.0, high=5000.0, about="beyond which fuel is cut off", source=_CAR

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.declaration import group, parameter, setting
 from ev_msgs_py.compilable import inlined
 from ev_msgs_py.refusal import ParameterError
 
@@ -41,7 +41,6 @@ class Winding:
         high=1.0,
         about="of the largest phase voltage, V_dc/sqrt(3), that field weakening makes use of; the rest is left to the "
         "resistance of the winding and to the current control",
-        source="assumption",
     )
 
 
@@ -49,32 +48,22 @@ class Winding:
 class ThermalParameters:
     """One heat capacity each for winding and inverter, cooled by one coolant."""
 
-    coolant: float = parameter(40.0, unit="degC", low=-40.0, high=120.0, about="coolant inlet", source="assumption")
-    coolant_flow: float = parameter(8.0, unit="l/min", low=0.1, high=31.0, about="of the coolant", source="assumption")
-    winding_capacity: float = parameter(
-        4000.0, unit="J/K", low=1.0, high=1e6, about="heat capacity of the winding", source="assumption"
-    )
-    winding_resistance: float = parameter(
-        0.015, unit="K/W", low=1e-4, high=10.0, about="from winding to coolant", source="assumption"
-    )
+    coolant: float = parameter(40.0, unit="degC", low=-40.0, high=120.0, about="coolant inlet")
+    coolant_flow: float = parameter(8.0, unit="l/min", low=0.1, high=31.0, about="of the coolant")
+    winding_capacity: float = parameter(4000.0, unit="J/K", low=1.0, high=1e6, about="heat capacity of the winding")
+    winding_resistance: float = parameter(0.015, unit="K/W", low=1e-4, high=10.0, about="from winding to coolant")
     inverter_capacity: float = parameter(
-        1500.0, unit="J/K", low=1.0, high=1e6, about="heat capacity of the power stage", source="assumption"
+        1500.0, unit="J/K", low=1.0, high=1e6, about="heat capacity of the power stage"
     )
-    inverter_resistance: float = parameter(
-        0.02, unit="K/W", low=1e-4, high=10.0, about="from power stage to coolant", source="assumption"
-    )
+    inverter_resistance: float = parameter(0.02, unit="K/W", low=1e-4, high=10.0, about="from power stage to coolant")
     winding_warm: float = parameter(
-        120.0, unit="degC", low=-40.0, high=215.0, about="from here on the torque is derated", source="assumption"
+        120.0, unit="degC", low=-40.0, high=215.0, about="from here on the torque is derated"
     )
-    winding_limit: float = parameter(
-        140.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here", source="assumption"
-    )
+    winding_limit: float = parameter(140.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here")
     inverter_warm: float = parameter(
-        75.0, unit="degC", low=-40.0, high=215.0, about="from here on the torque is derated", source="assumption"
+        75.0, unit="degC", low=-40.0, high=215.0, about="from here on the torque is derated"
     )
-    inverter_limit: float = parameter(
-        90.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here", source="assumption"
-    )
+    inverter_limit: float = parameter(90.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here")
 
     def __post_init__(self) -> None:
         if self.winding_warm >= self.winding_limit or self.inverter_warm >= self.inverter_limit:
@@ -88,51 +77,45 @@ class Motor:
     The defaults are assumptions for a small city car's front drive with two motors.
     """
 
-    peak_torque: float = parameter(
-        250.0, unit="N m", low=0.0, high=1e5, about="at the shaft, for a short time", own=True
-    )
-    nominal_torque: float = parameter(150.0, unit="N m", low=1e-3, high=1e5, about="at the shaft, for ever", own=True)
-    peak_power: float = parameter(
-        40e3, unit="W", low=1.0, high=1e7, about="mechanical power for a short time", own=True
-    )
-    overload_time: float = parameter(
+    peak_torque: float = setting(250.0, unit="N m", low=0.0, high=1e5, about="at the shaft, for a short time", own=True)
+    nominal_torque: float = setting(150.0, unit="N m", low=1e-3, high=1e5, about="at the shaft, for ever", own=True)
+    peak_power: float = setting(40e3, unit="W", low=1.0, high=1e7, about="mechanical power for a short time", own=True)
+    overload_time: float = setting(
         60.0, unit="s", low=0.1, high=1e5, about="thermal time constant that ends the short time"
     )
-    maximum_speed: float = parameter(
+    maximum_speed: float = setting(
         1000.0, unit="rad/s", low=1.0, high=1e5, about="of the shaft; no drive torque beyond", own=True
     )
-    generator_torque: float = parameter(
+    generator_torque: float = setting(
         150.0, unit="N m", low=0.0, high=1e5, about="largest torque when the motor feeds the battery", own=True
     )
-    generator_power: float = parameter(
+    generator_power: float = setting(
         25e3, unit="W", low=0.0, high=1e7, about="largest mechanical power that the motor takes", own=True
     )
-    torque_lag: float = parameter(0.005, unit="s", low=1e-4, high=10.0, about="time constant of the torque control")
-    rotor_inertia: float = parameter(0.0, unit="kg m^2", low=0.0, high=100.0, about="of one rotor, at the shaft")
-    gear_efficiency: float = parameter(1.0, unit="1", low=0.5, high=1.0, about="of the gear, either way")
-    copper_loss: float = parameter(
+    torque_lag: float = setting(0.005, unit="s", low=1e-4, high=10.0, about="time constant of the torque control")
+    rotor_inertia: float = setting(0.0, unit="kg m^2", low=0.0, high=100.0, about="of one rotor, at the shaft")
+    gear_efficiency: float = setting(1.0, unit="1", low=0.5, high=1.0, about="of the gear, either way")
+    copper_loss: float = setting(
         0.05, unit="W/(N m)^2", low=0.0, high=1e3, about="loss per squared torque: winding resistance"
     )
-    iron_loss: float = parameter(
-        0.5, unit="W s/rad", low=0.0, high=1e3, about="loss per speed: hysteresis and bearings"
-    )
-    eddy_loss: float = parameter(
+    iron_loss: float = setting(0.5, unit="W s/rad", low=0.0, high=1e3, about="loss per speed: hysteresis and bearings")
+    eddy_loss: float = setting(
         5e-4, unit="W s^2/rad^2", low=0.0, high=10.0, about="loss per squared speed: eddy currents and windage"
     )
-    inverter_loss: float = parameter(20.0, unit="W", low=0.0, high=1e4, about="inverter's loss without torque")
-    inverter_torque_loss: float = parameter(
+    inverter_loss: float = setting(20.0, unit="W", low=0.0, high=1e4, about="inverter's loss without torque")
+    inverter_torque_loss: float = setting(
         1.0, unit="W/(N m)", low=0.0, high=100.0, about="inverter's loss per torque: switching and conduction"
     )
-    map_speed: tuple[float, ...] = parameter(
+    map_speed: tuple[float, ...] = setting(
         (), unit="rad/s", low=0.0, high=1e5, about="shaft speeds of an efficiency map; empty for the loss model"
     )
-    map_torque: tuple[float, ...] = parameter(
+    map_torque: tuple[float, ...] = setting(
         (), unit="N m", low=0.0, high=1e5, about="shaft torques of the efficiency map"
     )
-    map_efficiency: tuple[float, ...] = parameter(
+    map_efficiency: tuple[float, ...] = setting(
         (), unit="1", low=0.01, high=1.0, about="efficiency of motor and inverter, speed by speed (row by row)"
     )
-    map_file: str = parameter(
+    map_file: str = setting(
         "",
         about="CSV file with the columns speed_radps or speed_rpm, torque_nm and efficiency, instead of the map; empty "
         "for none",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import parameter
+from ev_core.parameters.declaration import setting
 from ev_msgs_py.refusal import ParameterError
 
 
@@ -12,33 +12,33 @@ from ev_msgs_py.refusal import ParameterError
 class Suspension:
     """Roll stiffness, roll centres and compliance steer; the defaults are an axle without any of them."""
 
-    front_roll_stiffness: float = parameter(
+    front_roll_stiffness: float = setting(
         0.0, unit="N m/rad", low=0.0, high=1e7, about="of springs and stabiliser in front; 0 for `front_roll_share`"
     )
-    rear_roll_stiffness: float = parameter(
+    rear_roll_stiffness: float = setting(
         0.0, unit="N m/rad", low=0.0, high=1e7, about="of springs and stabiliser behind; 0 for `front_roll_share`"
     )
-    front_roll_centre_height: float = parameter(
+    front_roll_centre_height: float = setting(
         0.0, unit="m", low=-1.0, high=3.0, about="of the front axle, above the road"
     )
-    rear_roll_centre_height: float = parameter(
+    rear_roll_centre_height: float = setting(
         0.0, unit="m", low=-1.0, high=3.0, about="of the rear axle, above the road"
     )
-    roll_lag: float = parameter(
+    roll_lag: float = setting(
         0.0,
         unit="s",
         low=0.0,
         high=1.0,
         about="time in which the loads follow a lateral acceleration; 0 for the plant's `load_transfer_lag`",
     )
-    front_compliance_steer: float = parameter(
+    front_compliance_steer: float = setting(
         0.0,
         unit="rad/N",
         low=-1e-4,
         high=1e-4,
         about="angle by which a side force on the front axle turns its wheels out of the bend: understeer",
     )
-    rear_compliance_steer: float = parameter(
+    rear_compliance_steer: float = setting(
         0.0,
         unit="rad/N",
         low=-1e-4,

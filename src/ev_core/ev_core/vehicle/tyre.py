@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
-from ev_core.parameters.declaration import parameter
+from ev_core.parameters.declaration import parameter, setting
 from ev_core.parameters.record import per_wheel
 from ev_msgs_py.refusal import ParameterError
 
@@ -129,14 +129,14 @@ class Tyre:
     lengths of 0.2 to 0.4 m). Steady driving does not depend on them.
     """
 
-    curve: str = parameter(
+    curve: str = setting(
         "burckhardt",
         choices=tuple(POSITIVE_COEFFICIENTS),
         about="friction curve over slip; mf_tyre: tyres front and rear by the Magic Formula with load dependence, from "
         "tyre property files",
         own=True,
     )
-    coefficients: tuple[float, ...] = parameter(
+    coefficients: tuple[float, ...] = setting(
         (0.0, 0.0, 0.0, 0.0),
         unit="1",
         low=-50.0,
@@ -144,7 +144,7 @@ class Tyre:
         about="coefficients on dry asphalt, in the order of the curve (rational: peak, peak slip; two_exponential: "
         "mu_s, S0, S1; magic_formula: B, C, D, E; linear: slope); burckhardt takes those of the surface",
     )
-    combined: str = parameter(
+    combined: str = setting(
         "slip_vector",
         choices=("slip_vector", "uncoupled", "weighted"),
         about="slip_vector: one curve over the resulting slip; uncoupled: each direction on its own; weighted: by the "
@@ -157,16 +157,16 @@ class Tyre:
         "constant_stiffness: F_y = -C alpha, whatever the load. Both lines need `uncoupled` and know no friction limit",
         source="constant_stiffness: Ge & Ni 2005",
     )
-    lateral_ratio: float = parameter(
+    lateral_ratio: float = setting(
         1.0, unit="1", low=0.1, high=10.0, about="lateral over longitudinal slip stiffness of the curve"
     )
-    front_cornering_stiffness: float = parameter(
+    front_cornering_stiffness: float = setting(
         60000.0, unit="N/rad", low=0.0, high=1e6, about="of each front tyre at its static load, of a lateral line"
     )
-    rear_cornering_stiffness: float = parameter(
+    rear_cornering_stiffness: float = setting(
         60000.0, unit="N/rad", low=0.0, high=1e6, about="of each rear tyre at its static load, of a lateral line"
     )
-    load_sensitivity: float = parameter(
+    load_sensitivity: float = setting(
         0.0,
         unit="1",
         low=0.0,
@@ -174,30 +174,30 @@ class Tyre:
         about="degressive load: friction and slip stiffness over load fall by this share for each `nominal_load` more; "
         "mf_tyre has its own",
     )
-    nominal_load: float = parameter(
+    nominal_load: float = setting(
         4000.0, unit="N", low=100.0, high=1e5, about="load of a tyre at which `load_sensitivity` changes nothing"
     )
-    front_file: str = parameter("", about="tyre property file (.tir) of the front tyres; empty for none")
-    rear_file: str = parameter("", about="tyre property file (.tir) of the rear tyres; empty for none")
-    front_mf: tuple[float, ...] = parameter(
+    front_file: str = setting("", about="tyre property file (.tir) of the front tyres; empty for none")
+    rear_file: str = setting("", about="tyre property file (.tir) of the rear tyres; empty for none")
+    front_mf: tuple[float, ...] = setting(
         (), unit="1", low=-1e6, high=1e6, about="coefficients of the front tyres of mf_tyre, in the order of `MfTyres`"
     )
-    rear_mf: tuple[float, ...] = parameter(
+    rear_mf: tuple[float, ...] = setting(
         (), unit="1", low=-1e6, high=1e6, about="coefficients of the rear tyres of mf_tyre, in the order of `MfTyres`"
     )
-    longitudinal_stiffness: float = parameter(
+    longitudinal_stiffness: float = setting(
         350e3, unit="N/m", low=1e4, high=1e7, about="carcass stiffness between rim and contact patch, along the wheel"
     )
-    lateral_stiffness: float = parameter(
+    lateral_stiffness: float = setting(
         200e3, unit="N/m", low=1e4, high=1e7, about="carcass stiffness between rim and contact patch, across the wheel"
     )
-    longitudinal_damping_time: float = parameter(
+    longitudinal_damping_time: float = setting(
         0.01, unit="s", low=1e-3, high=0.1, about="carcass damping over stiffness, along the wheel"
     )
-    lateral_damping_time: float = parameter(
+    lateral_damping_time: float = setting(
         0.02, unit="s", low=1e-3, high=0.1, about="carcass damping over stiffness, across the wheel"
     )
-    contact_length: float = parameter(
+    contact_length: float = setting(
         0.05,
         unit="m",
         low=0.01,

@@ -17,12 +17,8 @@ class PurePursuitParameters:
         0.6, unit="s", low=0.0, high=10.0, about="the driver looks as far as the car goes in this time",
         source="assumption; 0.5 to 1.5 s are usual for drivers",
     )  # fmt: skip
-    shortest_preview: float = parameter(
-        4.0, unit="m", low=0.5, high=100.0, about="but at least this far", source="assumption"
-    )
-    max_angle: float = parameter(
-        0.6, unit="rad", low=0.01, high=1.4, about="largest road-wheel angle, either way", source="assumption"
-    )
+    shortest_preview: float = parameter(4.0, unit="m", low=0.5, high=100.0, about="but at least this far")
+    max_angle: float = parameter(0.6, unit="rad", low=0.01, high=1.4, about="largest road-wheel angle, either way")
 
 
 @compilable

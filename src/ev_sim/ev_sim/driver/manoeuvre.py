@@ -5,7 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.law import Car, Vehicle, compilable, entry, group, method, parameter, part, speed_along_path
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group, setting
+from ev_core.parameters.record import entry, part
+from ev_core.vehicle.car import Car, speed_along_path
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant
 from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
@@ -18,16 +23,16 @@ UNBOUNDED = 1e9  # [m/s], of a driver whom nothing but the profile bounds
 class PedalProfileParameters:
     """Drive and brake torque over the time since the driver stopped to care about the speed."""
 
-    begin: bool = parameter(False, about="false: follow the speed profile throughout; true: change to these pedals")
-    begin_time: float = parameter(0.0, unit="s", low=0.0, high=1e5, about="not before this time")
-    begin_speed: float = parameter(
+    begin: bool = setting(False, about="false: follow the speed profile throughout; true: change to these pedals")
+    begin_time: float = setting(0.0, unit="s", low=0.0, high=1e5, about="not before this time")
+    begin_speed: float = setting(
         0.0, unit="m/s", low=0.0, high=100.0, about="not before the car is this fast, either way"
     )
-    time: tuple[float, ...] = parameter((0.0,), unit="s", about="times of the points since then, increasing")
-    drive_torque: tuple[float, ...] = parameter(
+    time: tuple[float, ...] = setting((0.0,), unit="s", about="times of the points since then, increasing")
+    drive_torque: tuple[float, ...] = setting(
         (0.0,), unit="N m", low=-1e6, high=1e6, about="drive torques at these times, of all wheels together"
     )
-    brake_torque: tuple[float, ...] = parameter(
+    brake_torque: tuple[float, ...] = setting(
         (0.0,), unit="N m", low=0.0, high=1e6, about="brake torques at these times, of all wheels together"
     )
     interpolation: str = interpolation_parameter("linear")

@@ -7,7 +7,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
-from ev_core.law import BodyPose, ParameterError, compilable, cos, entry, hypot, parameter, sin
+from ev_core.elementary import cos, hypot, sin
+from ev_core.parameters.declaration import setting
+from ev_core.parameters.record import entry
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.signals import BodyPose
+from ev_msgs_py.refusal import ParameterError
 
 SHAPES = WAYPOINTS, ARCS = "waypoints", "arcs"
 _ARC_STEP = 0.5  # [m], chord of an arc; 3 mm from an arc of 10 m radius
@@ -17,13 +22,13 @@ _ARC_STEP = 0.5  # [m], chord of an arc; 3 mm from an arc of 10 m radius
 class PathParameters:
     """A path in odom from its first point on; beyond both ends it goes on straight."""
 
-    shape: str = parameter("waypoints", choices=SHAPES, about="straight lines between waypoints, or arcs from a start")
-    x: tuple[float, ...] = parameter((0.0, 1.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two")
-    y: tuple[float, ...] = parameter(
+    shape: str = setting("waypoints", choices=SHAPES, about="straight lines between waypoints, or arcs from a start")
+    x: tuple[float, ...] = setting((0.0, 1.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two")
+    y: tuple[float, ...] = setting(
         (0.0, 0.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two", lateral=True
     )
-    length: tuple[float, ...] = parameter((1.0,), unit="m", low=0.1, high=1e5, about="lengths of the arcs")
-    curvature: tuple[float, ...] = parameter(
+    length: tuple[float, ...] = setting((1.0,), unit="m", low=0.1, high=1e5, about="lengths of the arcs")
+    curvature: tuple[float, ...] = setting(
         (0.0,),
         unit="1/m",
         low=-1.0,
@@ -31,12 +36,12 @@ class PathParameters:
         about="curvatures of the arcs, left positive, 0 is straight",
         lateral=True,
     )
-    start_x: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="where the first arc begins")
-    start_y: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="where the first arc begins", lateral=True)
-    start_heading: float = parameter(
+    start_x: float = setting(0.0, unit="m", low=-1e6, high=1e6, about="where the first arc begins")
+    start_y: float = setting(0.0, unit="m", low=-1e6, high=1e6, about="where the first arc begins", lateral=True)
+    start_heading: float = setting(
         0.0, unit="rad", low=-10.0, high=10.0, about="direction of the first arc", lateral=True
     )
-    width: float = parameter(
+    width: float = setting(
         7.0,
         unit="m",
         low=0.5,

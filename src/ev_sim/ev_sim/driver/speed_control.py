@@ -30,14 +30,12 @@ class SpeedControlParameters:
     The paper names the PI controller but gives neither gains nor limits. The gains suit a car of 1400 kg.
     """
 
-    proportional_gain: float = parameter(
-        2000.0, unit="N m s/m", low=0.0, high=1e6, about="torque per speed error", source="assumption"
-    )
+    proportional_gain: float = parameter(2000.0, unit="N m s/m", low=0.0, high=1e6, about="torque per speed error")
     integral_gain: float = parameter(
-        1000.0, unit="N m/m", low=0.0, high=1e6, about="torque per integral of the speed error", source="assumption"
+        1000.0, unit="N m/m", low=0.0, high=1e6, about="torque per integral of the speed error"
     )
     max_drive_torque: float = parameter(
-        1500.0, unit="N m", low=0.0, high=1e6, about="limit when driving, forwards or backwards", source="assumption"
+        1500.0, unit="N m", low=0.0, high=1e6, about="limit when driving, forwards or backwards"
     )
     max_regenerative_torque: float = parameter(
         600.0,
@@ -45,7 +43,6 @@ class SpeedControlParameters:
         low=0.0,
         high=1e6,
         about="limit of the drives when they slow the car down; beyond it the friction brakes take over",
-        source="assumption",
     )
     max_brake_torque: float = parameter(
         4000.0,
@@ -53,7 +50,6 @@ class SpeedControlParameters:
         low=0.0,
         high=1e6,
         about="limit of the friction brakes that slow down, about 1 g",
-        source="assumption",
     )
     holding_share: float = parameter(
         2.0,
@@ -62,10 +58,9 @@ class SpeedControlParameters:
         high=100.0,
         about="brake torque while the driver wants to stand, over weight times wheel radius, which is what all wheels "
         "together need on a slope of 90 deg: 2, so that the axle with the smaller share of the brakes holds, too",
-        source="assumption",
     )
     standstill_speed: float = parameter(
-        0.05, unit="m/s", low=0.0, high=1.0, about="speed below which the car counts as standing", source="assumption"
+        0.05, unit="m/s", low=0.0, high=1.0, about="speed below which the car counts as standing"
     )
 
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.law import SteeringColumnState, compilable, entry, group, parameter
+from ev_core.parameters.declaration import group, parameter, setting
+from ev_core.parameters.record import entry
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.signals import SteeringColumnState
 from ev_sim.driver.speed_control import limited_pid
 from ev_sim.profiles.profile import check_points, interpolation_parameter
 
@@ -16,8 +19,8 @@ HAND_TORQUE, ANGLE = range(len(WAYS))
 class HandTorqueParameters:
     """Hand torque on the steering wheel over time, left positive."""
 
-    time: tuple[float, ...] = parameter((0.0,), unit="s", about="times of the points, increasing")
-    torque: tuple[float, ...] = parameter(
+    time: tuple[float, ...] = setting((0.0,), unit="s", about="times of the points, increasing")
+    torque: tuple[float, ...] = setting(
         (0.0,),
         unit="N m",
         low=-100.0,
@@ -35,8 +38,8 @@ class HandTorqueParameters:
 class WantedAngleParameters:
     """Wanted road-wheel angle over time, left positive."""
 
-    time: tuple[float, ...] = parameter((0.0,), unit="s", about="times of the points, increasing")
-    angle: tuple[float, ...] = parameter(
+    time: tuple[float, ...] = setting((0.0,), unit="s", about="times of the points, increasing")
+    angle: tuple[float, ...] = setting(
         (0.0,),
         unit="rad",
         low=-1.5,
@@ -54,20 +57,14 @@ class WantedAngleParameters:
 class AngleControlParameters:
     """How the driver turns the steering wheel to an angle; stable with and without steering assistance."""
 
-    max_rate: float = parameter(
-        8.0, unit="rad/s", low=0.01, high=100.0, about="fastest turning of the steering wheel", source="assumption"
-    )
-    max_hand_torque: float = parameter(
-        8.0, unit="N m", low=0.0, high=100.0, about="largest hand torque, either way", source="assumption"
-    )
-    proportional_gain: float = parameter(
-        0.2, unit="N m/rad", low=0.0, high=100.0, about="torque per angle error", source="assumption"
-    )
+    max_rate: float = parameter(8.0, unit="rad/s", low=0.01, high=100.0, about="fastest turning of the steering wheel")
+    max_hand_torque: float = parameter(8.0, unit="N m", low=0.0, high=100.0, about="largest hand torque, either way")
+    proportional_gain: float = parameter(0.2, unit="N m/rad", low=0.0, high=100.0, about="torque per angle error")
     integral_gain: float = parameter(
-        0.5, unit="N m/(rad s)", low=0.0, high=100.0, about="torque per integral of the error", source="assumption"
+        0.5, unit="N m/(rad s)", low=0.0, high=100.0, about="torque per integral of the error"
     )
     derivative_gain: float = parameter(
-        0.03, unit="N m s/rad", low=0.0, high=100.0, about="torque per rate of the error", source="assumption"
+        0.03, unit="N m s/rad", low=0.0, high=100.0, about="torque per rate of the error"
     )
 
 
@@ -75,7 +72,7 @@ class AngleControlParameters:
 class SteeringParameters:
     """Which of the two profiles the hands follow, and how."""
 
-    mode: str = parameter(
+    mode: str = setting(
         "angle",
         choices=WAYS,
         about="hand_torque: the given hand torque; angle: turn to the given road-wheel angle",

@@ -51,7 +51,6 @@ class PowerLevelParameters:
         low=0.01,
         high=10.0,
         about="below this speed the level is a torque, for a power gives none at rest",
-        source="assumption",
     )
 
 
@@ -108,7 +107,6 @@ class PulseParameters(CycleDriverParameters):
         low=0.0,
         high=10.0,
         about="the foot goes down this far below the cycle and up this far above it",
-        source="assumption",
     )
 
 

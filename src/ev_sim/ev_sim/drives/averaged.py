@@ -15,7 +15,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ev_core.law import ParameterError, compilable, group, parameter
+from ev_core.parameters.declaration import group, setting
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.drives.brushless_motor import DriveState, MotorParameters, torque_constant
 
 
@@ -23,14 +25,14 @@ from ev_sim.drives.brushless_motor import DriveState, MotorParameters, torque_co
 class CurrentControllerParameters:
     """Current controller; Shchur (2019) gives none, so its structure and its parameters are assumptions."""
 
-    bandwidth: float = parameter(
+    bandwidth: float = setting(
         3000.0,
         unit="rad/s",
         low=1.0,
         high=1e5,
         about="bandwidth of the closed current loop; the zero of the controller cancels the pole -R/L of the motor",
     )
-    emf_feedforward: float = parameter(
+    emf_feedforward: float = setting(
         1.0, unit="1", low=0.0, high=1.0, about="share of the EMF that the controller adds from the measured speed"
     )
 
@@ -65,7 +67,7 @@ def controlled_voltage(
 class AveragedDriveParameters:
     """Averaged drive; all of it is assumed."""
 
-    sampling_period: float = parameter(
+    sampling_period: float = setting(
         1e-4, unit="s", low=1e-6, high=1e-3, about="longest time between two samples of the current controller"
     )
     current_controller: CurrentControllerParameters = group(CurrentControllerParameters)

@@ -6,7 +6,9 @@ import math
 from dataclasses import dataclass
 from math import tau
 
-from ev_core.law import compilable, entry, parameter
+from ev_core.parameters.declaration import parameter, setting
+from ev_core.parameters.record import entry
+from ev_msgs_py.compilable import compilable
 
 SECTOR = math.pi / 3.0  # width of a Hall sector, as an electrical angle [rad]
 
@@ -122,7 +124,7 @@ class MotorParameters:
         about="flux linkage of a pole pair with one phase, psi: on its flats the EMF of a phase is p psi omega",
         source="Shchur 2019",
     )
-    torque_limit: float = parameter(
+    torque_limit: float = setting(
         500.0,
         unit="N m",
         low=0.0,

@@ -42,7 +42,6 @@ class SpeedControlParameters:
         low=0.0,
         high=1000.0,
         about="proportional gain at the shaft; with the inertia J of wheel and rotor there the speed follows at gain/J",
-        source="assumption",
     )
     integral_time: float = parameter(
         1.0,
@@ -50,7 +49,6 @@ class SpeedControlParameters:
         low=1e-3,
         high=1e3,
         about="integral time; shorter ones let the speed of the car swing, whose inertia a rolling wheel carries",
-        source="assumption",
     )
 
 

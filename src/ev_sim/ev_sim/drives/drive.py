@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.law import compilable, group, parameter
+from ev_core.parameters.declaration import group, setting
+from ev_msgs_py.compilable import compilable
 from ev_sim.drives.averaged import AveragedDriveParameters, advance_averaged
 from ev_sim.drives.brushless_motor import DriveState, MotorParameters, limited_reference, torque_constant
 from ev_sim.drives.switched import SwitchedDriveParameters, advance_switched
@@ -30,7 +31,7 @@ IDEAL, AVERAGED, SWITCHED = range(len(DRIVES))
 class DriveParameters:
     """Drive model with its motor; a plant's parameters inherit from it to have the same names."""
 
-    drive: str = parameter("ideal", choices=DRIVES, about="depth of detail of the drives")
+    drive: str = setting("ideal", choices=DRIVES, about="depth of detail of the drives")
     motor: MotorParameters = group(MotorParameters)
     averaged: AveragedDriveParameters = group(AveragedDriveParameters)
     switched: SwitchedDriveParameters = group(SwitchedDriveParameters)

@@ -21,7 +21,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ev_core.law import ParameterError, compilable, group, parameter
+from ev_core.parameters.declaration import group, setting
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.drives.averaged import CurrentControllerParameters, controlled_voltage
 from ev_sim.drives.brushless_motor import (
     DriveState,
@@ -152,15 +154,15 @@ HYSTERESIS, PWM = range(len(CURRENT_CONTROLS))
 class SwitchedDriveParameters:
     """Switched drive; all of it is assumed."""
 
-    current_control: str = parameter("hysteresis", choices=CURRENT_CONTROLS, about="how the converter chops")
-    hysteresis_band: float = parameter(
+    current_control: str = setting("hysteresis", choices=CURRENT_CONTROLS, about="how the converter chops")
+    hysteresis_band: float = setting(
         0.5, unit="A", low=0.01, high=100.0, about="hysteresis: half of the width that the current moves in"
     )
-    pwm_frequency: float = parameter(
+    pwm_frequency: float = setting(
         20e3, unit="Hz", low=1e3, high=1e5, about="pwm: carrier frequency, rounded to whole periods in a sub-step"
     )
     current_controller: CurrentControllerParameters = group(CurrentControllerParameters)
-    micro_step: float = parameter(
+    micro_step: float = setting(
         5e-6, unit="s", low=1e-7, high=1e-4, about="longest integration step; every switching instant also ends a step"
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_core.bus.parameters import BusParameters
-from ev_core.law import ParameterError, group, parameter
+from ev_core.parameters.declaration import group, parameter, setting
 from ev_core.vehicle.motor import ThermalParameters, Winding
 from ev_sim.inverter.injection import INJECTIONS
 
@@ -26,17 +26,11 @@ class Machine:
         785.398, unit="rad/s", low=1.0, high=1047.2, about="of the shaft; no drive torque beyond", source=_TABLE
     )
     generator_torque: float = parameter(
-        360.0, unit="N m", low=0.0, high=1000.0, about="largest torque against the speed", source="assumption"
+        360.0, unit="N m", low=0.0, high=1000.0, about="largest torque against the speed"
     )
-    generator_power: float = parameter(
-        150e3, unit="W", low=0.0, high=1e7, about="largest power from the shaft", source="assumption"
-    )
-    torque_lag: float = parameter(
-        0.002, unit="s", low=1e-4, high=10.0, about="time constant of the torque control", source="assumption"
-    )
-    rotor_inertia: float = parameter(
-        0.02, unit="kg m^2", low=1e-4, high=100.0, about="of the rotor", source="assumption"
-    )
+    generator_power: float = parameter(150e3, unit="W", low=0.0, high=1e7, about="largest power from the shaft")
+    torque_lag: float = parameter(0.002, unit="s", low=1e-4, high=10.0, about="time constant of the torque control")
+    rotor_inertia: float = parameter(0.02, unit="kg m^2", low=1e-4, high=100.0, about="of the rotor")
     copper_loss: float = parameter(
         0.045, unit="W/(N m)^2", low=0.0, high=1e3, about="loss per squared torque", source=_ASSUMED
     )
@@ -86,17 +80,15 @@ class DcLinkParameters:
     precharge_resistance: float = parameter(
         600.0, unit="ohm", low=1.0, high=1e4, about="pre-charge resistor", source="dissertation, section 4.2: at most"
     )
-    charged_share: float = parameter(
+    charged_share: float = setting(
         0.95, unit="1", low=0.5, high=0.999, about="of the supply voltage, at which the contactor closes"
     )
-    precharge_timeout: float = parameter(2.0, unit="s", low=0.01, high=60.0, about="longest pre-charge")
-    discharge_time: float = parameter(
-        0.5, unit="s", low=1e-3, high=600.0, about="time constant of the discharge", source="assumption"
-    )
-    least_share: float = parameter(
+    precharge_timeout: float = setting(2.0, unit="s", low=0.01, high=60.0, about="longest pre-charge")
+    discharge_time: float = parameter(0.5, unit="s", low=1e-3, high=600.0, about="time constant of the discharge")
+    least_share: float = setting(
         0.7, unit="1", low=0.1, high=0.99, about="of the supply voltage, below which the DC link is lost"
     )
-    highest_share: float = parameter(
+    highest_share: float = setting(
         1.25, unit="1", low=1.01, high=3.0, about="of the supply voltage, above which there is over-voltage"
     )
 
@@ -109,23 +101,19 @@ class DcLinkParameters:
 class InverterParameters:
     """One inverter and its machine; torque control only, as those of the machines under test in the source."""
 
-    command_timeout: float = parameter(
+    command_timeout: float = setting(
         0.01, unit="s", low=0.001, high=1.0, about="without a valid set-point for longer than this: fault"
     )
     machine: Machine = group(Machine)
     largest_current: float = parameter(
-        600.0, unit="A", low=1.0, high=1000.0, about="rms phase current, above it over-current", source="assumption"
+        600.0, unit="A", low=1.0, high=1000.0, about="rms phase current, above it over-current"
     )
     over_speed: float = parameter(
-        1.05, unit="1", low=1.0, high=2.0, about="of the machine's maximum speed, above it a fault", source="assumption"
+        1.05, unit="1", low=1.0, high=2.0, about="of the machine's maximum speed, above it a fault"
     )
-    offers_speed_mode: bool = parameter(False, about="whether its speed can be controlled, not only its torque")
-    speed_gain: float = parameter(
-        1.0, unit="N m s/rad", low=0.0, high=1000.0, about="speed mode: proportional gain", source="assumption"
-    )
-    speed_integral_time: float = parameter(
-        0.2, unit="s", low=1e-3, high=1e3, about="speed mode: integral time", source="assumption"
-    )
+    offers_speed_mode: bool = setting(False, about="whether its speed can be controlled, not only its torque")
+    speed_gain: float = parameter(1.0, unit="N m s/rad", low=0.0, high=1000.0, about="speed mode: proportional gain")
+    speed_integral_time: float = parameter(0.2, unit="s", low=1e-3, high=1e3, about="speed mode: integral time")
     dc_link: DcLinkParameters = group(DcLinkParameters)
     thermal: ThermalParameters = group(ThermalParameters)
 
@@ -135,7 +123,7 @@ class LoadInverter(InverterParameters):
     """The inverter of a load machine: torque or speed."""
 
     machine: LoadMachine = group(LoadMachine)
-    offers_speed_mode: bool = parameter(True, about="whether its speed can be controlled, not only its torque")
+    offers_speed_mode: bool = setting(True, about="whether its speed can be controlled, not only its torque")
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,19 +132,17 @@ class CircuitParameters:
 
     drive: InverterParameters = group(InverterParameters)
     load: LoadInverter = group(LoadInverter)
-    friction: float = parameter(
-        0.002, unit="N m s/rad", low=0.0, high=10.0, about="of the shaft, per speed", source="assumption"
-    )
+    friction: float = parameter(0.002, unit="N m s/rad", low=0.0, high=10.0, about="of the shaft, per speed")
 
 
 @dataclass(frozen=True, slots=True)
 class InjectedFaults:
     """Faults that are put into the inverters, as long as they stand here."""
 
-    drive_11: tuple[str, ...] = parameter((), choices=tuple(INJECTIONS), about="into the right drive")
-    drive_12: tuple[str, ...] = parameter((), choices=tuple(INJECTIONS), about="into the left drive")
-    load_11: tuple[str, ...] = parameter((), choices=tuple(INJECTIONS), about="into the right load machine")
-    load_12: tuple[str, ...] = parameter((), choices=tuple(INJECTIONS), about="into the left load machine")
+    drive_11: tuple[str, ...] = setting((), choices=tuple(INJECTIONS), about="into the right drive")
+    drive_12: tuple[str, ...] = setting((), choices=tuple(INJECTIONS), about="into the left drive")
+    load_11: tuple[str, ...] = setting((), choices=tuple(INJECTIONS), about="into the right load machine")
+    load_12: tuple[str, ...] = setting((), choices=tuple(INJECTIONS), about="into the left load machine")
 
 
 @dataclass(frozen=True, slots=True)

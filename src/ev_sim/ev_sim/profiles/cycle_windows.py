@@ -9,7 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ev_core.law import ParameterError, compilable, group, parameter
+from ev_core.parameters.declaration import group, parameter, setting
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.profiles.profile import Profile, number_until
 
 MODES = ("stop", "traction", "regen")
@@ -94,7 +96,7 @@ class CycleModesParameters:
         about="times at which the windows begin, increasing; empty: found by the rule",
         source="dissertation, section 2.6",
     )
-    mode: tuple[str, ...] = parameter((), choices=MODES, about="what each window is for; the last one holds")
+    mode: tuple[str, ...] = setting((), choices=MODES, about="what each window is for; the last one holds")
     rule: WindowRuleParameters = group(WindowRuleParameters)
 
     def __post_init__(self) -> None:

@@ -5,14 +5,16 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import NamedTuple
 
-from ev_core.law import ParameterError, compilable, parameter
+from ev_core.parameters.declaration import setting
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.refusal import ParameterError
 
 INTERPOLATIONS = LINEAR, STEP = "linear", "step"
 
 
 def interpolation_parameter(default: str) -> str:
     """Declare how a profile goes from point to point."""
-    return parameter(
+    return setting(
         default,
         choices=INTERPOLATIONS,
         about="linear from point to point, or in steps: each value from its time on until the next",

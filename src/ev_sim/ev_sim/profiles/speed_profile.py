@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from ev_core.parameters.data_file import read_csv
-from ev_core.parameters.declaration import flatten, parameter
+from ev_core.parameters.declaration import flatten, parameter, setting
 from ev_core.parameters.values import build
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of
@@ -29,7 +29,7 @@ class SpeedProfileParameters:
         source="Shchur 2019, fig. 4",
     )
     interpolation: str = interpolation_parameter("linear")
-    file: str = parameter(
+    file: str = setting(
         "", about="CSV file with the columns t_s and v_kmh or v_mps, instead of time and speed; empty for none"
     )
 

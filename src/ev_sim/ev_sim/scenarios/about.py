@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ev_core.nodes.master.parameters import LONGEST
 from ev_core.parameters.data_file import files_in_config, refuse_outside
-from ev_core.parameters.declaration import entries, group, parameter
+from ev_core.parameters.declaration import entries, group, setting
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
@@ -75,13 +75,13 @@ class ScenarioParameters:
     driver of one run, and `/**/driver` that of all.
     """
 
-    about: str = parameter("", about="one line for --list")
-    vehicle: str = parameter("audi_a2", about="name of a file in config/vehicles, or path of your own")
-    duration: float = parameter(10.0, unit="s", low=0.01, high=LONGEST, about="simulated time of every run")
-    runs: tuple[str, ...] = parameter((), about="names of the runs, if there are several")
+    about: str = setting("", about="one line for --list")
+    vehicle: str = setting("audi_a2", about="name of a file in config/vehicles, or path of your own")
+    duration: float = setting(10.0, unit="s", low=0.01, high=LONGEST, about="simulated time of every run")
+    runs: tuple[str, ...] = setting((), about="names of the runs, if there are several")
     slow_ramp: SlowRampParameters = group(SlowRampParameters)
-    report: str = parameter("", about="scenario whose metrics and figures it gets; empty for that of its own name")
-    metrics: tuple[str, ...] = parameter(
+    report: str = setting("", about="scenario whose metrics and figures it gets; empty for that of its own name")
+    metrics: tuple[str, ...] = setting(
         (), about="metrics of its own, each as NAME = REDUCTION(CHANNEL), such as peak = maximum(imu.yaw_rate)"
     )
 

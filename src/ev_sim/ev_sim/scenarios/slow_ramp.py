@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ev_core.lockstep.configuration import Configuration, configure
-from ev_core.parameters.declaration import defaults, parameter
+from ev_core.parameters.declaration import defaults, parameter, setting
 from ev_core.parameters.values import entries_by_name
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.contract.roles import MASTER
@@ -40,17 +40,17 @@ _OF_THE_CAR = ("method", "initial_speed", "vehicle.", "road.", "rear_steering.")
 class SlowRampParameters:
     """How the steering angles of a car are found that is not that of the file: in proportion to a reference angle."""
 
-    lateral_acceleration: float = parameter(
+    lateral_acceleration: float = setting(
         0.0, unit="m/s^2", low=0.0, high=20.0, about="at which the angle is read, at the initial speed; 0: no ramp"
     )
-    reference_angle: float = parameter(
+    reference_angle: float = setting(
         1.0, unit="rad", low=1e-3, high=30.0, about="of the steering wheel at this acceleration, of the file's own car"
     )
-    run: str = parameter("", about="run of the scenario that is such a ramp itself and keeps its angles")
+    run: str = setting("", about="run of the scenario that is such a ramp itself and keeps its angles")
     rate: float = parameter(
         0.2356, unit="rad/s", low=1e-3, high=1.0, about="of the steering wheel, 13.5 deg/s", source="FMVSS 126, S7.6"
     )
-    read: str = parameter(
+    read: str = setting(
         LINE, choices=READINGS, about="from the line of FMVSS 126, S7.6, or where the acceleration is reached"
     )
 

@@ -26,11 +26,9 @@ class FeelParameters:
         "steering wheel; 1 feels like a mechanical column",
         source="Shchur 2019, introduction: no feedback; a motor for it is an assumption",
     )
-    peak_torque: float = parameter(
-        8.0, unit="N m", low=0.0, high=100.0, about="largest torque at the steering wheel", source="assumption"
-    )
+    peak_torque: float = parameter(8.0, unit="N m", low=0.0, high=100.0, about="largest torque at the steering wheel")
     copper_loss: float = parameter(
-        2.0, unit="W/(N m)^2", low=0.0, high=1e4, about="loss in the windings over squared torque", source="assumption"
+        2.0, unit="W/(N m)^2", low=0.0, high=1e4, about="loss in the windings over squared torque"
     )
 
 

@@ -15,44 +15,30 @@ _LONGEST_STEP = 0.5e-3  # s, a quarter of the default lag of the torque
 class SteeringMotorParameters:
     """Motor, gear, wheels and servo; no source describes one, the size is that of a rear axle of a compact car."""
 
-    peak_torque: float = parameter(
-        3.0, unit="N m", low=0.001, high=1000.0, about="largest torque at the shaft", source="assumption"
-    )
-    peak_power: float = parameter(
-        500.0, unit="W", low=1.0, high=1e5, about="largest power at the shaft", source="assumption"
-    )
+    peak_torque: float = parameter(3.0, unit="N m", low=0.001, high=1000.0, about="largest torque at the shaft")
+    peak_power: float = parameter(500.0, unit="W", low=1.0, high=1e5, about="largest power at the shaft")
     gear_ratio: float = parameter(
-        400.0, unit="1", low=1.0, high=1e5, about="speed of the motor over that of the wheels", source="assumption"
+        400.0, unit="1", low=1.0, high=1e5, about="speed of the motor over that of the wheels"
     )
-    rotor_inertia: float = parameter(
-        5e-5, unit="kg m^2", low=0.0, high=1.0, about="inertia of the rotor", source="assumption"
-    )
+    rotor_inertia: float = parameter(5e-5, unit="kg m^2", low=0.0, high=1.0, about="inertia of the rotor")
     copper_loss: float = parameter(
-        20.0, unit="W/(N m)^2", low=0.0, high=1e5, about="loss in the windings over squared torque", source="assumption"
+        20.0, unit="W/(N m)^2", low=0.0, high=1e5, about="loss in the windings over squared torque"
     )
-    torque_lag: float = parameter(
-        0.002, unit="s", low=0.0005, high=1.0, about="first-order lag of the torque", source="assumption"
-    )
+    torque_lag: float = parameter(0.002, unit="s", low=0.0005, high=1.0, about="first-order lag of the torque")
     wheel_inertia: float = parameter(
-        2.0, unit="kg m^2", low=0.001, high=100.0, about="of both wheels about their steering axes", source="assumption"
+        2.0, unit="kg m^2", low=0.001, high=100.0, about="of both wheels about their steering axes"
     )
-    damping: float = parameter(
-        20.0, unit="N m s/rad", low=0.0, high=1e4, about="viscous friction at the wheels", source="assumption"
-    )
-    max_angle: float = parameter(
-        0.0873, unit="rad", low=0.001, high=1.0, about="angle of the end stops, 5 degrees", source="assumption"
-    )
-    max_rate: float = parameter(
-        0.5, unit="rad/s", low=0.001, high=100.0, about="fastest turning of the wheels", source="assumption"
-    )
+    damping: float = parameter(20.0, unit="N m s/rad", low=0.0, high=1e4, about="viscous friction at the wheels")
+    max_angle: float = parameter(0.0873, unit="rad", low=0.001, high=1.0, about="angle of the end stops, 5 degrees")
+    max_rate: float = parameter(0.5, unit="rad/s", low=0.001, high=100.0, about="fastest turning of the wheels")
     position_gain: float = parameter(
-        30.0, unit="1/s", low=0.1, high=1000.0, about="wanted rate over error of the angle", source="assumption"
+        30.0, unit="1/s", low=0.1, high=1000.0, about="wanted rate over error of the angle"
     )
     rate_gain: float = parameter(
-        200.0, unit="1/s", low=0.1, high=1000.0, about="wanted acceleration over error of the rate", source="assumption"
+        200.0, unit="1/s", low=0.1, high=1000.0, about="wanted acceleration over error of the rate"
     )
     integral_gain: float = parameter(
-        20.0, unit="1/s", low=0.0, high=1000.0, about="of the error of the rate, over rate_gain", source="assumption"
+        20.0, unit="1/s", low=0.0, high=1000.0, about="of the error of the rate, over rate_gain"
     )
     trail: float = parameter(
         0.03,
@@ -60,7 +46,6 @@ class SteeringMotorParameters:
         low=-0.5,
         high=0.5,
         about="by which side forces act behind the steering axes, of tyre and suspension",
-        source="assumption",
     )
 
 

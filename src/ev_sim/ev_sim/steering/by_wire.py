@@ -16,10 +16,10 @@ class SteeringWheelParameters:
     """The steering wheel on its own, at the steering wheel; the paper describes none."""
 
     inertia: float = parameter(
-        0.04, unit="kg m^2", low=0.001, high=1.0, about="inertia, as of an ordinary steering wheel", source="assumption"
+        0.04, unit="kg m^2", low=0.001, high=1.0, about="inertia, as of an ordinary steering wheel"
     )
     damping: float = parameter(
-        0.16, unit="N m s/rad", low=0.0, high=10.0, about="viscous friction, about 0.8 of critical", source="assumption"
+        0.16, unit="N m s/rad", low=0.0, high=10.0, about="viscous friction, about 0.8 of critical"
     )
     centring_stiffness: float = parameter(
         0.25,
@@ -27,9 +27,8 @@ class SteeringWheelParameters:
         low=0.001,
         high=10.0,
         about="centring spring, as stiff as the mechanical column feels, k_p/i^2",
-        source="assumption",
     )
-    dry_friction: float = parameter(0.0, unit="N m", low=0.0, high=10.0, about="dry friction", source="assumption")
+    dry_friction: float = parameter(0.0, unit="N m", low=0.0, high=10.0, about="dry friction")
 
 
 @dataclass(frozen=True, slots=True)

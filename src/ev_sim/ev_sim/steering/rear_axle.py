@@ -32,7 +32,7 @@ class SpeedDependentParameters(SteeringMotorParameters):
     """The ratio of the angles over speed, and the motor."""
 
     speed: tuple[float, ...] = parameter(
-        (0.0, 10.0, 15.0, 30.0), unit="m/s", low=0.0, about="speeds of the points, increasing", source="assumption"
+        (0.0, 10.0, 15.0, 30.0), unit="m/s", low=0.0, about="speeds of the points, increasing"
     )
     ratio: tuple[float, ...] = parameter(
         (-0.4, -0.2, 0.0, 0.3),
@@ -40,7 +40,6 @@ class SpeedDependentParameters(SteeringMotorParameters):
         low=-1.0,
         high=1.0,
         about="angle of the rear wheels over that of the front ones at these speeds, linear between them",
-        source="assumption",
     )
 
     def __post_init__(self) -> None:

@@ -56,7 +56,6 @@ class RoadWheelParameters:
         low=0.01,
         high=3.14,
         about="road-wheel angle of the end stops; the paper has none, 2 lies outside its runs, a car has about 0.7",
-        source="assumption",
     )
 
 

@@ -5,7 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ev_core.law import Car, Instant, SteeringColumnState, Vehicle, compilable, entry, group, method, parameter, sin
+from ev_core.elementary import sin
+from ev_core.methods.register import method
+from ev_core.parameters.declaration import group, parameter, setting
+from ev_core.parameters.record import entry
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.signals import Instant, SteeringColumnState
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
 
 SHAPES = ("profile", "sine_with_dwell")
@@ -16,8 +23,8 @@ PROFILE, SINE_WITH_DWELL = range(len(SHAPES))
 class SteeringAngleProfileParameters:
     """Steering-wheel angle over time, left positive."""
 
-    time: tuple[float, ...] = parameter((0.0,), unit="s", about="times of the points, increasing")
-    angle: tuple[float, ...] = parameter(
+    time: tuple[float, ...] = setting((0.0,), unit="s", about="times of the points, increasing")
+    angle: tuple[float, ...] = setting(
         (0.0,),
         unit="rad",
         low=-30.0,
@@ -35,8 +42,8 @@ class SteeringAngleProfileParameters:
 class SineWithDwellParameters:
     """One period of a sine that stays at its second peak for a while."""
 
-    begin: float = parameter(1.0, unit="s", low=0.0, high=1e5, about="when the sine begins")
-    amplitude: float = parameter(
+    begin: float = setting(1.0, unit="s", low=0.0, high=1e5, about="when the sine begins")
+    amplitude: float = setting(
         1.0,
         unit="rad",
         low=-30.0,
@@ -54,15 +61,13 @@ class SineWithDwellParameters:
 class SteeringRobotParameters:
     """Which angle the robot imposes, and how fast it can turn."""
 
-    shape: str = parameter("profile", choices=SHAPES, about="what the robot steers")
-    scale: float = parameter(
+    shape: str = setting("profile", choices=SHAPES, about="what the robot steers")
+    scale: float = setting(
         1.0, unit="1", low=0.0, high=100.0, about="of the angles of profile and sine: another car takes other ones"
     )
     profile: SteeringAngleProfileParameters = group(SteeringAngleProfileParameters)
     sine_with_dwell: SineWithDwellParameters = group(SineWithDwellParameters)
-    max_rate: float = parameter(
-        25.0, unit="rad/s", low=0.01, high=100.0, about="fastest turning of the steering wheel", source="assumption"
-    )
+    max_rate: float = parameter(25.0, unit="rad/s", low=0.01, high=100.0, about="fastest turning of the steering wheel")
 
 
 @dataclass(slots=True)

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ev_core.law import ParameterError, exp, parameter
-from ev_msgs_py.refusal import quoted, unknown_name
+from ev_core.elementary import exp
+from ev_core.parameters.declaration import parameter, setting
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.surfaces.table import SURFACES, Surface
 
 
@@ -43,28 +44,28 @@ _FAR = 1e9  # [m], the last segment lies there for ever
 class RoadParameters:
     """Surfaces by side and segment, slope by distance; the first and the last segment go on for ever."""
 
-    pattern: str = parameter(
+    pattern: str = setting(
         "constant",
         choices=PATTERNS,
         about="constant: left[0] | right[0]; segments: in order of `length`; checkerboard: sides swap in each "
         "segment; random: drawn for each side on its own",
     )
-    left: tuple[str, ...] = parameter(("dry_asphalt",), about=f"surfaces under the left wheels, {_KNOWN}")
-    right: tuple[str, ...] = parameter(("dry_asphalt",), about="surfaces under the right wheels")
-    length: tuple[float, ...] = parameter(
+    left: tuple[str, ...] = setting(("dry_asphalt",), about=f"surfaces under the left wheels, {_KNOWN}")
+    right: tuple[str, ...] = setting(("dry_asphalt",), about="surfaces under the right wheels")
+    length: tuple[float, ...] = setting(
         (10.0,), unit="m", low=0.1, high=1e6, about="lengths of the segments; the last one given repeats"
     )
-    seed: int = parameter(1, low=0, high=2**31 - 1, about="seed of the random segments; goes with that of the node")
-    random_surfaces: tuple[str, ...] = parameter(
+    seed: int = setting(1, low=0, high=2**31 - 1, about="seed of the random segments; goes with that of the node")
+    random_surfaces: tuple[str, ...] = setting(
         ("wet_asphalt_1", "packed_snow_1"), about="surfaces that random segments are drawn from"
     )
     random_probability: tuple[float, ...] = parameter(
         (0.4, 0.6), unit="1", low=0.0, high=1.0, about="share of the distance of each random surface",
         source="dissertation, section 2.6: wet asphalt 40 %, packed snow 60 %",
     )  # fmt: skip
-    random_shortest: float = parameter(5.0, unit="m", low=0.1, high=1e4, about="shortest random segment")
-    random_longest: float = parameter(50.0, unit="m", low=0.1, high=1e4, about="longest random segment")
-    random_distance: float = parameter(
+    random_shortest: float = setting(5.0, unit="m", low=0.1, high=1e4, about="shortest random segment")
+    random_longest: float = setting(50.0, unit="m", low=0.1, high=1e4, about="longest random segment")
+    random_distance: float = setting(
         5000.0, unit="m", low=1.0, high=1e5, about="distance over which random segments are drawn"
     )
     rolling_resistance_scale: float = parameter(
@@ -76,13 +77,13 @@ class RoadParameters:
         "1.21",
         source="dissertation, table 2.2, of which 1 is the middle",
     )
-    slope_distance: tuple[float, ...] = parameter(
+    slope_distance: tuple[float, ...] = setting(
         (0.0,), unit="m", low=-1e6, high=1e6, about="distances of the slope profile, rising; linear in between"
     )
-    grade: tuple[float, ...] = parameter(
+    grade: tuple[float, ...] = setting(
         (0.0,), unit="1", low=-1.0, high=1.0, about="rise over run along the road at `slope_distance`, uphill positive"
     )
-    side_slope: tuple[float, ...] = parameter(
+    side_slope: tuple[float, ...] = setting(
         (0.0,),
         unit="1",
         low=-1.0,
@@ -90,13 +91,13 @@ class RoadParameters:
         about="rise over run to the left at `slope_distance`",
         lateral=True,
     )
-    own: tuple[str, ...] = parameter((), about="names of surfaces of your own; one number of each list below for each")
-    own_c1: tuple[float, ...] = parameter(
+    own: tuple[str, ...] = setting((), about="names of surfaces of your own; one number of each list below for each")
+    own_c1: tuple[float, ...] = setting(
         (), unit="1", low=0.0, high=5.0, about="friction use = c1 (1 - exp(-c2 slip)) - c3 slip, as Burckhardt has it"
     )
-    own_c2: tuple[float, ...] = parameter((), unit="1", low=1.0, high=1000.0, about="c2 of the same")
-    own_c3: tuple[float, ...] = parameter((), unit="1", low=0.0, high=5.0, about="c3 of the same")
-    own_rolling_resistance: tuple[float, ...] = parameter(
+    own_c2: tuple[float, ...] = setting((), unit="1", low=1.0, high=1000.0, about="c2 of the same")
+    own_c3: tuple[float, ...] = setting((), unit="1", low=0.0, high=5.0, about="c3 of the same")
+    own_rolling_resistance: tuple[float, ...] = setting(
         (), unit="1", low=0.0, high=1.0, about="rolling resistance coefficient that the surface adds to that of the car"
     )
 

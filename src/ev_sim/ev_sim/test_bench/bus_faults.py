@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.law import compilable, entry, parameter
+from ev_core.parameters.declaration import setting
+from ev_core.parameters.record import entry
 from ev_msgs_py.can.frames import TICK
 from ev_msgs_py.can.payload import NO_FRAME
 from ev_sim.test_bench.state import CircuitState
@@ -53,11 +54,11 @@ DRIVES = ("right", "left")
 class BusFaultParameters:
     """What is put into which circuit, and when."""
 
-    kind: str = parameter("none", choices=KINDS, about="what goes wrong")
-    drive: str = parameter("right", choices=DRIVES, about="of which circuit")
-    begin: float = parameter(0.0, unit="s", low=0.0, high=1e5, about="from then on")
-    end: float = parameter(1e5, unit="s", low=0.0, high=1e5, about="until then")
-    value: float = parameter(
+    kind: str = setting("none", choices=KINDS, about="what goes wrong")
+    drive: str = setting("right", choices=DRIVES, about="of which circuit")
+    begin: float = setting(0.0, unit="s", low=0.0, high=1e5, about="from then on")
+    end: float = setting(1e5, unit="s", low=0.0, high=1e5, about="until then")
+    value: float = setting(
         0.0, unit="SI", low=-1e3, high=1e3,
         about="how much: K of hot_*, V, A, N m of transducer_offset and load_limit, share of transducer_gain, the bit "
         "of wrong_crc",

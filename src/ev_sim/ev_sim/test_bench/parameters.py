@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_core.bus.model import BusModelParameters
-from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.declaration import group, parameter, setting
 from ev_sim.inverter.parameters import DcLinkParameters, LoadInverter
 from ev_sim.test_bench.bus_faults import BusFaultParameters
 
@@ -52,18 +52,18 @@ class ShaftParameters:
 class CircuitsParameters:
     """One circuit for each driven wheel; its machine under test is the motor of the vehicle description."""
 
-    enabled: str = parameter(
+    enabled: str = setting(
         "both",
         choices=CIRCUITS,
         about="circuits whose inverters are enabled; services of the node lead it step by step",
     )
-    cooling: bool = parameter(True, about="whether the cooling is on; without it no step of the test sequence is taken")
-    step: float = parameter(1e-3, unit="s", low=1e-6, high=1e-3, about="longest step of the shafts")
+    cooling: bool = setting(True, about="whether the cooling is on; without it no step of the test sequence is taken")
+    step: float = setting(1e-3, unit="s", low=1e-6, high=1e-3, about="longest step of the shafts")
     set_point: SetPointParameters = group(SetPointParameters)
     load_set_point: SetPointParameters = group(SetPointParameters)
     least_rotor_inertia: float = parameter(
         0.005, unit="kg m^2", low=1e-4, high=100.0,
-        about="of the machine under test, where the vehicle description has less", source="assumption",
+        about="of the machine under test, where the vehicle description has less",
     )  # fmt: skip
     shaft: ShaftParameters = group(ShaftParameters)
     load: LoadInverter = group(LoadInverter, speed_gain=60.0, speed_integral_time=0.05)
@@ -74,7 +74,7 @@ class CanCircuitsParameters(CircuitsParameters):
     """The same devices; set-points and feedback of the machines under test go over a bus."""
 
     bus: BusModelParameters = group(BusModelParameters)
-    command_timeout: float = parameter(
+    command_timeout: float = setting(
         0.01, unit="s", low=0.001, high=1.0, about="without a valid set-point for longer than this: fault"
     )
     dc_link: DcLinkParameters = group(DcLinkParameters)

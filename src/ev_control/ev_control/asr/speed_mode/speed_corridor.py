@@ -16,8 +16,8 @@ ROAD, SPORT, WINTER, TERRAIN = range(len(REGIMES))
 class Corridor:
     """Bounds of the wheel speed over the speed at which the wheel would roll, less 1."""
 
-    low: float = parameter(0.05, unit="1", low=0.0, high=10.0, about="lower bound", source="assumption")
-    high: float = parameter(0.15, unit="1", low=0.0, high=10.0, about="upper bound", source="assumption")
+    low: float = parameter(0.05, unit="1", low=0.0, high=10.0, about="lower bound")
+    high: float = parameter(0.15, unit="1", low=0.0, high=10.0, about="upper bound")
 
     def __post_init__(self) -> None:
         if self.low > self.high:

@@ -48,28 +48,22 @@ class PreviewParameters:
     )  # fmt: skip
     lateral_error: float = parameter(
         0.1, unit="m", low=0.001, high=10.0, about="distance from the path that he minds as much as `steering_rate`",
-        source="assumption",
     )  # fmt: skip
     lateral_rate: float = parameter(
         0.1, unit="m/s", low=0.001, high=100.0, about="speed away from the path that he minds as much",
-        source="assumption",
     )  # fmt: skip
     steering_rate: float = parameter(
         0.1, unit="rad/s", low=0.001, high=10.0, about="rate of the intended road-wheel angle that he minds as much",
-        source="assumption",
     )  # fmt: skip
     learning: float = parameter(
         6.0, unit="1", low=1.0, high=1e6,
         about="time in which he learns by how much angle and sideslip in a bend differ from those of the linear car, "
         "over that in which they settle: `lag`, `column_lag` and m V/(C_1 + C_2); 1e6 for never",
-        source="assumption",
     )  # fmt: skip
     learnt_angle: float = parameter(
-        0.1, unit="rad", low=0.0, high=1.4, about="that he learns at most of each, either way", source="assumption"
+        0.1, unit="rad", low=0.0, high=1.4, about="that he learns at most of each, either way"
     )
-    max_angle: float = parameter(
-        0.6, unit="rad", low=0.01, high=1.4, about="largest road-wheel angle, either way", source="assumption"
-    )
+    max_angle: float = parameter(0.6, unit="rad", low=0.01, high=1.4, about="largest road-wheel angle, either way")
 
 
 class Gains(NamedTuple):

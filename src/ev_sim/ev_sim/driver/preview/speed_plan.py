@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.law import GRAVITY, atan2, compilable, cos, entry, parameter, sqrt, tan
+from ev_core.elementary import atan2, cos, sqrt, tan
+from ev_core.parameters.declaration import parameter, setting
+from ev_core.parameters.record import entry
+from ev_core.vehicle.car import GRAVITY
+from ev_msgs_py.compilable import compilable
 from ev_sim.driver.manoeuvre import UNBOUNDED
 from ev_sim.driver.path import Path, passed_on
 
@@ -18,11 +22,11 @@ _MISSED = 1.0  # [m/s] by which a driver who follows his plan is too fast: more 
 class SpeedPlanParameters:
     """Which lateral and longitudinal acceleration the driver allows himself."""
 
-    follow: bool = parameter(
+    follow: bool = setting(
         True, about="true: never faster than the plan; false: the speed profile alone, whatever the bends are"
     )
     friction: float = parameter(
-        0.9, unit="1", low=0.01, high=2.0, about="friction coefficient that the driver counts on", source="assumption"
+        0.9, unit="1", low=0.01, high=2.0, about="friction coefficient that the driver counts on"
     )
     share: float = parameter(
         0.5, unit="1", low=0.01, high=1.0, about="share of that friction that he uses in a bend",
@@ -30,11 +34,9 @@ class SpeedPlanParameters:
     )  # fmt: skip
     acceleration: float = parameter(
         3.0, unit="m/s^2", low=0.1, high=20.0, about="by which he slows down before bends, and speeds up behind them",
-        source="assumption",
     )  # fmt: skip
     cut: float = parameter(
         0.5, unit="m", low=0.01, high=100.0, about="how far he rounds off a corner between two waypoints",
-        source="assumption",
     )  # fmt: skip
 
 

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.law import Car, Wheels, compilable, cos, each_wheel, entry, parameter, part, sin
+from ev_core.elementary import cos, sin
+from ev_core.parameters.declaration import setting
+from ev_core.parameters.record import each_wheel, entry, part
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, InertialMeasurement, MotorStates, WheelStates
 from ev_sim.drives.brushless_motor import DriveState
 from ev_sim.drives.drive import DriveParameters
@@ -15,17 +19,17 @@ from ev_sim.plant.commands import GuardState, guard_notes
 class KinematicPlantParameters(DriveParameters):
     """Drives, supply and integration of the kinematic plant; the car itself is the vehicle description."""
 
-    bus_voltage: float = parameter(
+    bus_voltage: float = setting(
         480.0,
         unit="V",
         low=1.0,
         high=2000.0,
         about="constant voltage of the bus; assumed, the paper's second turn needs more than the 381 V of the EMF",
     )
-    sub_step: float = parameter(
+    sub_step: float = setting(
         1e-3, unit="s", low=1e-6, high=1e-3, about="longest step of the motion, over which the drives see one speed"
     )
-    initial_speed: float = parameter(0.0, unit="m/s", low=-100.0, high=100.0, about="speed at the start")
+    initial_speed: float = setting(0.0, unit="m/s", low=-100.0, high=100.0, about="speed at the start")
 
 
 @dataclass(slots=True)

@@ -6,8 +6,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ev_core.faults.fault import OF_THE_CAR, Fault, parsed
-from ev_core.law import WHEEL_NAMES, Car, ParameterError, Vehicle, compilable, parameter
-from ev_msgs_py.refusal import quoted
+from ev_core.parameters.declaration import setting
+from ev_core.vehicle.car import Car
+from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.drives.brushless_motor import torque_share
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.state import LONGEST_DELAY, WHEEL_ANGLE, FaultState, PlanarState, Step
@@ -21,14 +25,14 @@ SHARE, STUCK, TRIP, DELAY, HALL, BATTERY, PUNCTURE = range(len(CODES))
 class PunctureParameters:
     """A tyre without air, beside the sound one; all of it is assumed."""
 
-    radius: float = parameter(0.9, unit="1", low=0.5, high=1.0, about="rolling radius over that of the sound tyre")
-    stiffness: float = parameter(
+    radius: float = setting(0.9, unit="1", low=0.5, high=1.0, about="rolling radius over that of the sound tyre")
+    stiffness: float = setting(
         0.3, unit="1", low=0.05, high=1.0, about="slip stiffness over that of the sound tyre, along and across"
     )
-    rolling_resistance: float = parameter(
+    rolling_resistance: float = setting(
         0.2, unit="1", low=0.0, high=1.0, about="that a tyre without air adds to that of the sound one"
     )
-    time: float = parameter(0.5, unit="s", low=0.0, high=1000.0, about="in which the air is lost, evenly")
+    time: float = setting(0.5, unit="s", low=0.0, high=1000.0, about="in which the air is lost, evenly")
 
 
 class CarFaults(NamedTuple):

@@ -6,7 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 
 from ev_core.faults.fault import faults_parameter
-from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.declaration import group, parameter, setting
 from ev_sim.drives.drive import DRIVES, DriveParameters
 from ev_sim.plant.planar.car_faults import PunctureParameters
 from ev_sim.profiles.speed_profile import SpeedProfileParameters, with_profile_from_file
@@ -21,15 +21,15 @@ FREE, HELD, IMPOSED = range(len(SPEEDS))
 class PlanarParameters(DriveParameters):
     """Drives, step, start and road of the planar plant; the car itself is the vehicle description."""
 
-    drive: str = parameter(
+    drive: str = setting(
         "torque_controlled",
         choices=(*DRIVES, "torque_controlled"),
         about="torque_controlled: the motor of the vehicle description; the others: a brushless DC drive, `motor`",
     )
-    step: float = parameter(
+    step: float = setting(
         1e-3, unit="s", low=1e-5, high=1e-3, about="longest step; stiff tyres on light wheels get shorter ones"
     )
-    load_transfer_lag: float = parameter(
+    load_transfer_lag: float = setting(
         0.02,
         unit="s",
         low=0.002,
@@ -37,12 +37,12 @@ class PlanarParameters(DriveParameters):
         about="time in which the wheel loads follow the tyre forces: springs and dampers in one number, an assumption "
         "that also keeps loads and forces from being an implicit equation",
     )
-    initial_speed: float = parameter(0.0, unit="m/s", low=-60.0, high=120.0, about="at the start, straight ahead")
-    initial_x: float = parameter(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
-    initial_y: float = parameter(
+    initial_speed: float = setting(0.0, unit="m/s", low=-60.0, high=120.0, about="at the start, straight ahead")
+    initial_x: float = setting(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
+    initial_y: float = setting(
         0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start", lateral=True
     )
-    initial_heading: float = parameter(0.0, unit="rad", low=-10.0, high=10.0, about="at the start", lateral=True)
+    initial_heading: float = setting(0.0, unit="rad", low=-10.0, high=10.0, about="at the start", lateral=True)
     initial_drive_torque: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0, 0.0),
         unit="N m",
