@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.expected_friction import (
-    FrictionDiagramParameters,
-    expected_friction,
-    friction_at_peak,
-)
+from ev_control.estimation.expected_friction import FrictionDiagramParameters, expected_friction, friction_at_peak
 from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.plausible import wheel_load
 from ev_control.estimation.side_force import slip_angle_of

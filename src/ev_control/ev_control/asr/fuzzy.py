@@ -33,11 +33,7 @@ class FuzzyParameters:
         10.0, unit="1/s", low=0.1, high=1000.0, about="largest change of the limit over itself"
     )
     least_torque: float = parameter(
-        50.0,
-        unit="N m",
-        low=1.0,
-        high=1e4,
-        about="limit below which it changes as if it were this",
+        50.0, unit="N m", low=1.0, high=1e4, about="limit below which it changes as if it were this"
     )
     regulator: SlipRegulatorParameters = group(SlipRegulatorParameters)
 

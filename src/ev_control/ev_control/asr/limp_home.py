@@ -27,12 +27,7 @@ class LimpHomeState:
 @method("asr", "limp_home", LimpHomeParameters, state=LimpHomeState, needs=(each_driven, equal_motors), mirrored=True)
 @compilable
 def limp_home(
-    p: LimpHomeParameters,
-    car: Car,
-    s: LimpHomeState,
-    period: float,
-    request: WheelTorqueRequest,
-    wheels: WheelStates,
+    p: LimpHomeParameters, car: Car, s: LimpHomeState, period: float, request: WheelTorqueRequest, wheels: WheelStates
 ) -> WheelTorqueCommand:
     """Let the requested torques through; where a motor is lost, its partner of the axle gives what it gives.
 

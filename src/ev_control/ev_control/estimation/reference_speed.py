@@ -42,11 +42,7 @@ class ReferenceSpeedParameters:
         source="dissertation, eq 2.34, has free wheels; the observer is an assumption",
     )
     gripping_rate: float = parameter(
-        20.0,
-        unit="1/s",
-        low=0.0,
-        high=1000.0,
-        about="correction of the observer by a wheel that cannot be slipping",
+        20.0, unit="1/s", low=0.0, high=1000.0, about="correction of the observer by a wheel that cannot be slipping"
     )
     slipping_rate: float = parameter(
         0.5,

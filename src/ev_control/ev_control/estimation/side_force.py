@@ -28,11 +28,7 @@ class SideForceParameters:
         source="dissertation, section 1.4, has no formula: the ellipse is an assumption",
     )
     largest_slip_angle: float = parameter(
-        0.12,
-        unit="rad",
-        low=0.01,
-        high=1.0,
-        about="slip angle of the largest side force, alpha_max",
+        0.12, unit="rad", low=0.01, high=1.0, about="slip angle of the largest side force, alpha_max"
     )
     least: float = parameter(0.2, unit="1", low=0.0, high=1.0, about="share of a threshold that is always left")
     observer: SlipAngleObserverParameters = group(SlipAngleObserverParameters)

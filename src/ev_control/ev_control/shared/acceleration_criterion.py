@@ -61,11 +61,7 @@ class AccelerationCriterionParameters(GainedSpeedParameters):
         source="assumption; dissertation, eq 1.4, has 0.4 m",
     )
     least_acceleration: float = parameter(
-        6.0,
-        unit="rad/s^2",
-        low=0.0,
-        high=1000.0,
-        about="wheel acceleration below which the ratio is noise",
+        6.0, unit="rad/s^2", low=0.0, high=1000.0, about="wheel acceleration below which the ratio is noise"
     )
     filter_time: float = parameter(0.03, unit="s", low=0.0, high=1.0, about="time constant of both accelerations")
 

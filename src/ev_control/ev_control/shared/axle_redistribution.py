@@ -32,11 +32,7 @@ class NeutralSteerParameters:
         source="Zhileykin 2018, eqs 4 and 5, prints proportionality",
     )
     k: float = parameter(
-        1.0,
-        unit="1",
-        low=0.0,
-        high=5.0,
-        about="K of the factor `given`; 1 reads proportional as equal",
+        1.0, unit="1", low=0.0, high=5.0, about="K of the factor `given`; 1 reads proportional as equal"
     )
     second_branch: str = parameter(
         "printed",

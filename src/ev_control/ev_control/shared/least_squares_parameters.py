@@ -39,11 +39,7 @@ class LeastSquaresParameters(SlipPeakParameters):
         source="assumption: the source takes the torque of the step before the peak was passed",
     )
     bandwidth: float = parameter(
-        25.0,
-        unit="1/s",
-        low=0.1,
-        high=1000.0,
-        about="rate at which the slip approaches its target",
+        25.0, unit="1/s", low=0.1, high=1000.0, about="rate at which the slip approaches its target"
     )
     road_filter: float = parameter(0.02, unit="s", low=0.0, high=1.0, about="time constant of the road torque")
     hold: float = parameter(0.3, unit="s", low=0.0, high=100.0, about="time for which the target stays after a hit")

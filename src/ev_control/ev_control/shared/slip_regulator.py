@@ -19,18 +19,10 @@ class SlipRegulatorParameters:
     """The slip that is wanted, and what is measured of it; the source gives no number."""
 
     target: float = parameter(
-        0.1,
-        unit="1",
-        low=0.01,
-        high=0.5,
-        about="wanted slip; the peaks of snow and wet asphalt lie at 0.09 and 0.13",
+        0.1, unit="1", low=0.01, high=0.5, about="wanted slip; the peaks of snow and wet asphalt lie at 0.09 and 0.13"
     )
     release: float = parameter(
-        0.2,
-        unit="s",
-        low=0.0,
-        high=100.0,
-        about="time for which the limit has to be above the request before it ends",
+        0.2, unit="s", low=0.0, high=100.0, about="time for which the limit has to be above the request before it ends"
     )
     at_rest: float = share_at_rest(0.3)
     slip: SlipObserverParameters = group(SlipObserverParameters)

@@ -47,11 +47,7 @@ class SpeedSetPointParameters:
         about="share of the request that the drive gives where the set-point does not limit it any more",
     )
     release: float = parameter(
-        0.2,
-        unit="s",
-        low=0.0,
-        high=100.0,
-        about="time for which it has to before the set-point ends",
+        0.2, unit="s", low=0.0, high=100.0, about="time for which it has to before the set-point ends"
     )
     slowest: float = slowest_wheel()
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)

@@ -23,11 +23,7 @@ class CommonParameters:
     )
     seed: int = setting(0, low=0, high=2**31 - 1, about="seed of everything random in the node", read_only=True)
     scheduling_priority: int = setting(
-        0,
-        low=0,
-        high=99,
-        about="SCHED_FIFO for all threads of the process; 0: not asked for",
-        read_only=True,
+        0, low=0, high=99, about="SCHED_FIFO for all threads of the process; 0: not asked for", read_only=True
     )
     lock_memory: bool = setting(False, about="keep the memory of the node's process from being paged", read_only=True)
     vehicle: Vehicle = group(Vehicle)

@@ -33,11 +33,7 @@ def sensor_parameters(unit: str, largest: float) -> type:
             0.0, unit="1", low=0.0, high=1.0, about="random error over the true value, on top of `noise`"
         )
         noise_of_range: float = setting(
-            0.0,
-            unit="1",
-            low=0.0,
-            high=1.0,
-            about="random error over lowest to highest, on top of `noise`",
+            0.0, unit="1", low=0.0, high=1.0, about="random error over lowest to highest, on top of `noise`"
         )
         distribution: str = setting(
             "gaussian",

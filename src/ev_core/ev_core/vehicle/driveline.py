@@ -38,9 +38,7 @@ def _coefficient(place: str) -> Any:
 
 def _axle(place: str) -> Any:
     return setting(
-        "same",
-        choices=("same", *COUPLINGS[:3], *TORSENS),
-        about=f"`coupling` of the {place} axle, if it has its own",
+        "same", choices=("same", *COUPLINGS[:3], *TORSENS), about=f"`coupling` of the {place} axle, if it has its own"
     )
 
 

@@ -75,12 +75,7 @@ DECLARATIONS: tuple[Declaration, ...] = (
     judged(
         "diss.kf",
         MODEL,
-        Number(
-            "1",
-            4.5e-5,
-            between(4e-5, 5e-5, "the printed range"),
-            of_car(lambda car: car.rolling_resistance_speed),
-        ),
+        Number("1", 4.5e-5, between(4e-5, 5e-5, "the printed range"), of_car(lambda car: car.rolling_resistance_speed)),
         Shown("s^2/m^2", of_car(lambda car: car.rolling_resistance_growth), "as added to f"),
         inputs="the vehicle file has its middle, read relative to f_0 with V in km/h (rolling_resistance_reading)",
     ),

@@ -71,11 +71,7 @@ def _speed(id: str, speed: float, acceleration: tuple[float, float], window: tup
             "km/h", 3.6 * speed, relative(0.01, "plateau"), mean_in(lambda run: 3.6 * motion.path_speed(run), window)
         ),
         Number(
-            "s",
-            acceleration[1],
-            absolute(1.0, "no speed controller is given"),
-            _reached(speed, acceleration[0]),
-            "at",
+            "s", acceleration[1], absolute(1.0, "no speed controller is given"), _reached(speed, acceleration[0]), "at"
         ),
         inputs=SET_SPEED,
     )

@@ -164,10 +164,7 @@ _STEPS_DECLARATIONS: tuple[Declaration, ...] = (
         Number("s", paper.OBJECT.settling_time(SETTLING_BAND), _PEAKS, _settling(_OBJECT)),
     ),
     judged(
-        "shchur.fig1a.2.steady",
-        STEPS,
-        Number("rad", _STEADY_2, _ALGEBRA, _steady(_CLOSED_LOOP)),
-        assumption=FIVE_TIMES,
+        "shchur.fig1a.2.steady", STEPS, Number("rad", _STEADY_2, _ALGEBRA, _steady(_CLOSED_LOOP)), assumption=FIVE_TIMES
     ),
     judged(
         "shchur.fig1a.2.overshoot",
@@ -230,12 +227,7 @@ _STEPS_DECLARATIONS: tuple[Declaration, ...] = (
     judged(
         "shchur.fig1b.end",
         STEPS,
-        Number(
-            "N m",
-            paper.differential_torque(paper.HAND_TORQUE_CLOSED_LOOP, _STEADY_2),
-            _ALGEBRA,
-            _final_torque,
-        ),
+        Number("N m", paper.differential_torque(paper.HAND_TORQUE_CLOSED_LOOP, _STEADY_2), _ALGEBRA, _final_torque),
         assumption=FIVE_TIMES,
     ),
 )

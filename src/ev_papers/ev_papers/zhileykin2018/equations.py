@@ -141,12 +141,7 @@ DECLARATIONS: tuple[Declaration, ...] = (
     judged(
         "zhil.braking",
         LAW,
-        Number(
-            "1",
-            0.0,
-            _EXACT,
-            lambda driven: shares(driven, ACCELERATION, math.pi, first_branch="rear").front,
-        ),
+        Number("1", 0.0, _EXACT, lambda driven: shares(driven, ACCELERATION, math.pi, first_branch="rear").front),
     ),
     judged("zhil.eq7.neutral", LAW, Number("1/s", 0.0, _ALGEBRA, _by_eq_7)),
     judged(

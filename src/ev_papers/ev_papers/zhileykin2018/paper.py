@@ -61,12 +61,7 @@ DECLARATIONS: tuple[Declaration, ...] = (
         Number("1", FULL_SLIP_FRICTION, _EXACT, lambda driven: driven.vehicle.tyre.coefficients[0]),
         inputs="the file of the car has it, as mu_s of its tyre curve",
     ),
-    judged(
-        "zhil.v0",
-        BEND,
-        Number("m/s", INITIAL_SPEED, _EXACT, _initial_speed),
-        inputs="the run begins with it",
-    ),
+    judged("zhil.v0", BEND, Number("m/s", INITIAL_SPEED, _EXACT, _initial_speed), inputs="the run begins with it"),
     judged(
         "zhil.share_range",
         BEND,

@@ -45,11 +45,7 @@ class SpeedControlParameters:
         about="limit of the drives when they slow the car down; beyond it the friction brakes take over",
     )
     max_brake_torque: float = parameter(
-        4000.0,
-        unit="N m",
-        low=0.0,
-        high=1e6,
-        about="limit of the friction brakes that slow down, about 1 g",
+        4000.0, unit="N m", low=0.0, high=1e6, about="limit of the friction brakes that slow down, about 1 g"
     )
     holding_share: float = parameter(
         2.0,

@@ -73,9 +73,7 @@ class SteeringParameters:
     """Which of the two profiles the hands follow, and how."""
 
     mode: str = setting(
-        "angle",
-        choices=WAYS,
-        about="hand_torque: the given hand torque; angle: turn to the given road-wheel angle",
+        "angle", choices=WAYS, about="hand_torque: the given hand torque; angle: turn to the given road-wheel angle"
     )
     hand_torque: HandTorqueParameters = group(HandTorqueParameters)
     wanted_angle: WantedAngleParameters = group(WantedAngleParameters)

@@ -113,13 +113,7 @@ class PulseParameters(CycleDriverParameters):
 @cycle_driver("pulse", PulseParameters, needs=(any_driven,))
 @compilable
 def pulse(
-    p: PulseParameters,
-    car: Car,
-    s: CycleDriverState,
-    period: float,
-    wanted: float,
-    speed: float,
-    wheels: WheelStates,
+    p: PulseParameters, car: Car, s: CycleDriverState, period: float, wanted: float, speed: float, wheels: WheelStates
 ) -> float:
     """Follow a speed cycle with an accelerator that is either released or at a power above the limit of packed snow.
 

@@ -86,11 +86,7 @@ LEGEND_COLUMNS, LEGEND_ROW = 5, 0.17  # of that legend, the height of a row in [
 
 
 def sheet(
-    panels: Sequence[Panel],
-    xlabel: str,
-    columns: int = 2,
-    start: float | None = None,
-    panel_width: float = PANEL_WIDTH,
+    panels: Sequence[Panel], xlabel: str, columns: int = 2, start: float | None = None, panel_width: float = PANEL_WIDTH
 ) -> Figure:
     """A figure with the panels in reading order over one time axis, which begins at `start` [s] if that is given.
 

@@ -12,11 +12,7 @@ from ev_sim.figures.figure import Figure, new_figure
 
 
 def contours(
-    title: str,
-    x: tuple[str, np.ndarray],
-    y: tuple[str, np.ndarray],
-    values: np.ndarray,
-    levels: Sequence[float],
+    title: str, x: tuple[str, np.ndarray], y: tuple[str, np.ndarray], values: np.ndarray, levels: Sequence[float]
 ) -> Figure:
     """Lines of equal `values` (rows, columns), NaN where there are none; `x` and `y` are label and places of them."""
     figure = new_figure(4.6, 3.0)

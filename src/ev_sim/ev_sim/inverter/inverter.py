@@ -33,11 +33,7 @@ from ev_msgs_py.can.frames import (
 from ev_msgs_py.compilable import compilable
 from ev_sim.inverter.dc_link import advance_dc_link, dc_link_faults
 from ev_sim.inverter.parameters import InverterParameters
-from ev_sim.inverter.set_points import (
-    begin_cycle,
-    end_cycle,
-    missing_set_point,
-)
+from ev_sim.inverter.set_points import begin_cycle, end_cycle, missing_set_point
 from ev_sim.inverter.state import Inverter
 from ev_sim.inverter.torque import advance_temperatures, advance_torque, derating, temperature_faults
 

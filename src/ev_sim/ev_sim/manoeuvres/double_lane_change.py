@@ -10,15 +10,7 @@ from ev_sim.figures.figure import Figure
 from ev_sim.figures.panels import Curve, motion_panels
 from ev_sim.figures.plan_view import plan_view
 from ev_sim.measures import motion
-from ev_sim.measures.lane_change_course import (
-    DOUBLE_LANE_CHANGE,
-    Course,
-    cones,
-    edges,
-    hit_cones,
-    lanes,
-    side_of,
-)
+from ev_sim.measures.lane_change_course import DOUBLE_LANE_CHANGE, Course, cones, edges, hit_cones, lanes, side_of
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.measures.samples import Runs, channel
 from ev_sim.recording.recording import Recording
@@ -64,10 +56,7 @@ def figures_on(course: Course, runs: Runs, vehicle: Vehicle) -> dict[str, Figure
     names = ("steering_wheel_angle", "lateral_acceleration", "yaw_rate", "sideslip_angle")
     return {
         "course": plan_view(
-            course.name,
-            tracks,
-            cones(vehicle, side_of(run, course), course),
-            hit_cones(run, vehicle, course),
+            course.name, tracks, cones(vehicle, side_of(run, course), course), hit_cones(run, vehicle, course)
         ),
         "motion": sheet(motion_panels(runs, *names), "time [s]"),
     }

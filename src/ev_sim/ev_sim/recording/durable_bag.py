@@ -18,15 +18,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import ClassVar
 
-from rosbags.interfaces import (
-    Connection,
-    Qos,
-    QosDurability,
-    QosHistory,
-    QosLiveliness,
-    QosReliability,
-    QosTime,
-)
+from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.typesys import Stores, get_typestore
@@ -131,10 +123,7 @@ class DurableBag:
     """
 
     def __init__(
-        self,
-        directory: Path,
-        checkpoint_period: float = 0.8,
-        clock: Callable[[], float] = time.monotonic,
+        self, directory: Path, checkpoint_period: float = 0.8, clock: Callable[[], float] = time.monotonic
     ) -> None:
         if directory.exists():
             raise FileExistsError(f"{directory} exists already: a recording needs a new directory")
@@ -151,13 +140,7 @@ class DurableBag:
             raise
 
     def add_topic(
-        self,
-        name: str,
-        message_type: str,
-        *,
-        depth: int = 10,
-        reliable: bool = True,
-        transient_local: bool = False,
+        self, name: str, message_type: str, *, depth: int = 10, reliable: bool = True, transient_local: bool = False
     ) -> Connection:
         """Announce a topic with the quality of service of its publisher; the answer is the handle for `write`."""
         quality = Qos(

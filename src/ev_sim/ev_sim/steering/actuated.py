@@ -93,13 +93,7 @@ def shown(s: ActuatedState) -> SteeringColumnState:
 
 
 @method(
-    "steering_column",
-    "actuated",
-    ActuatedParameters,
-    state=ActuatedState,
-    prepare=moved,
-    outputs=shown,
-    mirrored=True,
+    "steering_column", "actuated", ActuatedParameters, state=ActuatedState, prepare=moved, outputs=shown, mirrored=True
 )
 @compilable
 def actuated(

@@ -44,12 +44,7 @@ class SineWithDwellParameters:
 
     begin: float = setting(1.0, unit="s", low=0.0, high=1e5, about="when the sine begins")
     amplitude: float = setting(
-        1.0,
-        unit="rad",
-        low=-30.0,
-        high=30.0,
-        about="of the steering wheel, first to the left",
-        lateral=True,
+        1.0, unit="rad", low=-30.0, high=30.0, about="of the steering wheel, first to the left", lateral=True
     )
     frequency: float = parameter(0.7, unit="Hz", low=0.01, high=10.0, about="of the sine", source="UN R140, FMVSS 126")
     dwell: float = parameter(

@@ -84,12 +84,7 @@ class RoadParameters:
         (0.0,), unit="1", low=-1.0, high=1.0, about="rise over run along the road at `slope_distance`, uphill positive"
     )
     side_slope: tuple[float, ...] = setting(
-        (0.0,),
-        unit="1",
-        low=-1.0,
-        high=1.0,
-        about="rise over run to the left at `slope_distance`",
-        lateral=True,
+        (0.0,), unit="1", low=-1.0, high=1.0, about="rise over run to the left at `slope_distance`", lateral=True
     )
     own: tuple[str, ...] = setting((), about="names of surfaces of your own; one number of each list below for each")
     own_c1: tuple[float, ...] = setting(

@@ -84,9 +84,7 @@ CHANGES = (
         (("plant", "road.rolling_resistance_scale", 0.0), ("driver", "level.rolling_resistance", 0.012)),
     ),
     Change(
-        "rolling_low",
-        "rolling resistance 0.79, lower end of snow",
-        (("plant", "road.rolling_resistance_scale", 0.79),),
+        "rolling_low", "rolling resistance 0.79, lower end of snow", (("plant", "road.rolling_resistance_scale", 0.79),)
     ),
     Change("rolling_high", "rolling resistance 1.21, upper end", (("plant", "road.rolling_resistance_scale", 1.21),)),
     Change("surfaces_2", "wet asphalt 2, packed snow 2", _surfaces(2)),
@@ -95,11 +93,7 @@ CHANGES = (
     Change("half_step", "plant steps of 0.5 ms", (("plant", "step", 0.5e-3),)),
     Change("control_10_ms", "control period of 10 ms", (("*", "control_period", 0.01),)),
     Change("noise", "wheel speeds 0.03 rad/s, torques 0.5 N m of noise", _NOISE),
-    Change(
-        "speed_resistance",
-        "k_f added to f_0, V in m/s",
-        (("*", "vehicle.rolling_resistance_reading", "added"),),
-    ),
+    Change("speed_resistance", "k_f added to f_0, V in m/s", (("*", "vehicle.rolling_resistance_reading", "added"),)),
     Change("one_block", "one block of the battery, 330 V", _ONE_BLOCK),
     Change("peak_use", "ASR at the fitted peak itself", (("asr", "use", 1.0),), ("1", "1b")),
     Change("friction_125", "friction 25 % too high", (("electronic_differential", "error_factor", 1.25),), ("5",)),

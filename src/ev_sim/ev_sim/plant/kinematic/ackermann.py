@@ -39,11 +39,7 @@ def course_offset(road_wheel_angle: float, wheelbase: float, centre_of_mass_to_r
 
 @compilable
 def wheel_speed_ratios(
-    road_wheel_angle: float,
-    wheelbase: float,
-    front_track: float,
-    rear_track: float,
-    centre_of_mass_to_rear_axle: float,
+    road_wheel_angle: float, wheelbase: float, front_track: float, rear_track: float, centre_of_mass_to_rear_axle: float
 ) -> Wheels:
     """Speeds V_j of the rolling wheels over the speed V of the centre of mass, in the order of Wheels (eqs 8 to 10).
 

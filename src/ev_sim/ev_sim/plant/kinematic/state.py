@@ -103,9 +103,7 @@ def outputs(car: Car, s: KinematicPlantState) -> tuple:
             Wheels(s.drives[0].torque, s.drives[1].torque, s.drives[2].torque, s.drives[3].torque),
         ),
         InertialMeasurement(
-            yaw_rate,
-            s.acceleration * along - centripetal * across,
-            s.acceleration * across + centripetal * along,
+            yaw_rate, s.acceleration * along - centripetal * across, s.acceleration * across + centripetal * along
         ),
         BodyVelocity(s.speed * along, s.speed * across, yaw_rate),
         BodyPose(s.x, s.y, sin(s.heading / 2), cos(s.heading / 2)),

@@ -6,14 +6,7 @@ from typing import NamedTuple
 
 from ev_core.law import Car, inlined
 from ev_sim.drives.controlled_motor import limited_torque
-from ev_sim.drives.couplings import (
-    CLUTCH,
-    follow_shares,
-    motor_commands,
-    shaft_speeds,
-    shaft_yielding,
-    wheel_torques,
-)
+from ev_sim.drives.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, shaft_yielding, wheel_torques
 from ev_sim.drives.drive import advance_drive
 from ev_sim.drives.engine import advance_engine
 from ev_sim.plant.planar.car_faults import strike_motors

@@ -19,13 +19,7 @@ from ev_sim.plant.planar.state import INTEGRATED_SIZE, WHEEL_SPEED, Stages, Step
 
 @inlined
 def integrate(
-    y: MutableSequence[float],
-    p: PlanarParameters,
-    car: Car,
-    body: BodyConstants,
-    step: Step,
-    stages: Stages,
-    h: float,
+    y: MutableSequence[float], p: PlanarParameters, car: Car, body: BodyConstants, step: Step, stages: Stages, h: float
 ) -> None:
     """Advance the integrated part of the state in place by h [s].
 

@@ -166,13 +166,7 @@ def _turn_with_load_machine(s: PlanarOnBenchState, i: int, speed: float) -> None
 
 @inlined
 def _apply(
-    s: PlanarOnBenchState,
-    p: PlanarOnBenchParameters,
-    car: Car,
-    power: PowerConstants,
-    lags: Lags,
-    step: Step,
-    h: float,
+    s: PlanarOnBenchState, p: PlanarOnBenchParameters, car: Car, power: PowerConstants, lags: Lags, step: Step, h: float
 ) -> None:
     """Set drive and brake torques of the wheels [N m]: those of the bench behind the gear, and of the brakes."""
     for i in range(4):
