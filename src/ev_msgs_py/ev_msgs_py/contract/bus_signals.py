@@ -5,135 +5,59 @@ A period has a place for each tick of 1 ms, of which the first ones are used; wh
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from ev_msgs_py.contract.fields import Field
 
 MOST_TICKS = 5  # of 1 ms, in a control period
 
 
-def _low(frame: str) -> Field:
-    return Field("1", "bits 0 to 31 of the payload", f"{frame}.position")
+def _halves(name: str, frame: str) -> list[tuple[str, Any]]:
+    """The two fields of a payload."""
+    low = Field("1", "bits 0 to 31 of the payload", f"{frame}.position")
+    high = Field("1", "bits 32 to 63 of the payload", f"{frame}.velocity")
+    return [(f"{name}_low", Annotated[float, low]), (f"{name}_high", Annotated[float, high])]
 
 
-def _high(frame: str) -> Field:
-    return Field("1", "bits 32 to 63 of the payload", f"{frame}.velocity")
+def _set_points(device: str) -> list[tuple[str, Any]]:
+    return [field for tick in range(MOST_TICKS) for field in _halves(f"{device}_{tick}", f"{device}_set_point_{tick}")]
 
 
-class SetPointFrames(NamedTuple):
+def _heartbeat(circuit: str) -> tuple[str, Any]:
+    """Its one field, because so short a payload has no other half."""
+    name = f"heartbeat_{circuit}"
+    return name, _halves(name, name)[0][1]
+
+
+def _feedback(device: str) -> list[tuple[str, Any]]:
+    names = [f"{device}_motion_{tick}" for tick in range(MOST_TICKS)]
+    names += [f"{device}_{kind}" for kind in ("electrical", "temperatures", "faults")]
+    return [field for name in names for field in _halves(name, name)]
+
+
+def _signal(name: str, *fields: list[tuple[str, Any]]) -> Any:
+    return NamedTuple(name, [field for some in fields for field in some])
+
+
+_SET_POINTS: Any = _signal(
+    "SetPointFrames",
+    *map(_set_points, ("drive_11", "drive_12")),
+    [_heartbeat("11"), _heartbeat("12")],
+    *map(_set_points, ("load_11", "load_12")),
+)
+_FEEDBACK: Any = _signal("FeedbackFrames", *map(_feedback, ("drive_11", "drive_12", "load_11", "load_12")))
+
+
+class SetPointFrames(_SET_POINTS):  # type: ignore[misc]
     """What the controller puts on the bus in the ticks from this instant on."""
 
-    drive_11_0_low: Annotated[float, _low("drive_11_set_point_0")]
-    drive_11_0_high: Annotated[float, _high("drive_11_set_point_0")]
-    drive_11_1_low: Annotated[float, _low("drive_11_set_point_1")]
-    drive_11_1_high: Annotated[float, _high("drive_11_set_point_1")]
-    drive_11_2_low: Annotated[float, _low("drive_11_set_point_2")]
-    drive_11_2_high: Annotated[float, _high("drive_11_set_point_2")]
-    drive_11_3_low: Annotated[float, _low("drive_11_set_point_3")]
-    drive_11_3_high: Annotated[float, _high("drive_11_set_point_3")]
-    drive_11_4_low: Annotated[float, _low("drive_11_set_point_4")]
-    drive_11_4_high: Annotated[float, _high("drive_11_set_point_4")]
-    drive_12_0_low: Annotated[float, _low("drive_12_set_point_0")]
-    drive_12_0_high: Annotated[float, _high("drive_12_set_point_0")]
-    drive_12_1_low: Annotated[float, _low("drive_12_set_point_1")]
-    drive_12_1_high: Annotated[float, _high("drive_12_set_point_1")]
-    drive_12_2_low: Annotated[float, _low("drive_12_set_point_2")]
-    drive_12_2_high: Annotated[float, _high("drive_12_set_point_2")]
-    drive_12_3_low: Annotated[float, _low("drive_12_set_point_3")]
-    drive_12_3_high: Annotated[float, _high("drive_12_set_point_3")]
-    drive_12_4_low: Annotated[float, _low("drive_12_set_point_4")]
-    drive_12_4_high: Annotated[float, _high("drive_12_set_point_4")]
-    heartbeat_11: Annotated[float, _low("heartbeat_11")]
-    heartbeat_12: Annotated[float, _low("heartbeat_12")]
-    load_11_0_low: Annotated[float, _low("load_11_set_point_0")]
-    load_11_0_high: Annotated[float, _high("load_11_set_point_0")]
-    load_11_1_low: Annotated[float, _low("load_11_set_point_1")]
-    load_11_1_high: Annotated[float, _high("load_11_set_point_1")]
-    load_11_2_low: Annotated[float, _low("load_11_set_point_2")]
-    load_11_2_high: Annotated[float, _high("load_11_set_point_2")]
-    load_11_3_low: Annotated[float, _low("load_11_set_point_3")]
-    load_11_3_high: Annotated[float, _high("load_11_set_point_3")]
-    load_11_4_low: Annotated[float, _low("load_11_set_point_4")]
-    load_11_4_high: Annotated[float, _high("load_11_set_point_4")]
-    load_12_0_low: Annotated[float, _low("load_12_set_point_0")]
-    load_12_0_high: Annotated[float, _high("load_12_set_point_0")]
-    load_12_1_low: Annotated[float, _low("load_12_set_point_1")]
-    load_12_1_high: Annotated[float, _high("load_12_set_point_1")]
-    load_12_2_low: Annotated[float, _low("load_12_set_point_2")]
-    load_12_2_high: Annotated[float, _high("load_12_set_point_2")]
-    load_12_3_low: Annotated[float, _low("load_12_set_point_3")]
-    load_12_3_high: Annotated[float, _high("load_12_set_point_3")]
-    load_12_4_low: Annotated[float, _low("load_12_set_point_4")]
-    load_12_4_high: Annotated[float, _high("load_12_set_point_4")]
+    __slots__ = ()
 
 
-class FeedbackFrames(NamedTuple):
+class FeedbackFrames(_FEEDBACK):  # type: ignore[misc]
     """What has arrived at the controller in the ticks before this instant."""
 
-    drive_11_motion_0_low: Annotated[float, _low("drive_11_motion_0")]
-    drive_11_motion_0_high: Annotated[float, _high("drive_11_motion_0")]
-    drive_11_motion_1_low: Annotated[float, _low("drive_11_motion_1")]
-    drive_11_motion_1_high: Annotated[float, _high("drive_11_motion_1")]
-    drive_11_motion_2_low: Annotated[float, _low("drive_11_motion_2")]
-    drive_11_motion_2_high: Annotated[float, _high("drive_11_motion_2")]
-    drive_11_motion_3_low: Annotated[float, _low("drive_11_motion_3")]
-    drive_11_motion_3_high: Annotated[float, _high("drive_11_motion_3")]
-    drive_11_motion_4_low: Annotated[float, _low("drive_11_motion_4")]
-    drive_11_motion_4_high: Annotated[float, _high("drive_11_motion_4")]
-    drive_11_electrical_low: Annotated[float, _low("drive_11_electrical")]
-    drive_11_electrical_high: Annotated[float, _high("drive_11_electrical")]
-    drive_11_temperatures_low: Annotated[float, _low("drive_11_temperatures")]
-    drive_11_temperatures_high: Annotated[float, _high("drive_11_temperatures")]
-    drive_11_faults_low: Annotated[float, _low("drive_11_faults")]
-    drive_11_faults_high: Annotated[float, _high("drive_11_faults")]
-    drive_12_motion_0_low: Annotated[float, _low("drive_12_motion_0")]
-    drive_12_motion_0_high: Annotated[float, _high("drive_12_motion_0")]
-    drive_12_motion_1_low: Annotated[float, _low("drive_12_motion_1")]
-    drive_12_motion_1_high: Annotated[float, _high("drive_12_motion_1")]
-    drive_12_motion_2_low: Annotated[float, _low("drive_12_motion_2")]
-    drive_12_motion_2_high: Annotated[float, _high("drive_12_motion_2")]
-    drive_12_motion_3_low: Annotated[float, _low("drive_12_motion_3")]
-    drive_12_motion_3_high: Annotated[float, _high("drive_12_motion_3")]
-    drive_12_motion_4_low: Annotated[float, _low("drive_12_motion_4")]
-    drive_12_motion_4_high: Annotated[float, _high("drive_12_motion_4")]
-    drive_12_electrical_low: Annotated[float, _low("drive_12_electrical")]
-    drive_12_electrical_high: Annotated[float, _high("drive_12_electrical")]
-    drive_12_temperatures_low: Annotated[float, _low("drive_12_temperatures")]
-    drive_12_temperatures_high: Annotated[float, _high("drive_12_temperatures")]
-    drive_12_faults_low: Annotated[float, _low("drive_12_faults")]
-    drive_12_faults_high: Annotated[float, _high("drive_12_faults")]
-    load_11_motion_0_low: Annotated[float, _low("load_11_motion_0")]
-    load_11_motion_0_high: Annotated[float, _high("load_11_motion_0")]
-    load_11_motion_1_low: Annotated[float, _low("load_11_motion_1")]
-    load_11_motion_1_high: Annotated[float, _high("load_11_motion_1")]
-    load_11_motion_2_low: Annotated[float, _low("load_11_motion_2")]
-    load_11_motion_2_high: Annotated[float, _high("load_11_motion_2")]
-    load_11_motion_3_low: Annotated[float, _low("load_11_motion_3")]
-    load_11_motion_3_high: Annotated[float, _high("load_11_motion_3")]
-    load_11_motion_4_low: Annotated[float, _low("load_11_motion_4")]
-    load_11_motion_4_high: Annotated[float, _high("load_11_motion_4")]
-    load_11_electrical_low: Annotated[float, _low("load_11_electrical")]
-    load_11_electrical_high: Annotated[float, _high("load_11_electrical")]
-    load_11_temperatures_low: Annotated[float, _low("load_11_temperatures")]
-    load_11_temperatures_high: Annotated[float, _high("load_11_temperatures")]
-    load_11_faults_low: Annotated[float, _low("load_11_faults")]
-    load_11_faults_high: Annotated[float, _high("load_11_faults")]
-    load_12_motion_0_low: Annotated[float, _low("load_12_motion_0")]
-    load_12_motion_0_high: Annotated[float, _high("load_12_motion_0")]
-    load_12_motion_1_low: Annotated[float, _low("load_12_motion_1")]
-    load_12_motion_1_high: Annotated[float, _high("load_12_motion_1")]
-    load_12_motion_2_low: Annotated[float, _low("load_12_motion_2")]
-    load_12_motion_2_high: Annotated[float, _high("load_12_motion_2")]
-    load_12_motion_3_low: Annotated[float, _low("load_12_motion_3")]
-    load_12_motion_3_high: Annotated[float, _high("load_12_motion_3")]
-    load_12_motion_4_low: Annotated[float, _low("load_12_motion_4")]
-    load_12_motion_4_high: Annotated[float, _high("load_12_motion_4")]
-    load_12_electrical_low: Annotated[float, _low("load_12_electrical")]
-    load_12_electrical_high: Annotated[float, _high("load_12_electrical")]
-    load_12_temperatures_low: Annotated[float, _low("load_12_temperatures")]
-    load_12_temperatures_high: Annotated[float, _high("load_12_temperatures")]
-    load_12_faults_low: Annotated[float, _low("load_12_faults")]
-    load_12_faults_high: Annotated[float, _high("load_12_faults")]
+    __slots__ = ()
 
 
 class BusStates(NamedTuple):
