@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.drive_train import wheel_inertias
 from ev_msgs_py.contract.roles import MASTER
@@ -21,7 +22,6 @@ from ev_sim.measures.metric import Metric, NotMeasured, Reference, metric, withi
 from ev_sim.measures.samples import Parameters, Runs, channel
 from ev_sim.recording.recording import Recording
 
-GRAVITY = 9.81  # [m/s^2]
 INTERVAL = 1.0  # [s]
 LOWEST_SPEED = 15 / 3.6  # [m/s], the fit does not use lower ones
 BAND = 0.01  # of the vehicle description, in which fitted values count as found back

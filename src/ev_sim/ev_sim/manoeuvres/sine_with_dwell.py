@@ -12,6 +12,7 @@ import re
 
 import numpy as np
 
+from ev_core.vehicle.car import GRAVITY
 from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.panels import Curve, motion_panels, over_time, panel
@@ -23,7 +24,7 @@ from ev_sim.scenarios.slow_ramp import angle_at
 
 SLOW = "slowly_increasing_steer"
 SHOWN_SIDESLIP = 30.0  # [deg], beyond which a car has spun and would flatten the others' curves
-REFERENCE_ACCELERATION = 0.3 * 9.81  # [m/s^2]
+REFERENCE_ACCELERATION = 0.3 * GRAVITY  # [m/s^2]
 BEGINNING = np.radians(5.0)  # of the steering wheel, the beginning of steer (FMVSS 126, S7.11)
 DISPLACEMENT_TIME = 1.07  # [s] after the beginning of steer
 DISPLACEMENT = 1.83  # [m], at least, for cars up to 3500 kg and amplitudes of 5 A and more

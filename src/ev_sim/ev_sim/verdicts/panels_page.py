@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
 
 from ev_sim.figures.drawing import sheet
@@ -13,6 +11,7 @@ from ev_sim.figures.figure import Figure
 from ev_sim.figures.panels import Panel
 from ev_sim.figures.saving import save_figures
 from ev_sim.recording.atomic import atomic_file
+from ev_sim.report.page.writing import filled
 from ev_sim.verdicts.need import Driven, Need
 from ev_sim.verdicts.sources import source_named
 
@@ -73,11 +72,6 @@ def cannot_be_drawn(figure: str, letter: str, row: str, why: str, *ids: str) -> 
 
 
 INDEX = "index.html"
-_STYLE = """
-body { font: 14px sans-serif; margin: 1.5em; }
-.row { display: grid; grid-auto-flow: column; grid-auto-columns: minmax(20em, 1fr); gap: 1em; overflow-x: auto; }
-figure { margin: 0; } img { max-width: 100%; } figcaption { color: #444; } .lost { color: #666; padding: 1em 0; }
-"""
 
 
 def panels(source: str) -> tuple[PublishedPanel, ...]:
@@ -113,26 +107,7 @@ def draw_panels(
 
 def write_page(shown: Mapping[str, Sequence[PublishedPanel]], folder: Path) -> Path:
     """Write index.html: the panels of each source, those of a row side by side; what cannot be drawn says why."""
-    head = f"<meta charset=utf-8><title>Published figures</title><style>{_STYLE}</style>"
-    parts = [f'<!doctype html><html lang="en">{head}']
-    for source, of_source in shown.items():
-        parts.append(f"<h1>{html.escape(source)}</h1>")
-        for row, members in groupby(of_source, key=lambda panel: panel.row):
-            parts += [f"<h2>{html.escape(row)}</h2>", '<div class="row">']
-            parts += [_entry(source, panel) for panel in members]
-            parts.append("</div>")
     page = folder / INDEX
     with atomic_file(page) as file:
-        file.write("\n".join(parts).encode())
+        file.write(filled("panels.html", shown=shown, file_name=file_name).encode())
     return page
-
-
-def _entry(source: str, panel: PublishedPanel) -> str:
-    ids = html.escape(", ".join(panel.ids))
-    if not panel.draw:
-        why = html.escape(panel.why_not)
-        return f'<figure><div class="lost">not drawn: {why}</div><figcaption>{panel.title} {ids}</figcaption></figure>'
-    driven = html.escape("; ".join(need.command for need in panel.needs))
-    caption = " &middot; ".join(part for part in (panel.title, ids, driven) if part)
-    shown = f'<img src="{file_name(source, panel)}" alt="{panel.title}: {html.escape(panel.row)}">'
-    return f"<figure>{shown}<figcaption>{caption}</figcaption></figure>"
