@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 from typing import Any
 
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.wheel_dynamics import WheelMotion, slowest_wheel
-from ev_control.shared.traction_control import LimitedWheel, watch
-from ev_core.law import Car, Wheels, WheelSpeedCommand, compilable, copysign, entry, group, parameter
-from ev_msgs_py.contract.signals import (
-    InertialMeasurement,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
+from ev_control.shared.traction_control import LimitedWheel
+from ev_core.elementary import copysign
+from ev_core.parameters.declaration import group, parameter
+from ev_core.parameters.record import entry
+from ev_core.vehicle.car import Car
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.optional_signals import WheelSpeedCommand
+from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
+from ev_msgs_py.contract.wheels import Wheels
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,25 +95,12 @@ def moved(
 
 
 @compilable
-def speed_controlled(
-    limit_of: Callable[..., float],
-    forget: Callable[..., None],
-    reference: ReferenceSpeedParameters,
-    p: Any,
-    car: Car,
-    s: Any,
-    period: float,
-    request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> tuple[WheelTorqueCommand, WheelSpeedCommand]:
+def set_points(car: Car, s: Any, request: WheelTorqueRequest) -> tuple[WheelTorqueCommand, WheelSpeedCommand]:
     """The requested torques [N m] as they are, and set-points [rad/s] in their direction: for slipping wheels a limit.
 
-    For all others it is the largest speed of the motor, out of reach, which leaves the torque to the request. When
-    wheels are watched, and when not, is as in `traction_control.controlled`.
+    For all others it is the largest speed of the motor, out of reach, which leaves the torque to the request. The state
+    is as in `traction_control.watch`.
     """
-    watch(limit_of, forget, reference, p, car, s, period, request, column, wheels, imu)
     drive, fastest = request.drive, car.motor.maximum_speed
     speeds = Wheels(
         copysign(min(s.wheels[0].limit, fastest / car.gear[0]), drive[0]),

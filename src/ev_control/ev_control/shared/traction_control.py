@@ -1,11 +1,11 @@
-"""What all traction controls share: whom they limit, when they keep out of it, and what they measure."""
+"""What all traction controls share: which wheels they limit, when they let torques pass, and what they measure."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
@@ -45,46 +45,12 @@ class TractionControlState:
     motors: PlausibilityState = part(PlausibilityState)
 
 
-@compilable
-def controlled(
-    limit_of: Callable[..., float],
-    forget: Callable[..., None],
-    reference: ReferenceSpeedParameters,
-    limp: LimpModeParameters,
-    p: Any,
-    car: Car,
-    s: Any,
-    period: float,
-    request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
-) -> WheelTorqueCommand:
-    """The requested torques [N m], those of slipping wheels limited: never more, and never of the other sign.
+class Measured(NamedTuple):
+    """What a traction control measures."""
 
-    Torques pass unchanged, and the law forgets the wheel, where nothing is asked for, where any wheel of a car that
-    moves is braked, and where a torque works against the travel of the car (regeneration). About rest, under a brake,
-    a wheel that its brake holds keeps its limit, and one that turns is limited: it spins as the brake is released.
-    Everything is counted in the direction of the request, so reverse mirrors forward. A measurement that is not finite
-    or absurd changes nothing: the last limits stay. A driven wheel whose speed sensor is lost (`reference.trust`) gets
-    at most the least limit of the others; where all are lost, torques pass. With `limp.watch` the partner of a lost
-    motor mirrors it, within its own limit.
-
-    The state has `control`, a TractionControlState, and `wheels`, each of which has what a LimitedWheel has.
-    `limit_of(p, car, wheel, period, motion, wanted)` goes on with the state of a wheel of which `wanted` [N m], above
-    zero, is asked, and gives its largest torque [N m], or infinity. `forget(p, wheel)` puts it back to the start.
-    """
-    watch(limit_of, forget, reference, p, car, s, period, request, column, wheels, imu)
-    drive = request.drive
-    limited = Wheels(
-        within(drive[0], s.wheels[0].limit),
-        within(drive[1], s.wheels[1].limit),
-        within(drive[2], s.wheels[2].limit),
-        within(drive[3], s.wheels[3].limit),
-    )
-    if limp.watch == 1.0:
-        return without_yaw(limp.plausibility, car, s.control.motors, period, request, limited, wheels)
-    return WheelTorqueCommand(limited, request.brake)
+    column: SteeringColumnState
+    wheels: WheelStates
+    imu: InertialMeasurement
 
 
 @compilable
@@ -97,14 +63,22 @@ def watch(
     s: Any,
     period: float,
     request: WheelTorqueRequest,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-    imu: InertialMeasurement,
+    measured: Measured,
 ) -> None:
     """Go on with the state by what was measured; the limits of the wheels are then those of this step.
 
-    Where it is not finite or absurd the last limits stay.
+    A wheel has no limit, and the law forgets it, where nothing is asked for, where any wheel of a car that moves is
+    braked, and where a torque works against the travel of the car (regeneration). About rest, under a brake, a wheel
+    that its brake holds keeps its limit, and one that turns is limited: it spins as the brake is released. Everything
+    is counted in the direction of the request, so reverse mirrors forward. A measurement that is not finite or absurd
+    changes nothing: the last limits stay. A driven wheel whose speed sensor is lost (`reference.trust`) gets at most
+    the least limit of the others; where all are lost, torques pass.
+
+    The state has `control`, a TractionControlState, and `wheels`, each of which has what a LimitedWheel has.
+    `limit_of(p, car, wheel, period, motion, wanted)` goes on with the state of a wheel of which `wanted` [N m], above
+    zero, is asked, and gives its largest torque [N m], or infinity. `forget(p, wheel)` puts it back to the start.
     """
+    column, wheels, imu = measured.column, measured.wheels, measured.imu
     known, drive, velocity, effort = s.control, request.drive, wheels.velocity, wheels.effort
     if not is_plausible(column, wheels, imu):
         known.measured = 0.0
@@ -146,6 +120,26 @@ def watch(
         limit_unknown_wheels(forget, p, car, s)
     known.velocity[:] = velocity
     known.measured = 1.0
+
+
+@compilable
+def limited(
+    limp: LimpModeParameters, car: Car, s: Any, period: float, request: WheelTorqueRequest, wheels: WheelStates
+) -> WheelTorqueCommand:
+    """The requested torques [N m], those of wheels with a limit not above it: never more, and never of the other sign.
+
+    With `limp.watch` the partner of a lost motor mirrors it, within its own limit.
+    """
+    drive = request.drive
+    torques = Wheels(
+        within(drive[0], s.wheels[0].limit),
+        within(drive[1], s.wheels[1].limit),
+        within(drive[2], s.wheels[2].limit),
+        within(drive[3], s.wheels[3].limit),
+    )
+    if limp.watch == 1.0:
+        return without_yaw(limp.plausibility, car, s.control.motors, period, request, torques, wheels)
+    return WheelTorqueCommand(torques, request.brake)
 
 
 @compilable

@@ -8,9 +8,8 @@ from typing import Any, TypeVar
 
 from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.shared.limp_mode import limp_mode_for
-from ev_control.shared.speed_mode import speed_controlled
-from ev_control.shared.traction_control import TractionControlState, controlled
-from ev_core.law import Car, Need, WheelSpeedCommand, compilable, each_wheel, method, part
+from ev_control.shared.speed_mode import set_points
+from ev_control.shared.traction_control import Measured, TractionControlState, limited, watch
 from ev_core.methods.law import named_after
 from ev_msgs_py.compilable import FUNCTIONS
 from ev_msgs_py.contract.signals import (
@@ -66,12 +65,12 @@ def traction_control(
     """Register the law of one wheel as a method of the asr, under its docstring.
 
     The law is `(p, car, wheel, period, motion, wanted)` and gives the largest torque of the wheel [N m], as
-    `traction_control.controlled` says. `wheel` is the record of what it knows of a wheel, a LimitedWheel with more;
+    `traction_control.watch` says. `wheel` is the record of what it knows of a wheel, a LimitedWheel with more;
     `forget(p, wheel)` puts it to the start; `reference` names the parameters of the reference speed among its own, and
     `limp` beside them are those of the limp mode. The method runs compiled if both functions are compilable.
 
     With `speed_mode` the law gives the largest speed of the wheel [rad/s] for drives in speed mode, as
-    `speed_mode.speed_controlled` says, and has no limp mode. `needs` are what it asks of the vehicle besides.
+    `speed_mode.set_points` says, and has no limp mode. `needs` are what it asks of the vehicle besides.
     """
     reference_of, limp_of = GROUPS[reference]
     how: dict[str, Any] = {}
@@ -102,9 +101,8 @@ def traction_control(
             wheels: WheelStates,
             imu: InertialMeasurement,
         ) -> WheelTorqueCommand:
-            return controlled(
-                limit_of, forget, reference_of(p), limp_of(p), p, car, s, period, request, column, wheels, imu
-            )
+            watch(limit_of, forget, reference_of(p), p, car, s, period, request, Measured(column, wheels, imu))
+            return limited(limp_of(p), car, s, period, request, wheels)
 
         def law_of_speed(
             p: Any,
@@ -116,7 +114,8 @@ def traction_control(
             wheels: WheelStates,
             imu: InertialMeasurement,
         ) -> tuple[WheelTorqueCommand, WheelSpeedCommand]:
-            return speed_controlled(limit_of, forget, reference_of(p), p, car, s, period, request, column, wheels, imu)
+            watch(limit_of, forget, reference_of(p), p, car, s, period, request, Measured(column, wheels, imu))
+            return set_points(car, s, request)
 
         made: Callable[..., Any] = law_of_speed if speed_mode else law
         named_after(made, limit_of)
