@@ -23,10 +23,7 @@ class MessageTable:
         self._where = PLACES[topic.signal]
         self._bytes = np.frombuffer(self._format.template, np.uint8)
         self._number = np.dtype(f"<{self._format.code}")
-        self._constant = np.ones(len(self._bytes), bool)
-        self._constant[STAMP_AT : STAMP_AT + 8] = False
-        for run in self._format.runs:
-            self._constant[run.offset : run.offset + run.length * self._number.itemsize] = False
+        self._constant = np.frombuffer(self._format.mask, np.uint8) != 0
 
     def serialize(self, stamps_ns: np.ndarray, frames: np.ndarray) -> list[bytes]:
         """Messages from their stamps (n,) in nanoseconds and frames (n, frame size)."""
