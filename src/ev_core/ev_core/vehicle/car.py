@@ -8,7 +8,7 @@ from ev_core.elementary import copysign, hypot
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.drive_train import drive_train_numbers, wheel_inertias
-from ev_msgs_py.compilable import compilable
+from ev_msgs_py.compilable import compilable, inlined
 from ev_msgs_py.contract.signals import BodyVelocity
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
@@ -64,3 +64,15 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
 def speed_along_path(body: BodyVelocity) -> float:
     """Speed of the centre of mass along its path, negative in reverse [m/s]."""
     return copysign(hypot(body.longitudinal, body.lateral), body.longitudinal)
+
+
+@inlined
+def front_wheel_tangents(mean: float, wheelbase: float, front_track: float, parallel: float) -> tuple[float, float]:
+    """Tangents of the left and the right front wheel's angle from that of the mean one; a number or an array (n,).
+
+    Ackermann geometry, or with `parallel` 1 both alike, as `steering_geometry` of the vehicle says; left positive,
+    lengths in m. With the mean tangent in the numerator straight ahead needs no case of its own. Source: Shchur 2019,
+    eq 8.
+    """
+    outward = mean * (0.5 * front_track) * (1.0 - parallel)
+    return wheelbase * mean / (wheelbase - outward), wheelbase * mean / (wheelbase + outward)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ev_core.vehicle.car import front_wheel_tangents
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.measures import motion
@@ -33,9 +34,8 @@ def wheel_directions(run: Recording, vehicle: Vehicle) -> Mapping[str, Direction
     mean = channel(run, motion.ROAD_WHEEL_ANGLE)
     apart = run.channels.get("rear_steering.state.angle", 0.0)
     angle, rear = np.tan(mean), np.tan(vehicle.rear_steering_ratio * mean + apart)
-    outward = angle * vehicle.front_track / 2 * (vehicle.steering_geometry == "ackermann")
-    length = vehicle.wheelbase
-    tangents = (length * angle / (length - outward), length * angle / (length + outward), rear, rear)
+    parallel = float(vehicle.steering_geometry == "parallel")
+    tangents = (*front_wheel_tangents(angle, vehicle.wheelbase, vehicle.front_track, parallel), rear, rear)
     cosines = (1 / np.hypot(1.0, tangent) for tangent in tangents)
     return {
         wheel: Direction(cosine, tangent * cosine)

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
 
-from ev_core.law import Car, Wheels, cos, inlined, sin, sqrt, tan
+from ev_core.elementary import cos, sin, sqrt, tan
+from ev_core.vehicle.car import Car, front_wheel_tangents
+from ev_msgs_py.compilable import inlined
+from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.contact import look, within_friction
 from ev_sim.plant.planar.parameters import FREE, PlanarParameters
@@ -50,16 +53,8 @@ def steer(car: Car, step: Step, angle: float, apart: float) -> None:
 
 @inlined
 def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
-    """Cosine and sine of the left, cosine and sine of the right front wheel's angle.
-
-    Mean angle delta [rad], left positive; Ackermann geometry, the first choice of the vehicle's `steering_geometry`, or
-    both wheels parallel, the second. Written with tan(delta) in the numerator, so that straight ahead needs no case of
-    its own. Source: Shchur 2019, eq. 8.
-    """
-    t = tan(angle)
-    outward = t * (0.5 * car.front_track) * (1.0 - car.steering_geometry)
-    left = car.wheelbase * t / (car.wheelbase - outward)
-    right = car.wheelbase * t / (car.wheelbase + outward)
+    """Cosine and sine of the left, cosine and sine of the right front wheel's angle; `angle` is their mean [rad]."""
+    left, right = front_wheel_tangents(tan(angle), car.wheelbase, car.front_track, car.steering_geometry)
     cos_left = 1.0 / sqrt(1.0 + left * left)
     cos_right = 1.0 / sqrt(1.0 + right * right)
     return cos_left, left * cos_left, cos_right, right * cos_right
