@@ -48,13 +48,13 @@ _SET_POINTS: Any = _signal(
 _FEEDBACK: Any = _signal("FeedbackFrames", *map(_feedback, ("drive_11", "drive_12", "load_11", "load_12")))
 
 
-class SetPointFrames(_SET_POINTS):  # type: ignore[misc]
+class SetPointFrames(_SET_POINTS):  # type: ignore[misc]  # its fields are made above
     """What the controller puts on the bus in the ticks from this instant on."""
 
     __slots__ = ()
 
 
-class FeedbackFrames(_FEEDBACK):  # type: ignore[misc]
+class FeedbackFrames(_FEEDBACK):  # type: ignore[misc]  # its fields are made above
     """What has arrived at the controller in the ticks before this instant."""
 
     __slots__ = ()
