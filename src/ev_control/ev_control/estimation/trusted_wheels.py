@@ -12,11 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import setting
-from ev_core.parameters.record import entry, per_wheel
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.wheels import Wheels
+from ev_core.law import Car, Wheels, compilable, entry, per_wheel, setting
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,7 @@ from dataclasses import dataclass
 
 from ev_control.inverter_gateway.plausibility import PlausibilityParameters
 from ev_core.bus.parameters import BusParameters
-from ev_core.parameters.declaration import group, parameter, setting
-from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.refusal import ParameterError
+from ev_core.law import WHEEL_NAMES, ParameterError, group, parameter, setting
 
 STOPS = ("drive", "both")
 ONE, BOTH = range(len(STOPS))

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.inverter_gateway.state import Device
-from ev_core.parameters.declaration import parameter, setting
-from ev_msgs_py.compilable import compilable
+from ev_core.law import compilable, parameter, setting
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,12 +15,7 @@ from ev_control.shared.torque_plausibility import (
     measured,
     watch_torques,
 )
-from ev_core.elementary import copysign
-from ev_core.parameters.declaration import group, setting
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.layout import Need, each_driven, equal_motors
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, Need, Vehicle, compilable, copysign, each_driven, equal_motors, group, setting
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 

@@ -9,14 +9,8 @@ from typing import Any
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.wheel_dynamics import WheelMotion, slowest_wheel
 from ev_control.shared.traction_control import LimitedWheel
-from ev_core.elementary import copysign
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.optional_signals import WheelSpeedCommand
+from ev_core.law import Car, Wheels, WheelSpeedCommand, compilable, copysign, entry, group, parameter
 from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
-from ev_msgs_py.contract.wheels import Wheels
 
 
 @dataclass(frozen=True, slots=True)

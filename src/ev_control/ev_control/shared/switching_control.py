@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.elementary import copysign
-from ev_core.parameters.declaration import parameter, setting
-from ev_msgs_py.compilable import compilable
+from ev_core.law import compilable, copysign, parameter, setting
 
 
 @compilable

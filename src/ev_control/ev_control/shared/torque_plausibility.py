@@ -12,10 +12,7 @@ from dataclasses import dataclass
 
 from ev_control.estimation.first_order_filter import filter_share
 from ev_control.estimation.plausible import LARGEST_TORQUE
-from ev_core.elementary import copysign
-from ev_core.parameters.declaration import setting
-from ev_core.parameters.record import entry, per_wheel
-from ev_core.vehicle.car import Car
+from ev_core.law import Car, WheelStates, WheelTorqueCommand, compilable, copysign, entry, per_wheel, setting
 from ev_core.vehicle.motor import driving_torque, generating_torque
 
 PARTNERS = (1, 0, 3, 2)  # the other wheel of the axle, in the order of Wheels

@@ -10,6 +10,7 @@ from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.shared.limp_mode import limp_mode_for
 from ev_control.shared.speed_mode import set_points
 from ev_control.shared.traction_control import Measured, TractionControlState, limited, watch
+from ev_core.law import Car, Need, WheelSpeedCommand, compilable, each_wheel, method, part
 from ev_core.methods.law import named_after
 from ev_msgs_py.compilable import FUNCTIONS
 from ev_msgs_py.contract.signals import (

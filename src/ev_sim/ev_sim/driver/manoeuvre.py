@@ -5,12 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group, setting
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car, speed_along_path
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, Vehicle, compilable, entry, group, method, part, setting, speed_along_path
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant
 from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at

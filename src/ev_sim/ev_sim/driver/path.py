@@ -7,12 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
-from ev_core.elementary import cos, hypot, sin
-from ev_core.parameters.declaration import setting
-from ev_core.parameters.record import entry
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import BodyPose
-from ev_msgs_py.refusal import ParameterError
+from ev_core.law import BodyPose, ParameterError, compilable, cos, entry, hypot, setting, sin
 
 SHAPES = WAYPOINTS, ARCS = "waypoints", "arcs"
 _ARC_STEP = 0.5  # [m], chord of an arc; 3 mm from an arc of 10 m radius

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import group, parameter, setting
-from ev_core.parameters.record import entry
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.signals import SteeringColumnState
+from ev_core.law import SteeringColumnState, compilable, entry, group, parameter, setting
 from ev_sim.driver.speed_control import limited_pid
 from ev_sim.profiles.profile import check_points, interpolation_parameter
 

@@ -6,9 +6,7 @@ import math
 from dataclasses import dataclass
 from math import tau
 
-from ev_core.parameters.declaration import parameter, setting
-from ev_core.parameters.record import entry
-from ev_msgs_py.compilable import compilable
+from ev_core.law import compilable, entry, parameter, setting
 
 SECTOR = math.pi / 3.0  # width of a Hall sector, as an electrical angle [rad]
 

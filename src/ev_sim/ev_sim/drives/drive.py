@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import group, setting
-from ev_msgs_py.compilable import compilable
+from ev_core.law import compilable, group, setting
 from ev_sim.drives.averaged import AveragedDriveParameters, advance_averaged
 from ev_sim.drives.brushless_motor import DriveState, MotorParameters, limited_reference, torque_constant
 from ev_sim.drives.switched import SwitchedDriveParameters, advance_switched

@@ -21,9 +21,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ev_core.parameters.declaration import group, setting
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.refusal import ParameterError
+from ev_core.law import ParameterError, compilable, group, setting
 from ev_sim.drives.averaged import CurrentControllerParameters, controlled_voltage
 from ev_sim.drives.brushless_motor import (
     DriveState,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ev_core.elementary import exp
+from ev_core.law import compilable
 from ev_msgs_py.can.drive_states import QUICK_STOP_ACTIVE, READY_TO_SWITCH_ON, SWITCH_ON, SWITCHED_ON
 from ev_msgs_py.can.frames import DC_LINK_LOSS, DC_OVER_VOLTAGE, PRECHARGE_TIMEOUT
 from ev_sim.inverter.parameters import DcLinkParameters

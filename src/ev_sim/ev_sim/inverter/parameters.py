@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_core.bus.parameters import BusParameters
+from ev_core.law import ParameterError
 from ev_core.parameters.declaration import group, parameter, setting
 from ev_core.vehicle.motor import ThermalParameters, Winding
 from ev_sim.inverter.injection import INJECTIONS

@@ -9,9 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ev_core.parameters.declaration import group, parameter, setting
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.refusal import ParameterError
+from ev_core.law import ParameterError, compilable, group, parameter, setting
 from ev_sim.profiles.profile import Profile, number_until
 
 MODES = ("stop", "traction", "regen")

@@ -5,9 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import NamedTuple
 
-from ev_core.parameters.declaration import setting
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.refusal import ParameterError
+from ev_core.law import ParameterError, compilable, setting
 
 INTERPOLATIONS = LINEAR, STEP = "linear", "step"
 

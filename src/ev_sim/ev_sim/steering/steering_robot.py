@@ -5,13 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ev_core.elementary import sin
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group, parameter, setting
-from ev_core.parameters.record import entry
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, Vehicle, compilable, entry, group, method, parameter, setting, sin
 from ev_msgs_py.contract.signals import Instant, SteeringColumnState
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ev_core.elementary import exp
-from ev_core.parameters.declaration import parameter, setting
-from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_core.law import ParameterError, exp, parameter, setting
+from ev_msgs_py.refusal import quoted, unknown_name
 from ev_sim.surfaces.table import SURFACES, Surface
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.parameters.declaration import setting
-from ev_core.parameters.record import entry
+from ev_core.law import compilable, entry, setting
 from ev_msgs_py.can.frames import TICK
 from ev_msgs_py.can.payload import NO_FRAME
 from ev_sim.test_bench.state import CircuitState

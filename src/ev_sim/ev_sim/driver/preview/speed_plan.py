@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.elementary import atan2, cos, sqrt, tan
-from ev_core.parameters.declaration import parameter, setting
-from ev_core.parameters.record import entry
-from ev_core.vehicle.car import GRAVITY
-from ev_msgs_py.compilable import compilable
+from ev_core.law import GRAVITY, atan2, compilable, cos, entry, parameter, setting, sqrt, tan
 from ev_sim.driver.manoeuvre import UNBOUNDED
 from ev_sim.driver.path import Path, passed_on
 

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.elementary import cos, sin
-from ev_core.parameters.declaration import setting
-from ev_core.parameters.record import each_wheel, entry, part
-from ev_core.vehicle.car import Car
-from ev_msgs_py.compilable import compilable
+from ev_core.law import Car, Wheels, compilable, cos, each_wheel, entry, part, setting, sin
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, InertialMeasurement, MotorStates, WheelStates
 from ev_sim.drives.brushless_motor import DriveState
 from ev_sim.drives.drive import DriveParameters

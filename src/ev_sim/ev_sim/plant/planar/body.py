@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
 
-from ev_core.elementary import cos, sin, sqrt, tan
-from ev_core.vehicle.car import Car, front_wheel_tangents
-from ev_msgs_py.compilable import inlined
-from ev_msgs_py.contract.wheels import Wheels
+from ev_core.law import Car, Wheels, cos, inlined, sin, sqrt, tan
+from ev_core.vehicle.car import front_wheel_tangents
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.contact import look, within_friction
 from ev_sim.plant.planar.parameters import FREE, PlanarParameters

@@ -6,12 +6,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ev_core.faults.fault import OF_THE_CAR, Fault, parsed
-from ev_core.parameters.declaration import setting
-from ev_core.vehicle.car import Car
-from ev_core.vehicle.description import Vehicle
-from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.refusal import ParameterError, quoted
+from ev_core.law import WHEEL_NAMES, Car, ParameterError, Vehicle, compilable, setting
+from ev_msgs_py.refusal import quoted
 from ev_sim.drives.brushless_motor import torque_share
 from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.state import LONGEST_DELAY, WHEEL_ANGLE, FaultState, PlanarState, Step
