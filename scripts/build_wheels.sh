@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Build the wheels of the three packages, for `pip install` without ROS: scripts/build_wheels.sh [DIR], by default dist.
+# Build the wheels of the five packages, for `pip install` without ROS: scripts/build_wheels.sh [DIR], by default dist.
 set -euo pipefail
 root="$(readlink -f "${BASH_SOURCE[0]}")" && root="${root%/*/*}"
 mkdir -p "${1:-$root/dist}"
