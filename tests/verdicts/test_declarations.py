@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import pytest
 
 from ev_sim.verdicts.all_verdicts import declarations, undeclared
@@ -38,3 +41,13 @@ def test_an_id_that_nobody_published_is_refused():
 def test_an_id_is_judged_once():
     with pytest.raises(ValueError, match=r"shchur\.fig2 is declared twice"):
         by_id("shchur2019", [no_verdict("shchur.fig2", "x"), no_verdict("shchur.fig2", "y")])
+
+
+def test_who_asks_for_one_source_loads_no_other():
+    """Each brings libraries of its own, which cost a second of every run of a scenario."""
+    text = (
+        "import sys; from ev_sim.verdicts.all_verdicts import declarations; assert declarations('shchur2019'); "
+        "print(*sorted({name.split('.')[1] for name in sys.modules if name.startswith('ev_papers.')}))"
+    )
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["shchur2019"]

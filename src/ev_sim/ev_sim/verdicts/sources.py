@@ -17,6 +17,7 @@ from ev_msgs_py.refusal import unknown_name
 GROUP = "ev_stack.sources"  # of entry points: the name of a source, and its module
 
 
+@cache
 def _modules() -> dict[str, str]:
     return {point.name: point.value for point in entry_points(group=GROUP)}
 
@@ -32,10 +33,11 @@ def sources() -> dict[str, Any]:
 
 
 def source_named(name: str) -> Any:
-    """The module of a source; ParameterError that lists the known ones if there is none."""
-    if name not in sources():
-        raise unknown_name("source", name, sources())
-    return sources()[name]
+    """The module of a source, and of no other; ParameterError that lists the known ones if there is none."""
+    modules = _modules()
+    if name not in modules:
+        raise unknown_name("source", name, modules)
+    return import_module(modules[name])
 
 
 KINDS = ("printed", "follows", "words", "axes", "lost")
