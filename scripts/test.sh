@@ -15,9 +15,9 @@ fi
 # shellcheck source=scripts/setup.sh
 source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
 cd "$EV_STACK_ROOT"
-# One process more than there are cores: many tests wait for other processes, or for time.
+# Two processes more than there are cores: many tests wait for other processes, or for time.
 cores="$(env -u OMP_NUM_THREADS nproc)" # setup.sh has said one thread, which is all that nproc would count
-on_all_cores=(--numprocesses "$((cores + 1))" --dist worksteal)
+on_all_cores=(--numprocesses "$((cores + 2))" --dist worksteal)
 for word in "$@"; do
     if [[ -e "${word%%::*}" ]]; then
         on_all_cores=() # a few tests have ended before more processes have started

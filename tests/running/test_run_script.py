@@ -255,7 +255,7 @@ def test_ctrl_c_stops_everything(tmp_path: Path):
 
 
 def test_realtime_takes_its_time_and_says_that_it_is_not_reproducible(tmp_path: Path):
-    run("shchur2019", "--realtime", "--duration", 1, "--out", tmp_path)
+    run("shchur2019", "--realtime", "--duration", 1, "--no-report", "--out", tmp_path)
     content = summary(tmp_path)
     assert content["reproducible"] is False
     # By the wall clock, and never faster; not counted is what goes by until the recorder knows the others by name.
@@ -297,7 +297,7 @@ def test_a_folder_that_holds_something_else_is_not_touched(tmp_path: Path):
 
 
 def test_a_second_run_replaces_the_first(tmp_path: Path):
-    run("shchur2019", "--offline", "--duration", 0.1, "--out", tmp_path)
-    run("shchur2019", "--offline", "--duration", 0.2, "--no-record", "--out", tmp_path)
+    run("shchur2019", "--offline", "--duration", 0.1, "--no-report", "--out", tmp_path)
+    run("shchur2019", "--offline", "--duration", 0.2, "--no-record", "--no-report", "--out", tmp_path)
     assert not (tmp_path / "bag").exists()
     assert summary(tmp_path)["simulated_time"] == 0.2
