@@ -6,9 +6,9 @@ import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.metadata import entry_points
 from typing import Any
 
+from ev_core.methods.offered import offered, offered_module
 from ev_core.vehicle.description import Vehicle
 from ev_sim.figures.figure import Figure
 from ev_sim.measures.metric import Metric
@@ -47,5 +47,6 @@ def _call(function: Callable[..., Any], *given: Any) -> Any:
 
 def report_for(scenario: str) -> Report:
     """The report of a scenario: that of its name among the installed ones, or the generic one if there is none."""
-    own = [point.value for point in entry_points(group=REPORTS, name=scenario)]
-    return Report(import_module(own[0] if own else "ev_sim.report.generic"))
+    if scenario in offered(REPORTS):
+        return Report(offered_module(REPORTS, "report", scenario))
+    return Report(import_module("ev_sim.report.generic"))

@@ -6,9 +6,9 @@ import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.metadata import entry_points
 from pathlib import Path
 
+from ev_core.methods.offered import offered
 from ev_core.nodes.master.parameters import LONGEST
 from ev_core.parameters.data_file import files_in_config, refuse_outside
 from ev_core.parameters.declaration import entries, group, setting
@@ -112,7 +112,7 @@ def said_by(file: ParameterFile) -> ScenarioParameters:
 
 def refuse_unknown_report(report: str, metrics: Sequence[str]) -> None:
     """ParameterError if a scenario names a report that there is not, or a metric of its own that is none."""
-    if report and not entry_points(group=REPORTS, name=report):
-        raise unknown_name("report", report, sorted({point.name for point in entry_points(group=REPORTS)}))
+    if report and report not in offered(REPORTS):
+        raise unknown_name("report", report, sorted(offered(REPORTS)))
     for text in metrics:
         parsed(text)

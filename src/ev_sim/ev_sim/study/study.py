@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from importlib import import_module
-from importlib.metadata import entry_points
 from typing import Any, Protocol
 
-from ev_msgs_py.refusal import unknown_name
+from ev_core.methods.offered import offered, offered_module
 from ev_sim.figures.figure import Figure
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.recording import Recording
@@ -55,12 +53,9 @@ class Study(Protocol):
 
 def study_names() -> list[str]:
     """The names of all installed studies."""
-    return sorted({point.name for point in entry_points(group=GROUP)})
+    return sorted(offered(GROUP))
 
 
 def study_named(name: str) -> Study:
     """The module of a study; ParameterError that lists the known ones if there is none."""
-    found = [point.value for point in entry_points(group=GROUP, name=name)]
-    if not found:
-        raise unknown_name("study", name, study_names())
-    return import_module(found[0])
+    return offered_module(GROUP, "study", name)

@@ -5,21 +5,14 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
-from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from ev_core.methods.offered import offered, offered_module
 from ev_core.parameters.data_file import TEXT, read_data
-from ev_msgs_py.refusal import unknown_name
 
 GROUP = "ev_stack.sources"  # of entry points: the name of a source, and its module
-
-
-@cache
-def _modules() -> dict[str, str]:
-    return {point.name: point.value for point in entry_points(group=GROUP)}
 
 
 @cache
@@ -28,16 +21,13 @@ def sources() -> dict[str, Any]:
 
     It has DECLARATIONS (how each id is judged) and PANELS (its figures), and published.csv beside it.
     """
-    found = {name: import_module(module) for name, module in _modules().items()}
+    found = {name: source_named(name) for name in offered(GROUP)}
     return dict(sorted(found.items(), key=lambda each: (each[1].ORDER, each[0])))
 
 
 def source_named(name: str) -> Any:
     """The module of a source, and of no other; ParameterError that lists the known ones if there is none."""
-    modules = _modules()
-    if name not in modules:
-        raise unknown_name("source", name, modules)
-    return import_module(modules[name])
+    return offered_module(GROUP, "source", name)
 
 
 KINDS = ("printed", "follows", "words", "axes", "lost")
@@ -62,7 +52,9 @@ class Published:
 @cache
 def published(source: str) -> dict[str, Published]:
     """Everything that a source published by id, in the order of its list; ValueError for a line that is not one."""
-    path = Path(find_spec(_modules()[source]).origin).with_name("published.csv")  # without the module, which reads it
+    path = Path(find_spec(offered(GROUP)[source]).origin).with_name(
+        "published.csv"
+    )  # without the module, which reads it
     text = read_data(path, TEXT).decode()
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     listed: dict[str, Published] = {}

@@ -1,0 +1,52 @@
+"""Reports, studies and sources of installed packages: one line for what is wrong with one of them."""
+
+from __future__ import annotations
+
+from importlib.metadata import EntryPoint
+
+import pytest
+
+from ev_core.methods import offered as module
+from ev_core.methods.offered import offered, offered_module
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.report.reports import report_for
+from ev_sim.scenarios.scenario import load_scenario
+from ev_sim.study.study import study_named
+
+GROUP = "ev_stack.reports"
+
+
+@pytest.fixture
+def offer(monkeypatch):
+    """Entry points as if another package had brought them."""
+    real, own = module.entry_points, []
+    monkeypatch.setattr(module, "entry_points", lambda group: [*real(group=group), *own])
+    return lambda name, value: own.append(EntryPoint(name, value, GROUP))
+
+
+def test_two_packages_do_not_share_a_name(offer):
+    """Which of them a run would get hangs on the order of folders."""
+    offer("coast_down", "ev_sim.manoeuvres.coast_down")  # the same one, installed twice
+    assert report_for("coast_down").module.__name__ == "ev_sim.manoeuvres.coast_down"
+    offer("coast_down", "somebody.report")
+    said = r"^ev_stack\.reports 'coast_down' is offered by ev_sim\S+ and by somebody\.report, allowed is one$"
+    with pytest.raises(ParameterError, match=said):
+        report_for("coast_down")
+
+
+def test_what_does_not_load_is_one_line_and_harms_only_who_wants_it(offer):
+    offer("braking", "somebody.report")
+    with pytest.raises(
+        ParameterError, match=r"^report braking: somebody\.report is not loaded: ModuleNotFoundError: No"
+    ):
+        report_for("braking")
+    assert report_for("hill_start").module.__name__ == "ev_sim.manoeuvres.hill_start"
+    assert load_scenario("coast_down").runs
+
+
+def test_an_unknown_name_lists_those_that_there_are():
+    with pytest.raises(ParameterError, match=r"^unknown study 'sweeps'; known: sweep, "):
+        study_named("sweeps")
+    with pytest.raises(ParameterError, match=r"^unknown report 'braking'; known: "):
+        offered_module(GROUP, "report", "braking")
+    assert "coast_down" in offered(GROUP)
