@@ -5,8 +5,8 @@ import os
 import pytest
 from hypothesis import settings
 
-# How long an example takes says nothing about our code. Where fifty examples do not suffice, the test says so.
-settings.register_profile("ours", deadline=None, max_examples=30)
+# How long an example takes says nothing about our code. Where so many examples do not suffice, the test says so.
+settings.register_profile("ours", deadline=None, max_examples=25)
 settings.load_profile("ours")
 
 
