@@ -21,7 +21,14 @@ def offer(monkeypatch):
     """Entry points as if another package had brought them."""
     real, own = module.entry_points, []
     monkeypatch.setattr(module, "entry_points", lambda group: [*real(group=group), *own])
-    return lambda name, value: own.append(EntryPoint(name, value, GROUP))
+
+    def offer(name: str, value: str) -> None:
+        own.append(EntryPoint(name, value, GROUP))
+        offered.cache_clear()
+
+    yield offer
+    monkeypatch.undo()
+    offered.cache_clear()
 
 
 def test_two_packages_do_not_share_a_name(offer):

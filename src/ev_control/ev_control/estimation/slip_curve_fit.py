@@ -1,6 +1,9 @@
 """Least squares of the curve y = A x + B g(x) over the last samples (dissertation, eq 2.36).
 
 g(x) = sqrt(x) in the equations; x^2 in the text, which names the template of the patent EP0630786A1.
+
+Sums whose rounding errors are added up as well, so that hardly anything of them is left.
+A sum is the pair of its value and of what rounding has lost of it; `EMPTY_SUM` is where it begins.
 """
 
 from __future__ import annotations

@@ -1,4 +1,17 @@
-"""A channel of the bus without hardware: who sends when, how long it takes, what is lost; longest response times."""
+"""A channel of the bus without hardware: who sends when, how long it takes, what is lost; longest response times.
+
+A channel of the bus without hardware: who sends when, how long it takes, what is lost; the same in each run.
+Of the frames that wait, the one with the lowest identifier goes as soon as the bus is free; a frame on the wire is not
+interrupted. Times are in bits, counted from the beginning of the present tick. A place holds one frame that waits and
+the newest one that has arrived, as the message objects of a CAN controller do: a frame that ends on the wire before the
+one in front of it was taken overwrites that, which counts as lost.
+
+It runs in each tick. Tables are records, no tuples: handing those over would cost compiled code as much as a frame.
+
+The longest time from a frame's release to its arrival, among cyclic frames of fixed priority.
+Davis, Burns, Bril, Lukkien (2007): Controller Area Network (CAN) schedulability analysis: refuted, revisited and
+revised. Real-Time Systems 35, 239-272. No jitter of release.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +63,7 @@ class BusModelParameters(BusInterface):
 
 @dataclass(frozen=True, slots=True)
 class ChannelFrames:
-    """By place, in the order of identifiers: header (see `wire_time.Header`) and bytes of data."""
+    """By place, in the order of identifiers: header (see `frame_length.Header`) and bytes of data."""
 
     bits: list[float]
     state: list[float]

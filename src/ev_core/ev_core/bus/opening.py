@@ -1,4 +1,8 @@
-"""Opening a channel of python-can, also by multicast on one address; what is wrong is one clear line."""
+"""Opening a channel of python-can, also by multicast on one address; what is wrong is one clear line.
+
+Frames by multicast, as udp_multicast of python-can writes them, on the network of one address of this machine.
+python-can's own bus listens at all addresses. This one hears what was sent to its group on that network, and no more.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""All that touches the inside of numba: callees, calls by address, memory on the stack."""
+"""All that touches the inside of numba: callees, calls by address, memory on the stack.
+
+Functions that only compiled functions call: they become machine code within their callers alone.
+numba makes each of them machine code of its own as well, for callers in Python, which takes a third of the whole time,
+and optimises what is inlined again at every level.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
 from types import ModuleType
@@ -9,6 +10,7 @@ from types import ModuleType
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 
+@cache
 def offered(group: str) -> dict[str, str]:
     """The modules of a group of entry points by name; ParameterError if two packages offer something by one name."""
     found: dict[str, str] = {}

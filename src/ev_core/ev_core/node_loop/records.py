@@ -1,4 +1,4 @@
-"""The records that `node_steps.take_steps` is told of and tells by, and its machine code as a C function."""
+"""The records that `steps.take_steps` is told of and tells by, and its machine code as a C function."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The ordinary steps of a node in lockstep as one compiled loop: messages in, a step, messages out, sleep.
 
 Ordinary is a message from the one who may speak, laid out as our nodes do, finite, and of the step that is due.
-Whatever else comes ends the loop and is for Python to judge (`lockstep/inbox.py`). `node_loop.py` tells what the
+Whatever else comes ends the loop and is for Python to judge (`lockstep/inbox.py`). `records.py` tells what the
 records hold.
 """
 

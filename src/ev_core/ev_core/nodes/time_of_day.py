@@ -1,4 +1,14 @@
-"""What the time of day may not do, and an alarm that ends waits which a clock set back has made too long."""
+"""What the time of day may not do, and an alarm that ends waits which a clock set back has made too long.
+
+Ends waits of the middleware that would otherwise last for as long as the time of day was set back.
+Where it was built for a C library that can wait by the time of day only, as the wheels of PyPI are, it adds time-outs
+to that: a wait of a millisecond lasts an hour longer if the clock is set back by an hour just then. Our own waits are
+ended by a guard condition. The thread that announces a process to others, and repeats what they have not received,
+begins to wait anew when a timer is made, as for a publisher.
+
+With a publisher a process also tells the graph anew what it consists of. Between senders, the middleware finds by the
+time of day what has arrived, and may lose something where that was set back: it is told several times.
+"""
 
 from __future__ import annotations
 

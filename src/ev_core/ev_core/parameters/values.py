@@ -1,4 +1,8 @@
-"""Values for declared parameters, also with a unit ("80 km/h"), checked and refused in one clear line."""
+"""Values for declared parameters, also with a unit ("80 km/h"), checked and refused in one clear line.
+
+Numbers with a unit as people write them, "80 km/h", made into the unit in which a parameter is declared.
+A list and no algebra of units: what is accepted can be read here, and stands in what a refusal says.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Random numbers that need no memory, each a function of a key and a counter; and one seed for everything random."""
+"""Random numbers that need no memory, each a function of a key and a counter; and one seed for everything random.
+
+Philox4x32-10 of J. K. Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw, "Parallel random numbers: as easy as 1, 2, 3",
+SC '11 (2011), doi 10.1145/2063384.2063405. Words are of 32 bits. A product of two of them may wrap around in compiled
+code, where an integer has 64 bits and a sign, but both its words come out right.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""A payload of 64 bits: its two words of 32 bits, and one signal in it."""
+"""A payload of 64 bits: its two words of 32 bits, and one signal in it.
+
+One signal in the payload of a frame: a physical value as a whole number of steps in some of its bits.
+A payload is one whole number, byte 0 in its lowest 8 bits, so that a signal in Intel order is a shift and a mask.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""End-to-end protection of a payload by AUTOSAR E2E profile 1, variant 1A: what the sender adds, and its CRC-8."""
+"""End-to-end protection of a payload by AUTOSAR E2E profile 1, variant 1A: what the sender adds, and its CRC-8.
+
+Byte 0 is the checksum, the low half of byte 1 a counter from 0 to 14. The checksum is CRC-8 SAE J1850 with start value
+and final XOR 0 (AUTOSAR PRS E2E protocol, profile 1), over the two bytes of the data id, low one first, and bytes 1 to
+the last: a frame that is right but comes under another identifier is found too.
+"""
 
 from __future__ import annotations
 

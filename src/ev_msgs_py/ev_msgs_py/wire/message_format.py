@@ -1,4 +1,14 @@
-"""How the messages of one topic look in CDR: a template, and runs of numbers between frame and message."""
+"""How the messages of one topic look in CDR: a template, and runs of numbers between frame and message.
+
+Messages as little-endian CDR with zeros for padding, and where each of their numbers comes to stand.
+The middleware leaves whatever was in memory between the fields. Here equal messages are equal bytes, which the message
+formats rely on.
+
+Making a message object, filling it and letting the middleware serialize it costs some fifty microseconds, and as much
+to take one apart; a node does this several times per step. The places never change within a topic, so a few copies of
+bytes do the same. What another sender wrote in another layout (joints in another order, no frame name) is still
+read, by way of the message object.
+"""
 
 from __future__ import annotations
 

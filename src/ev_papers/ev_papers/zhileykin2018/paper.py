@@ -1,4 +1,10 @@
-"""Zhileykin (2018): what the source gives its car and its run, as our runs have it."""
+"""Zhileykin (2018): what the source gives its car and its run, as our runs have it.
+
+What Zhileykin & Eranosyan (2018) print, and the thresholds that their words need.
+M. M. Zhileykin, A. V. Eranosyan, "Improvement of four-wheel drive vehicle controllability with a connected front axle
+through the redistribution of torque" (in Russian), Bauman University, 2018. Printed values are written down here once
+more instead of being taken from the run, so that a run with other parameters is judged against the paper all the same.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,11 @@
-"""Models of the battery: a source behind one resistance, and equal cells whose voltage relaxes."""
+"""Models of the battery: a source behind one resistance, and equal cells whose voltage relaxes.
+
+A battery of equal cells in series: relaxation of the voltage, limits of the current by temperature.
+
+    U = n (E(SoC) - R_0 I) - U_1,    tau U_1' = n R_1 I - U_1
+
+The first-order model of Thevenin, as in Plett, Battery Management Systems, volume 1, 2015, chapter 2.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Losses of motor and inverter, from coefficients or an efficiency map, and the heat that they bring."""
+"""Losses of motor and inverter, from coefficients or an efficiency map, and the heat that they bring.
+
+Heat in winding and power stage: one capacity each, one resistance to one coolant, derating.
+The winding takes the copper loss, the power stage what grows with the torque; iron, windage and the idle loss of the
+electronics go from the housing into the air (assumption).
+"""
 
 from __future__ import annotations
 

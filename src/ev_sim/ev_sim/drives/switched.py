@@ -12,8 +12,15 @@ The converter connects high and low to the bus, one to each rail, and chops by e
 both signs of current and of speed. Both transistors of the off phase block: its current freewheels through a diode
 until it is zero, and a diode conducts again whenever the terminal leaves the range of the bus. So commutation ripple,
 loss of current control at too low a bus voltage, and uncontrolled braking by the diodes come out of the circuit
-(`circuit`). Assumed: ideal transistors, diodes and Hall sensors, no dead time, and a rotor that starts in the middle
+(below). Assumed: ideal transistors, diodes and Hall sensors, no dead time, and a rotor that starts in the middle
 of sector 0.
+
+The circuit of converter and motor: how the currents of the three phases go on while no transistor switches.
+
+    L i_k' = v_k - v_n - e_k - R i_k,    e_k = p psi omega f_k,    M = p psi sum(f_k i_k),    sum(i_k) = 0
+
+with the neutral's voltage v_n from the sum of the conducting phases (Pillay and Krishnan, Modeling, simulation, and
+analysis of permanent-magnet motor drives, part II, IEEE Trans. Ind. Appl. 25, 1989).
 """
 
 from __future__ import annotations

@@ -1,4 +1,9 @@
-"""A Gymnasium environment around `ev_sim.Simulation`: any scenario, one role of it played by a learner."""
+"""A Gymnasium environment around `ev_sim.Simulation`: any scenario, one role of it played by a learner.
+
+Rewards that an environment has if nobody brings one: simple, bounded below by what a car can do badly.
+A reward is a function of the frame after the step, the action, and the action that stands for what the scenario's own
+law wrote at the same instant.
+"""
 
 from __future__ import annotations
 
@@ -74,7 +79,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
 
     - `action`: torque_split, traction_control or steering; in SI units, by driven wheel where it is one of wheels,
     - `observe`: channels such as imu.yaw_rate, or topics for all their channels; in SI units, float64,
-    - `reward`: of the frame after the step, the action and what the scenario's own law would have done (`rewards`),
+    - `reward`: of the frame after the step, the action and what the scenario's own law would have done,
     - `ends`: of the frame, whether the episode is over; without it, it lasts as long as the scenario, `duration`.
 
     `run` and `changed` are those of `ev_sim.Simulation`. The scenario's own law goes along: `info["own"]` is the action

@@ -1,4 +1,8 @@
-"""What a recorder keeps of a run while it lasts: numbers on the disk, so that its memory does not grow."""
+"""What a recorder keeps of a run while it lasts: numbers on the disk, so that its memory does not grow.
+
+Many messages of one topic at once: serialized from a stack of frames, and back.
+What a message format does message by message, numpy does here for a whole run.
+"""
 
 from __future__ import annotations
 

@@ -47,6 +47,5 @@ def _call(function: Callable[..., Any], *given: Any) -> Any:
 
 def report_for(scenario: str) -> Report:
     """The report of a scenario: that of its name among the installed ones, or the generic one if there is none."""
-    if scenario in offered(REPORTS):
-        return Report(offered_module(REPORTS, "report", scenario))
-    return Report(import_module("ev_sim.report.generic"))
+    is_own = scenario in offered(REPORTS)
+    return Report(offered_module(REPORTS, "report", scenario) if is_own else import_module("ev_sim.report.generic"))

@@ -1,4 +1,26 @@
-"""The carcass, in series with the sliding contact; and the load that tyres with one curve do not carry in full."""
+"""The carcass, in series with the sliding contact; and the load that tyres with one curve do not carry in full.
+
+Of the slip velocity v at the rim the carcass takes u', and w = v - u' slides in the contact, with slip s = w/V_t. The
+contact carries the steady force f s of the friction curve, a viscous element of coefficient f/V_t, the carcass
+k u + d u'. Equating both gives the tyre of first order of Rill (First order tire dynamics, III European Conference on
+Computational Mechanics, Lisbon 2006):
+
+    u' = (f v - V_t k u) / (f + V_t d),    F = f (k u + d v) / (f + V_t d)
+
+At speed the steady force of the curve is reached over the relaxation length (f + V_t d)/k; at rest (V_t = 0) the
+contact sticks and the carcass is a damped spring. No eigenvalue exceeds k/d, so an explicit step that suits the
+carcass suits every speed, and F v = d/dt(k u^2 / 2) + d u'^2 + F w shows that it never gives energy.
+
+f = N mu(s)/s is taken at s = v/V_t. A wheel that starts to turn at rest has s = 1 at once, but as long as its carcass
+takes all of v nothing slides, and the force is to follow the deflection up to the peak of the curve, not to the
+friction of full slip. So s counts no further than a little ahead of the slip S that the contact has, which builds up as
+it slides over a contact length l (contact relaxation length, Pacejka, Tire and Vehicle Dynamics, 2012, chapter 8):
+
+    S' = (w - V_t S) / l
+
+No force is above the peak, not even where load or friction fall below what the carcass holds: then the contact slides
+with the force of the peak, and u' = (F - k u)/d.
+"""
 
 from __future__ import annotations
 

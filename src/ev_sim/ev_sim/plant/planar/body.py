@@ -1,4 +1,8 @@
-"""Newton-Euler for the body in the plane and its four wheels, with their loads and steering angles."""
+"""Newton-Euler for the body in the plane and its four wheels, with their loads and steering angles.
+
+Frame: x forward, y left, z up, at the centre of mass. Equations: dissertation, eqs 2.20-2.26, and Ge & Ni 2005, with
+the signs of one right-handed frame.
+"""
 
 from __future__ import annotations
 
