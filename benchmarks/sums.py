@@ -2,7 +2,8 @@
 
     source scripts/setup.sh && python benchmarks/sums.py [--scenario NAME] [--seconds S] [--rounds N] [--in-process]
 
-Printed are steps per second, the best and the median of each, and the ratios with sums over without.
+Printed are steps per second, the best and the median of each, and the ratio with sums over without: of the best, and
+of the two runs of each round the median with its quartiles.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ import tempfile
 from pathlib import Path
 from types import SimpleNamespace
 from unittest import mock
+
+import numpy as np
 
 from ev_sim.running import told
 from ev_sim.running.in_process import run_in_process
@@ -44,8 +47,9 @@ def main() -> None:
             found[sums].append(rate(run, sums, given.in_process))
     for sums, rates in found.items():
         print(f"{'with' if sums else 'without'} sums: {max(rates):.0f} steps/s, median {statistics.median(rates):.0f}")
-    best, median = (of(found[True]) / of(found[False]) for of in (max, statistics.median))
-    print(f"ratio: {best:.3f}, of medians {median:.3f}")
+    ratios = [with_sums / without for with_sums, without in zip(found[True], found[False], strict=True)]
+    low, middle, high = np.quantile(ratios, (0.25, 0.5, 0.75))
+    print(f"ratio: {max(found[True]) / max(found[False]):.3f}, of rounds {middle:.3f} ({low:.3f} to {high:.3f})")
 
 
 if __name__ == "__main__":

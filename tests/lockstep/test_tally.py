@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ev_core.lockstep.tally import KEPT, Tally
 from ev_msgs_py.contract.frame import PLACES, SIZE, Frame
-from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueCommand
+from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
 
 KEY = b"a key"
@@ -41,11 +41,11 @@ def by_definition(steps: list[list[float]]) -> int:
 
 def tallied(steps: list[list[float]], said: bool = False, key: bytes = KEY) -> int:
     """The sum that a node has of a topic that it took, or said."""
-    tally = Tally(key, (DriverCommand,), (WheelTorqueCommand,)) if said else Tally(key, (WheelTorqueCommand,))
+    tally = Tally(key, (), (WheelTorqueCommand,)) if said else Tally(key, (WheelTorqueCommand,))
     for step, numbers in enumerate(steps):
         frame = Frame()
         frame.numbers[COMMAND] = memoryview(np.array(numbers))
-        (tally.add_said if said else tally.add_taken)(step, frame.address)
+        tally.add(step, frame, frame)
     last = len(steps) - 1
     found = tally.newest(last, last)["said" if said else "taken"][NAME]
     assert list(found) == [str(step) for step in range(max(last - KEPT + 1, 0), last + 1)]
@@ -81,6 +81,11 @@ def test_whoever_changes_numbers_changes_the_sum(steps, data):
     assert (tallied(steps) == tallied(others)) == same
 
 
+def test_more_steps_than_are_added_up_in_one_call():
+    steps = [[float(step)] * WIDTH for step in range(100)]
+    assert tallied(steps) == tallied(steps, said=True) == by_definition(steps)
+
+
 def test_another_key_gives_another_sum():
     steps = [[1.0] * WIDTH]
     assert tallied(steps) != tallied(steps, key=b"another key")
@@ -91,6 +96,6 @@ def test_a_run_that_begins_anew_is_added_up_anew():
     frame.numbers[COMMAND] = memoryview(np.arange(1.0, 1.0 + WIDTH))
     for _ in range(2):
         tally.forget()
-        tally.add_taken(0, frame.address)
-        tally.add_taken(1, frame.address)
+        tally.add(0, frame, frame)
+        tally.add(1, frame, frame)
     assert tally.newest(1, -1)["taken"][NAME]["1"] == by_definition([list(np.arange(1.0, 1.0 + WIDTH))] * 2)

@@ -76,7 +76,7 @@ class Stepper:
         self.answer: Answer | None = None
         self.period = period
         self.before: Answer | None = None
-        self.tally = Tally(key, self.reads, method.writes) if key and not may_skip else None
+        self.tally = Tally(key, self.reads, method.writes, self.integrates) if key and not may_skip else None
         self._make = make
         self._at_rest = True
         self.part = make()
@@ -121,7 +121,7 @@ class Stepper:
         there = self._frame_at(stamp)
         self.part.start(there)
         if self.tally is not None:
-            self.tally.add_said(stamp // self.period, there.address)
+            self.tally.begin(stamp // self.period, there)
         return Answer(stamp, there)
 
     def _begin_anew(self) -> None:
@@ -156,19 +156,14 @@ class Stepper:
         """One step with the inputs in a frame."""
         here.numbers[TIME] = self._instant(stamp)
         self._at_rest = False
+        there, said = here, stamp
         if self.integrates:
-            self.before = self.answer
-            there = self._frame_at(stamp + self.period)
-            self.part.step(here, there)
-            self.answer = Answer(stamp + self.period, there)
-            if self.tally is not None:
-                self.tally.add_taken(stamp // self.period, here.address)
-                self.tally.add_said(stamp // self.period + 1, there.address)
-        else:
-            self.part.step(here, here)
-            self.answer = Answer(stamp, here)
-            if self.tally is not None:
-                self.tally.add(stamp // self.period, here.address)
+            self.before, said = self.answer, stamp + self.period
+            there = self._frame_at(said)
+        self.part.step(here, there)
+        self.answer = Answer(said, there)
+        if self.tally is not None:
+            self.tally.add(stamp // self.period, here, there)
         return self.answer
 
     def _instant(self, stamp: int) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ev_core.compiling import kept_code, machine_code
 from ev_core.lockstep.tally import BLOCK
-from ev_core.lockstep.tally import address as tally_address
+from ev_core.lockstep.tally import addresses as tally_addresses
 from ev_core.node_loop.message_memory import RUN, TOPIC, Memory, integers
 from ev_core.node_loop.steps import take_steps
 
@@ -69,7 +69,7 @@ def keep() -> None:
     """See to it that the machine code is on disk: nodes go without it rather than wait, at half the speed."""
     if not is_kept():
         address()
-    tally_address()
+    tally_addresses()
 
 
 @cache

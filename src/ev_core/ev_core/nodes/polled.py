@@ -69,6 +69,8 @@ class OrdinarySteps:
         head["guard"] = guard
         head["function"], head["state"], head["constants"] = part.addresses()
         self._hand_over(head)
+        if self._stepper.tally is not None:
+            self._stepper.tally.settle()
         why = self._call(*self._memory.addresses)
         self._take_back(head)
         if why == ODD:
