@@ -299,3 +299,36 @@ def test_a_law_that_gives_no_number_ends_its_node(tmp_path: Path):
         said, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1
     assert said == "asr: WheelTorqueCommand.drive.front_left is nan, only finite numbers are allowed\n"
+
+
+STOPPED_WHILE_LOADED = """
+import atexit
+import signal
+import sys
+from ev_sim.commands import ev_stack
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run in the background
+
+class HalfMade:
+    def __del__(self):
+        import os
+        os.abort()  # what a module of C does that an interrupt has left half-made
+
+def import_module(name):
+    sys.half_made = HalfMade()
+    signal.raise_signal(signal.{kind})
+    print("went on")
+
+atexit.register(print, "cleaned up")
+ev_stack.import_module = import_module
+sys.argv = ["ev-stack", "run", "shchur2019"]
+ev_stack.main()
+"""
+
+
+@pytest.mark.parametrize("kind", ["SIGINT", "SIGTERM"])
+def test_what_a_stop_has_left_half_made_is_not_destroyed(kind):
+    """A run that was stopped after 0.2 s ended by signal 11; seed 245 of the campaign."""
+    process = start([sys.executable, "-c", STOPPED_WHILE_LOADED.format(kind=kind)])
+    assert process.communicate(timeout=PATIENCE)[0] == "cleaned up\nstopped\n"
+    assert process.returncode == 130

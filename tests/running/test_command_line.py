@@ -165,6 +165,9 @@ def command(monkeypatch):
     monkeypatch.setattr(sys, "argv", ["ev-stack", "run", "shchur2019"])
     monkeypatch.setattr(stop_request, "_INTERRUPTS", [])
     monkeypatch.setattr(ev_stack, "turn_deaf", lambda: None)
+    monkeypatch.setattr(stop_request, "turn_deaf", lambda: None)
+    monkeypatch.setattr(stop_request.atexit, "_run_exitfuncs", lambda: None)
+    monkeypatch.setattr(stop_request.os, "_exit", sys.exit)
     yield ev_stack.main
     signal.signal(signal.SIGINT, before)
 

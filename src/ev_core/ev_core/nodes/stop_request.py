@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import atexit
+import os
 import signal
 import sys
 import time
 from _thread import interrupt_main, start_new_thread
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from types import FrameType, TracebackType
+from typing import NoReturn
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
-
+STOPPED = 130  # the status that shells know of a command that Ctrl-C has ended
 
 _A_MOMENT = 0.001  # s
 
@@ -35,6 +40,31 @@ def turn_deaf() -> None:
     """
     for kind in _SIGNALS:
         signal.signal(kind, signal.SIG_IGN)
+
+
+def end_stopped(*_: object) -> NoReturn:
+    """End the process as a command that was stopped, with one line, also as the handler of a signal.
+
+    Python's own end is left out: an interrupt may have left modules of C half-made, which cannot be destroyed.
+    """
+    turn_deaf()
+    atexit._run_exitfuncs()
+    with suppress(OSError, ValueError):  # whoever reads the output may be gone
+        print("stopped", file=sys.stderr, flush=True)
+        sys.stdout.flush()
+    os._exit(STOPPED)
+
+
+@contextmanager
+def loading() -> Iterator[None]:
+    """In the block, which imports modules and has nothing to clean up, these signals end the process at once."""
+    handled = [kind for kind in _SIGNALS if callable(signal.getsignal(kind))]  # in the background Ctrl-C is ignored
+    before = {kind: signal.signal(kind, end_stopped) for kind in handled}
+    try:
+        yield
+    finally:
+        for kind, handler in before.items():
+            signal.signal(kind, handler)
 
 
 def interrupt(number: int, frame: FrameType | None) -> None:

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 
+from ev_core.nodes.stop_request import STOPPED
 from ev_msgs_py.refusal import quoted
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.recording.outcome import RunFailed
@@ -19,7 +20,6 @@ from ev_sim.running.children import ends_with_us
 from ev_sim.running.domain import free_domain, reserved_domains
 from ev_sim.study.study import study_names
 
-_INTERRUPTED = 130
 _NO_DDS = ("--offline", "--list", "--help", "-h")
 
 
@@ -42,7 +42,7 @@ def main(argv: list[str] | None = None) -> None:
         sys.exit(run.returncode)
     if ended is None:
         print("stopped", file=sys.stderr)
-        sys.exit(_INTERRUPTED)
+        sys.exit(STOPPED)
     print(f"dashboard: {ended}")
 
 

@@ -7,11 +7,17 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from ev_core.nodes.stop_request import interrupt, interrupt_destructors, let_in, turn_deaf, was_interrupted
+from ev_core.nodes.stop_request import (
+    end_stopped,
+    interrupt,
+    interrupt_destructors,
+    let_in,
+    loading,
+    turn_deaf,
+    was_interrupted,
+)
 from ev_msgs_py.refusal import quoted
 from ev_sim.command_line.refusal import refuse
-
-_INTERRUPTED = 130  # what a shell says of a command that Ctrl-C ended
 
 COMMANDS = {  # name -> module with main(words), words put in front, what it does
     "run": (
@@ -47,9 +53,7 @@ def main() -> None:
         made_by_ctrl_c = was_interrupted() and not (isinstance(error, SystemExit) and not error.code)
         if not (isinstance(error, KeyboardInterrupt) or made_by_ctrl_c):
             raise
-        turn_deaf()
-        print("stopped", file=sys.stderr)
-        sys.exit(_INTERRUPTED)
+        end_stopped()
     finally:
         turn_deaf()
 
@@ -66,6 +70,8 @@ def perform(words: Sequence[str]) -> None:
         sys.exit(2)
     module, first, _ = COMMANDS[words[0]]
     try:
-        import_module(f"ev_sim.commands.{module}").main([*first, *words[1:]])
+        with loading():
+            command = import_module(f"ev_sim.commands.{module}")
+        command.main([*first, *words[1:]])
     except OSError as error:  # such as too many open files while it is loaded
         refuse(error)
