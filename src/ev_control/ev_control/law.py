@@ -29,8 +29,7 @@ from ev_control.shared.slip_regulator import (
 from ev_control.shared.slip_thresholds import SlipThresholdParameters
 from ev_control.shared.speed_mode import SpeedSetPointParameters, SpeedSetPointWheel, forget_set_point, moved
 from ev_control.shared.torque_split import BrakeSplitParameters, split, split_brake
-from ev_control.shared.traction_control import LimitedWheel
-from ev_control.shared.traction_method import traction_control
+from ev_control.shared.traction_control import LimitedWheel, traction_control
 
 __all__ = [
     "AllocationParameters",

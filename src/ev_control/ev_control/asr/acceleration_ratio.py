@@ -9,7 +9,6 @@ from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParam
 from ev_control.shared.acceleration_criterion import (
     AccelerationCriterionParameters,
     Accelerations,
-    forget_accelerations,
     gains_on_car,
 )
 from ev_core.law import Car, compilable, group, parameter, part
@@ -32,14 +31,7 @@ class AccelerationRatioWheel(LimitedWheel):
     accelerations: Accelerations = part(Accelerations)
 
 
-@compilable
-def forget(p: AccelerationRatioParameters, w: AccelerationRatioWheel) -> None:
-    """Put a wheel back to the start."""
-    w.limit = inf
-    forget_accelerations(w.accelerations)
-
-
-@traction_control("acceleration_ratio", AccelerationRatioParameters, AccelerationRatioWheel, forget)
+@traction_control("acceleration_ratio", AccelerationRatioParameters, AccelerationRatioWheel)
 @compilable
 def acceleration_ratio(
     p: AccelerationRatioParameters,

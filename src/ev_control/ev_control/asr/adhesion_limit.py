@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, start_again
 from ev_control.estimation.friction_estimate import FrictionLearningParameters, learnt_friction
 from ev_control.estimation.plausible import wheel_load
 from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, WheelMotion, road_torque, slip_of
-from ev_control.shared.traction_method import traction_control
+from ev_control.shared.traction_control import traction_control
 from ev_core.law import Car, compilable, entry, group, parameter, part
 
 
@@ -36,11 +35,13 @@ class AdhesionLimitWheel(LimitedWheel):
     friction: float = entry(unit="1", about="estimated friction of the road; at the start the largest one")
 
 
+start = start_again(AdhesionLimitWheel)
+
+
 @compilable
 def forget(p: AdhesionLimitParameters, w: AdhesionLimitWheel) -> None:
     """Put a wheel back to the start."""
-    w.limit = inf
-    forget_filtered(w.used)
+    start(w)
     w.friction = p.largest_friction
 
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
 
 from ev_control.estimation.expected_friction import FrictionDiagramParameters, expected_friction, friction_at_peak
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, start_again
 from ev_control.estimation.plausible import wheel_load
 from ev_control.estimation.side_force import slip_angle_of
 from ev_control.estimation.slip_angle_observer import SlipAngleObserverParameters, SlipAngleObserverState
@@ -58,14 +57,14 @@ class ExpectedSignalWheel(LimitedWheel):
     observer: SlipAngleObserverState = part(SlipAngleObserverState)
 
 
+start = start_again(ExpectedSignalWheel)
+
+
 @compilable
 def forget(p: ExpectedSignalParameters, w: ExpectedSignalWheel) -> None:
     """Put a wheel back to the start."""
-    w.limit = inf
-    forget_filtered(w.used)
-    forget_filtered(w.slip)
+    start(w)
     w.friction = p.largest_friction
-    w.observer.lateral_velocity = 0.0
 
 
 @traction_control("expected_signal", ExpectedSignalParameters, ExpectedSignalWheel, forget)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow
 from ev_control.estimation.slip_observers import observed_slip
 from ev_control.estimation.wheel_dynamics import WheelMotion, road_torque
-from ev_control.law import RegulatedWheel, SlipRegulatorParameters, forget_regulation, stays_out, until_served, weighed
+from ev_control.law import RegulatedWheel, SlipRegulatorParameters, stays_out, until_served, weighed
 from ev_control.shared.slip_regulator import acceleration_with_decay
-from ev_control.shared.traction_method import traction_control
+from ev_control.shared.traction_control import traction_control
 from ev_core.law import Car, compilable, group, parameter, part
 
 
@@ -33,19 +33,10 @@ class FeedbackLinearisationWheel(RegulatedWheel):
     body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
 
 
-@compilable
-def forget(p: FeedbackLinearisationParameters, w: FeedbackLinearisationWheel) -> None:
-    """Put a wheel back to the start."""
-    forget_regulation(w)
-    forget_filtered(w.road)
-    forget_filtered(w.body_acceleration)
-
-
 @traction_control(
     "feedback_linearisation",
     FeedbackLinearisationParameters,
     FeedbackLinearisationWheel,
-    forget,
     reference="regulator.reference",
 )
 @compilable

@@ -8,8 +8,8 @@ from math import inf
 from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.slip_observers import observed_slip
 from ev_control.estimation.wheel_dynamics import WheelMotion
-from ev_control.law import RegulatedWheel, SlipRegulatorParameters, forget_regulation, stays_out, until_served, weighed
-from ev_control.shared.traction_method import traction_control
+from ev_control.law import RegulatedWheel, SlipRegulatorParameters, stays_out, until_served, weighed
+from ev_control.shared.traction_control import traction_control
 from ev_core.law import Car, compilable, group, parameter, part
 
 # Change of the limit over its largest one; rows: slip below, at, above the target; columns: slip falls, stays, rises.
@@ -45,14 +45,7 @@ class FuzzyWheel(RegulatedWheel):
     slip: Filtered = part(Filtered)  # [1]; its lag is the rate
 
 
-@compilable
-def forget(p: FuzzyParameters, w: FuzzyWheel) -> None:
-    """Put a wheel back to the start."""
-    forget_regulation(w)
-    forget_filtered(w.slip)
-
-
-@traction_control("fuzzy", FuzzyParameters, FuzzyWheel, forget, reference="regulator.reference")
+@traction_control("fuzzy", FuzzyParameters, FuzzyWheel, reference="regulator.reference")
 @compilable
 def fuzzy(p: FuzzyParameters, car: Car, w: FuzzyWheel, period: float, motion: WheelMotion, wanted: float) -> float:
     """Move the limit by nine rules about the slip error and the rate of the slip.

@@ -27,13 +27,7 @@ class HeldTorqueWheel(LimitedWheel):
     held: float = entry(inf, unit="N m", about="torque of the last step in which the slip was not beyond its range")
 
 
-@compilable
-def forget(p: HeldTorqueParameters, w: HeldTorqueWheel) -> None:
-    """Put a wheel back to the start."""
-    w.limit = w.held = inf
-
-
-@traction_control("held_torque", HeldTorqueParameters, HeldTorqueWheel, forget)
+@traction_control("held_torque", HeldTorqueParameters, HeldTorqueWheel)
 @compilable
 def held_torque(
     p: HeldTorqueParameters, car: Car, w: HeldTorqueWheel, period: float, motion: WheelMotion, wanted: float

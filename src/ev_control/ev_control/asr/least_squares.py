@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.slip_peak import SlipPeakState, forget_peak, peak_is_passed, watch_slip
+from ev_control.estimation.slip_peak import SlipPeakState, peak_is_passed, watch_slip
 from ev_control.estimation.wheel_dynamics import WheelMotion, road_torque, share_at, slip_of
-from ev_control.law import Filtered, LimitedWheel, filter_share, follow, forget_filtered, traction_control, until_served
+from ev_control.law import Filtered, LimitedWheel, filter_share, follow, traction_control, until_served
 from ev_control.shared.least_squares_parameters import LeastSquaresParameters
 from ev_core.law import Car, compilable, entry, part, sqrt
 
@@ -25,16 +25,7 @@ class LeastSquaresWheel(LimitedWheel):
     served: float = entry(unit="s", about="since when the limit is above the request")
 
 
-@compilable
-def forget(p: LeastSquaresParameters, w: LeastSquaresWheel) -> None:
-    """Put a wheel back to the start."""
-    w.limit = inf
-    forget_peak(w.curve)
-    forget_filtered(w.road)
-    w.target = w.held = w.served = 0.0
-
-
-@traction_control("least_squares", LeastSquaresParameters, LeastSquaresWheel, forget)
+@traction_control("least_squares", LeastSquaresParameters, LeastSquaresWheel)
 @compilable
 def least_squares(
     p: LeastSquaresParameters, car: Car, w: LeastSquaresWheel, period: float, motion: WheelMotion, wanted: float

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf
 
 from ev_control.estimation.slip_curve import SlipCurveParameters, fits, fitted_curve, slope
-from ev_control.estimation.slip_curve_fit import SlipCurveFit, add_sample, forget_samples, is_full
+from ev_control.estimation.slip_curve_fit import SlipCurveFit, add_sample, is_full
 from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, WheelMotion, traction_control
 from ev_core.law import Car, compilable, entry, group, parameter, part
 
@@ -28,15 +28,7 @@ class LeastSquaresLiteralWheel(LimitedWheel):
     previous: float = entry(unit="N m", about="torque of the previous step")
 
 
-@compilable
-def forget(p: LeastSquaresLiteralParameters, w: LeastSquaresLiteralWheel) -> None:
-    """Put a wheel back to the start."""
-    w.limit = inf
-    forget_samples(w.fit)
-    w.previous = 0.0
-
-
-@traction_control("least_squares_literal", LeastSquaresLiteralParameters, LeastSquaresLiteralWheel, forget)
+@traction_control("least_squares_literal", LeastSquaresLiteralParameters, LeastSquaresLiteralWheel)
 @compilable
 def least_squares_literal(
     p: LeastSquaresLiteralParameters,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow
 from ev_control.estimation.wheel_dynamics import mass_share
 from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, WheelMotion, road_torque
 from ev_control.shared.acceleration_criterion import GainedSpeedParameters, has_gained
-from ev_control.shared.traction_method import traction_control
+from ev_control.shared.traction_control import traction_control
 from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part
 from ev_core.vehicle.drive_train import has_own_motors
 
@@ -75,16 +75,6 @@ class MaximumTransmissibleTorqueWheel(LimitedWheel):
     rate: float = entry(unit="N m/s", about="of the request, filtered")
 
 
-@compilable
-def forget(p: MaximumTransmissibleTorqueParameters, w: MaximumTransmissibleTorqueWheel) -> None:
-    """Put a wheel back to the start."""
-    w.limit = inf
-    forget_filtered(w.road)
-    forget_filtered(w.tread_acceleration)
-    forget_filtered(w.body_acceleration)
-    w.gained = w.asked = w.rate = 0.0
-
-
 def own_motors_to_limit_always(parameters: MaximumTransmissibleTorqueParameters, vehicle: Vehicle) -> str:
     """Behind an engine or a differential the torque of a wheel comes too late to be what the limit starts from."""
     if parameters.limits != "always" or (has_own_motors(vehicle) and vehicle.engine.peak_power == 0.0):
@@ -96,7 +86,6 @@ def own_motors_to_limit_always(parameters: MaximumTransmissibleTorqueParameters,
     "maximum_transmissible_torque",
     MaximumTransmissibleTorqueParameters,
     MaximumTransmissibleTorqueWheel,
-    forget,
     needs=(own_motors_to_limit_always,),
 )
 @compilable

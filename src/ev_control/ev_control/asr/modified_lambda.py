@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow
 from ev_control.estimation.slip_observers import observed_slip
 from ev_control.estimation.wheel_dynamics import WheelMotion
-from ev_control.law import RegulatedWheel, SlipRegulatorParameters, forget_regulation, stays_out, until_served, weighed
+from ev_control.law import RegulatedWheel, SlipRegulatorParameters, stays_out, until_served, weighed
 from ev_control.shared.slip_regulator import acceleration_with_decay
-from ev_control.shared.traction_method import traction_control
+from ev_control.shared.traction_control import traction_control
 from ev_core.law import Car, compilable, group, parameter, part
 
 
@@ -38,17 +38,7 @@ class ModifiedLambdaWheel(RegulatedWheel):
     body_acceleration: Filtered = part(Filtered)  # of the car [m/s^2]
 
 
-@compilable
-def forget(p: ModifiedLambdaParameters, w: ModifiedLambdaWheel) -> None:
-    """Put a wheel back to the start."""
-    forget_regulation(w)
-    forget_filtered(w.wheel_acceleration)
-    forget_filtered(w.body_acceleration)
-
-
-@traction_control(
-    "modified_lambda", ModifiedLambdaParameters, ModifiedLambdaWheel, forget, reference="regulator.reference"
-)
+@traction_control("modified_lambda", ModifiedLambdaParameters, ModifiedLambdaWheel, reference="regulator.reference")
 @compilable
 def modified_lambda(
     p: ModifiedLambdaParameters, car: Car, w: ModifiedLambdaWheel, period: float, motion: WheelMotion, wanted: float

@@ -7,8 +7,8 @@ from math import inf
 
 from ev_control.estimation.slip_observers import observed_slip
 from ev_control.estimation.wheel_dynamics import WheelMotion
-from ev_control.law import RegulatedWheel, SlipRegulatorParameters, forget_regulation, stays_out, until_served, weighed
-from ev_control.shared.traction_method import traction_control
+from ev_control.law import RegulatedWheel, SlipRegulatorParameters, stays_out, until_served, weighed
+from ev_control.shared.traction_control import traction_control
 from ev_core.law import Car, compilable, entry, group, parameter
 
 
@@ -30,14 +30,7 @@ class PiSlipWheel(RegulatedWheel):
     integral: float = entry(unit="N m", about="integral part of the limit")
 
 
-@compilable
-def forget(p: PiSlipParameters, w: PiSlipWheel) -> None:
-    """Put a wheel back to the start."""
-    forget_regulation(w)
-    w.integral = 0.0
-
-
-@traction_control("pi_slip", PiSlipParameters, PiSlipWheel, forget, reference="regulator.reference")
+@traction_control("pi_slip", PiSlipParameters, PiSlipWheel, reference="regulator.reference")
 @compilable
 def pi_slip(p: PiSlipParameters, car: Car, w: PiSlipWheel, period: float, motion: WheelMotion, wanted: float) -> float:
     """Bring the slip of each wheel to its target by proportional and integral action.

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.estimation.side_force import SideForceParameters, SideForceState, forget_side_force, share_left
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow
+from ev_control.estimation.side_force import SideForceParameters, SideForceState, share_left
 from ev_control.estimation.wheel_dynamics import WheelMotion, share_at, share_at_rest, slip_of, slowest_wheel
 from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, SlipThresholdParameters
-from ev_control.shared.traction_method import traction_control
+from ev_control.shared.traction_control import traction_control
 from ev_core.law import Car, compilable, group, parameter, part
 
 
@@ -41,15 +41,7 @@ class SlipWindowWheel(LimitedWheel):
     side_force: SideForceState = part(SideForceState)
 
 
-@compilable
-def forget(p: SlipWindowParameters, w: SlipWindowWheel) -> None:
-    """Put a wheel back to the start."""
-    w.limit = inf
-    forget_filtered(w.slip)
-    forget_side_force(w.side_force)
-
-
-@traction_control("slip_window", SlipWindowParameters, SlipWindowWheel, forget)
+@traction_control("slip_window", SlipWindowParameters, SlipWindowWheel)
 @compilable
 def slip_window(
     p: SlipWindowParameters, car: Car, w: SlipWindowWheel, period: float, motion: WheelMotion, wanted: float

@@ -1,10 +1,35 @@
-"""A first-order filter of measured numbers."""
+"""What estimates are kept in: records that are put back to their start, and first-order filters of measured numbers."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from math import inf
+from typing import Any
 
 from ev_core.law import compilable, entry
+
+
+def start_again(record: type) -> Callable[[Any], None]:
+    """A compilable function that puts every number of a declared record back to its start value.
+
+    Its text is made from the declaration, because compiled code reaches the fields of a record only by their names.
+    """
+    name, space = f"start_again_{record.__name__}", {"inf": inf, "__name__": __name__}
+    exec("\n    ".join([f"def {name}(s):", *_assignments("s", record())]), space)
+    again: Callable[[Any], None] = space[name]  # type: ignore[assignment]
+    return compilable(again)
+
+
+def _assignments(place: str, start: Any) -> Iterator[str]:
+    for field in fields(start):
+        name, value = f"{place}.{field.name}", getattr(start, field.name)
+        if is_dataclass(value):
+            yield from _assignments(name, value)
+        elif isinstance(value, list):
+            yield f"for n in range({len(value)}): {name}[n] = {value[0]!r}"
+        else:
+            yield f"{name} = {value!r}"
 
 
 @dataclass(slots=True)
@@ -32,7 +57,4 @@ def follow(s: Filtered, value: float, share: float) -> float:
     return s.value
 
 
-@compilable
-def forget_filtered(s: Filtered) -> None:
-    """Let the next number pass as the first one."""
-    s.value = s.known = 0.0
+forget_filtered = start_again(Filtered)  # the next number then passes as the first one

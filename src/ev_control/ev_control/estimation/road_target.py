@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.slip_peak import SlipPeakParameters, SlipPeakState, forget_peak, peak_is_passed, watch_slip
+from ev_control.estimation.first_order_filter import start_again
+from ev_control.estimation.slip_peak import SlipPeakParameters, SlipPeakState, peak_is_passed, watch_slip
 from ev_core.law import Car, WheelStates, compilable, entry, group, parameter, part
 
 TARGETS = ("fixed", "fitted")
@@ -50,13 +51,7 @@ class RoadTargetState:
     lowest: float = entry(1.0, unit="1", about="target by the lowest peak that a wheel has passed so far")
 
 
-@compilable
-def forget_road(s: RoadTargetState) -> None:
-    """Begin anew."""
-    s.lowest = 1.0
-    forget_peak(s.left.curve)
-    forget_peak(s.right.curve)
-    s.left.watched = s.right.watched = 0.0
+forget_road = start_again(RoadTargetState)
 
 
 @compilable

@@ -42,12 +42,6 @@ class SideForceState:
 
 
 @compilable
-def forget_side_force(s: SideForceState) -> None:
-    """Begin anew, without lateral velocity."""
-    s.observer.lateral_velocity = 0.0
-
-
-@compilable
 def slip_angle_of(
     p: SlipAngleObserverParameters, car: Car, s: SlipAngleObserverState, period: float, motion: WheelMotion
 ) -> float:

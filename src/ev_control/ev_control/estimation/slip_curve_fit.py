@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from ev_control.estimation.first_order_filter import start_again
 from ev_core.law import compilable, entry, series, sqrt
 
 EMPTY_SUM = (0.0, 0.0)
@@ -60,10 +61,7 @@ class SlipCurveFit:
     sum_yy: float = entry(unit="1")
 
 
-@compilable
-def forget_samples(fit: SlipCurveFit) -> None:
-    """Begin anew; the sums follow with the first sample."""
-    fit.taken = fit.size = 0.0
+forget_samples = start_again(SlipCurveFit)
 
 
 @compilable

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, start_again
 from ev_control.estimation.wheel_dynamics import WheelMotion, mass_share, slip_of, slowest_wheel
 from ev_core.law import Car, compilable, entry, parameter, part
 
@@ -59,12 +59,7 @@ class SlipObserverState:
     acceleration: Filtered = part(Filtered)  # [rad/s^2]
 
 
-@compilable
-def forget_slip(s: SlipObserverState) -> None:
-    """Begin anew, without slip."""
-    s.slip = 0.0
-    forget_filtered(s.torque)
-    forget_filtered(s.acceleration)
+forget_slip = start_again(SlipObserverState)
 
 
 @compilable

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.estimation.first_order_filter import start_again
 from ev_control.estimation.slip_curve import SlipCurveParameters, fitted_peak
 from ev_control.estimation.slip_curve_fit import (
     SlipCurveFit,
     add_sample,
-    forget_samples,
     is_full,
     mean_slip,
     slip_variance,
@@ -72,11 +72,7 @@ class SlipPeakState:
     peak: float = entry(unit="1", about="slip of the peak at the last hit")
 
 
-@compilable
-def forget_peak(s: SlipPeakState) -> None:
-    """Begin anew."""
-    forget_samples(s.fit)
-    s.slip = s.falling = s.peak = 0.0
+forget_peak = start_again(SlipPeakState)
 
 
 @compilable

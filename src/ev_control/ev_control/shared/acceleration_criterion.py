@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow
 from ev_control.estimation.wheel_dynamics import WheelMotion
 from ev_core.law import Car, compilable, entry, parameter, part
 
@@ -73,14 +73,6 @@ class Accelerations:
     wheel: Filtered = part(Filtered)  # [rad/s^2]
     body: Filtered = part(Filtered)  # of the car [m/s^2]
     gained: float = entry(unit="rad/s", about="speed that the wheel has gained on the car lately")
-
-
-@compilable
-def forget_accelerations(s: Accelerations) -> None:
-    """Begin anew."""
-    forget_filtered(s.wheel)
-    forget_filtered(s.body)
-    s.gained = 0.0
 
 
 @compilable

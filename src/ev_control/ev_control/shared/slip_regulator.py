@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
+from ev_control.estimation.first_order_filter import start_again
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
-from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState, forget_slip
+from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState
 from ev_control.estimation.wheel_dynamics import WheelMotion, share_at, share_at_rest
 from ev_control.shared.limp_mode import LimpModeParameters
 from ev_control.shared.traction_control import LimitedWheel
@@ -38,12 +39,7 @@ class RegulatedWheel(LimitedWheel):
     served: float = entry(unit="s", about="since when the limit is above the request")
 
 
-@compilable
-def forget_regulation(w: RegulatedWheel) -> None:
-    """Put what all these laws know of a wheel back to the start."""
-    w.limit = inf
-    forget_slip(w.observer)
-    w.served = 0.0
+forget_regulation = start_again(RegulatedWheel)
 
 
 @compilable

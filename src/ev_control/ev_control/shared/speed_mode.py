@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import Any
 
+from ev_control.estimation.first_order_filter import start_again
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.wheel_dynamics import WheelMotion, slowest_wheel
 from ev_control.shared.traction_control import LimitedWheel
-from ev_core.law import Car, Wheels, WheelSpeedCommand, compilable, copysign, entry, group, parameter
-from ev_msgs_py.contract.signals import WheelTorqueCommand, WheelTorqueRequest
+from ev_core.law import Car, compilable, entry, group, parameter
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,11 +53,7 @@ class SpeedSetPointWheel(LimitedWheel):
     served: float = entry(unit="s", about="since when the drive gives the request")
 
 
-@compilable
-def forget_set_point(w: SpeedSetPointWheel) -> None:
-    """Put what these laws know of a wheel back to the start."""
-    w.limit = inf
-    w.served = 0.0
+forget_set_point = start_again(SpeedSetPointWheel)
 
 
 @compilable
@@ -86,20 +81,3 @@ def moved(
     if w.served > p.release:
         return inf
     return w.limit + p.raising * period if course > 0.0 else w.limit
-
-
-@compilable
-def set_points(car: Car, s: Any, request: WheelTorqueRequest) -> tuple[WheelTorqueCommand, WheelSpeedCommand]:
-    """The requested torques [N m] as they are, and set-points [rad/s] in their direction: for slipping wheels a limit.
-
-    For all others it is the largest speed of the motor, out of reach, which leaves the torque to the request. The state
-    is as in `traction_control.watch`.
-    """
-    drive, fastest = request.drive, car.motor.maximum_speed
-    speeds = Wheels(
-        copysign(min(s.wheels[0].limit, fastest / car.gear[0]), drive[0]),
-        copysign(min(s.wheels[1].limit, fastest / car.gear[1]), drive[1]),
-        copysign(min(s.wheels[2].limit, fastest / car.gear[2]), drive[2]),
-        copysign(min(s.wheels[3].limit, fastest / car.gear[3]), drive[3]),
-    )
-    return WheelTorqueCommand(drive, request.brake), WheelSpeedCommand(speeds)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.law import SpeedSetPointParameters, SpeedSetPointWheel, WheelMotion, forget_set_point, moved
+from ev_control.law import SpeedSetPointParameters, SpeedSetPointWheel, WheelMotion, moved
 from ev_control.shared.acceleration_criterion import (
     AccelerationCriterionParameters,
     Accelerations,
-    forget_accelerations,
     gains_on_car,
 )
-from ev_control.shared.traction_method import traction_control
+from ev_control.shared.traction_control import traction_control
 from ev_core.law import Car, compilable, group, part
 
 
@@ -29,18 +28,10 @@ class SpeedByAccelerationRatioWheel(SpeedSetPointWheel):
     accelerations: Accelerations = part(Accelerations)
 
 
-@compilable
-def forget(p: SpeedByAccelerationRatioParameters, w: SpeedByAccelerationRatioWheel) -> None:
-    """Put a wheel back to the start."""
-    forget_set_point(w)
-    forget_accelerations(w.accelerations)
-
-
 @traction_control(
     "speed_by_acceleration_ratio",
     SpeedByAccelerationRatioParameters,
     SpeedByAccelerationRatioWheel,
-    forget,
     speed_mode=True,
 )
 @compilable

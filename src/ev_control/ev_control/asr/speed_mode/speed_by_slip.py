@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.law import SlipThresholdParameters, WheelMotion, slip_of, traction_control
-from ev_control.shared.speed_mode import SpeedSetPointParameters, SpeedSetPointWheel, forget_set_point, moved
+from ev_control.shared.speed_mode import SpeedSetPointParameters, SpeedSetPointWheel, moved
 from ev_core.law import Car, compilable, group
 
 
@@ -16,13 +16,7 @@ class SpeedBySlipParameters(SpeedSetPointParameters):
     thresholds: SlipThresholdParameters = group(SlipThresholdParameters)
 
 
-@compilable
-def forget(p: SpeedBySlipParameters, w: SpeedSetPointWheel) -> None:
-    """Put a wheel back to the start."""
-    forget_set_point(w)
-
-
-@traction_control("speed_by_slip", SpeedBySlipParameters, SpeedSetPointWheel, forget, speed_mode=True)
+@traction_control("speed_by_slip", SpeedBySlipParameters, SpeedSetPointWheel, speed_mode=True)
 @compilable
 def speed_by_slip(
     p: SpeedBySlipParameters, car: Car, w: SpeedSetPointWheel, period: float, motion: WheelMotion, wanted: float

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.law import SpeedSetPointParameters, SpeedSetPointWheel, WheelMotion, forget_set_point, moved
-from ev_control.shared.traction_method import traction_control
+from ev_control.law import SpeedSetPointParameters, SpeedSetPointWheel, WheelMotion, moved
+from ev_control.shared.traction_control import traction_control
 from ev_core.law import Car, ParameterError, compilable, group, parameter
 
 REGIMES = ("road", "sport", "winter", "terrain")
@@ -38,13 +38,7 @@ class SpeedCorridorParameters(SpeedSetPointParameters):
     reverse: Corridor = group(Corridor, low=0.03, high=0.1)
 
 
-@compilable
-def forget(p: SpeedCorridorParameters, w: SpeedSetPointWheel) -> None:
-    """Put a wheel back to the start."""
-    forget_set_point(w)
-
-
-@traction_control("speed_corridor", SpeedCorridorParameters, SpeedSetPointWheel, forget, speed_mode=True)
+@traction_control("speed_corridor", SpeedCorridorParameters, SpeedSetPointWheel, speed_mode=True)
 @compilable
 def speed_corridor(
     p: SpeedCorridorParameters, car: Car, w: SpeedSetPointWheel, period: float, motion: WheelMotion, wanted: float
