@@ -10,16 +10,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from traction import numbers_of
 
-from ev_control.estimation.slip_curve import SlipCurve, SlipCurveParameters, fitted_curve, fitted_peak, slope
 from ev_control.estimation.slip_curve_fit import (
     CAPACITY,
     SQUARE,
+    FittedCurve,
     SlipCurveFit,
+    SlipCurveParameters,
     add_sample,
+    fitted_curve,
+    fitted_peak,
     forget_samples,
     is_full,
     mean_slip,
     slip_variance,
+    slope,
 )
 from ev_sim.surfaces.table import SURFACES
 
@@ -127,7 +131,7 @@ def test_mean_and_variance_by_hand():
 
 def test_samples_that_do_not_differ_have_no_curve():
     fit = fitted(np.full(60, 0.05), lambda x: 0.3)
-    assert fitted_curve(fit) == SlipCurve(0.0, 0.0)
+    assert fitted_curve(fit) == FittedCurve(0.0, 0.0)
     assert fitted_peak(DEFAULT, fit) == math.inf
 
 

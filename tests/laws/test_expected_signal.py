@@ -8,7 +8,7 @@ import math
 import pytest
 from traction import CAR, PERIOD, Control, numbers_of, spinning_at
 
-from ev_control.estimation.expected_friction import (
+from ev_control.estimation.friction_estimate import (
     FrictionDiagramParameters,
     expected_friction,
     friction_at_peak,

@@ -1,15 +1,82 @@
-"""Traction control that finds the peak of the slip curve by least squares (dissertation, eqs 2.34 to 2.36)."""
+"""Traction control by the peak of a fitted slip curve, as it works and as printed (dissertation, eqs 2.34 to 2.36)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.slip_peak import SlipPeakState, peak_is_passed, watch_slip
-from ev_control.estimation.wheel_dynamics import WheelMotion, road_torque, share_at, slip_of
-from ev_control.law import Filtered, LimitedWheel, filter_share, follow, traction_control, until_served
-from ev_control.shared.least_squares_parameters import LeastSquaresParameters
-from ev_core.law import Car, compilable, entry, part, sqrt
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.slip_curve_fit import (
+    SlipCurveFit,
+    SlipCurveParameters,
+    add_sample,
+    fits,
+    fitted_curve,
+    is_full,
+    slope,
+)
+from ev_control.estimation.slip_peak import SlipPeakParameters, SlipPeakState, peak_is_passed, watch_slip
+from ev_control.estimation.wheel_dynamics import share_at_rest
+from ev_control.law import Filtered, WheelMotion, filter_share, follow, road_torque, share_at, slip_of, until_served
+from ev_control.shared.limp_mode import LimpModeParameters
+from ev_control.shared.traction_control import LimitedWheel, traction_control
+from ev_core.law import Car, ParameterError, compilable, entry, group, parameter, part, sqrt
+
+
+@dataclass(frozen=True, slots=True)
+class LeastSquaresParameters(SlipPeakParameters):
+    """When the fit counts, and how slip is regulated after a hit; the source gives none of them."""
+
+    backstop: float = parameter(
+        0.3,
+        unit="1",
+        low=0.05,
+        high=0.9,
+        about="slip that is a hit whatever the fit says: it was too late, or there is no peak, as on ice",
+    )
+    first_slip: float = parameter(
+        0.08,
+        unit="1",
+        low=0.01,
+        high=0.5,
+        about="slip that is regulated to where the backstop was the hit, which tells nothing of the peak",
+    )
+    use: float = parameter(
+        1.0,
+        unit="1",
+        low=0.5,
+        high=1.0,
+        about="share of the fitted peak that is used after a hit, on its stable side; 1 is the peak itself, less costs "
+        "little force and saves much slip",
+        source="assumption: the source takes the torque of the step before the peak was passed",
+    )
+    bandwidth: float = parameter(
+        25.0, unit="1/s", low=0.1, high=1000.0, about="rate at which the slip approaches its target"
+    )
+    road_filter: float = parameter(0.02, unit="s", low=0.0, high=1.0, about="time constant of the road torque")
+    hold: float = parameter(0.3, unit="s", low=0.0, high=100.0, about="time for which the target stays after a hit")
+    probe: float = parameter(
+        1.5,
+        unit="1",
+        low=0.0,
+        high=100.0,
+        about="rise of the target after that, over the slowest one whose slips spread enough in a window to be fitted",
+    )
+    release: float = parameter(
+        0.2,
+        unit="s",
+        low=0.0,
+        high=100.0,
+        about="time for which the road has to carry the whole request before the limit ends",
+    )
+    at_rest: float = share_at_rest(0.3)
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+    limp: LimpModeParameters = group(LimpModeParameters)
+
+    def __post_init__(self) -> None:
+        if max(self.least_slip, self.first_slip) > self.backstop:
+            raise ParameterError(f"backstop is {self.backstop:g}, allowed is at least least_slip and first_slip")
+
 
 LARGEST_TARGET = 0.9  # [1]; the speed that belongs to a slip grows with 1/(1 - x)
 
@@ -79,3 +146,51 @@ def aim(p: LeastSquaresParameters, w: LeastSquaresWheel, period: float, motion: 
         w.target = min(w.target + rise * noise, p.backstop)
     else:
         w.target, w.held = p.first_slip, 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class LeastSquaresLiteralParameters(SlipCurveParameters):
+    """The length of the window, which the source leaves open."""
+
+    samples: int = parameter(25, unit="1", low=2, high=1000, about="samples in the window of the fit, n")
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+    limp: LimpModeParameters = group(LimpModeParameters)
+
+
+@dataclass(slots=True)
+class LeastSquaresLiteralWheel(LimitedWheel):
+    """What the law knows of a wheel."""
+
+    fit: SlipCurveFit = part(SlipCurveFit)
+    previous: float = entry(unit="N m", about="torque of the previous step")
+
+
+@traction_control("least_squares_literal", LeastSquaresLiteralParameters, LeastSquaresLiteralWheel)
+@compilable
+def least_squares_literal(
+    p: LeastSquaresLiteralParameters,
+    car: Car,
+    w: LeastSquaresLiteralWheel,
+    period: float,
+    motion: WheelMotion,
+    wanted: float,
+) -> float:
+    """Hold the torque of the previous step while the fitted curve falls; this keeps a spinning wheel spinning.
+
+    X = 1 - w_free/w, Y = M/M_nom, y = A x + B sqrt(x) over the window, dy/dx < 0 at the present X: the previous torque
+    is the limit of this step (dissertation, eqs 2.34 to 2.36). For comparison only, because it does next to nothing:
+    the torque that it holds is the one that spins the wheel, so it ends the rise of the torque but never takes any
+    back. And Y is the law's own command: a driver who asks for a constant torque makes a curve that says nothing of
+    the road. What the source does not define is left out: a sample at rest (0/0), with X < 0 (its root), or a
+    window whose equations have no single solution.
+    """
+    slip = 1.0 - motion.rolling / motion.speed if motion.speed != 0.0 else -1.0
+    held = inf
+    if 0.0 < slip <= 1.0:
+        torque = motion.torque / (car.motor.nominal_torque * car.gear_ratio)
+        add_sample(w.fit, p.samples, 0.0, slip, torque, p.template)
+        curve = fitted_curve(w.fit)
+        if is_full(w.fit) and fits(p, w.fit, curve) and slope(w.fit, curve, slip) < 0.0:
+            held = w.previous
+    w.previous = min(wanted, held)
+    return held

@@ -1,16 +1,18 @@
-"""Traction control that holds the slip of each driven wheel in a window (dissertation, eqs 1.5 and 1.6)."""
+"""Traction control by a range of the slip (dissertation, eqs 1.5 and 1.6): held in it, or the torque is held."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow
-from ev_control.estimation.side_force import SideForceParameters, SideForceState, share_left
-from ev_control.estimation.wheel_dynamics import WheelMotion, share_at, share_at_rest, slip_of, slowest_wheel
-from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, SlipThresholdParameters
-from ev_control.shared.traction_control import traction_control
-from ev_core.law import Car, compilable, group, parameter, part
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.slip_angle_observer import SideForceParameters, SideForceState, share_left
+from ev_control.estimation.wheel_dynamics import share_at_rest
+from ev_control.law import Filtered, WheelMotion, filter_share, follow, share_at, slip_of, slowest_wheel
+from ev_control.shared.limp_mode import LimpModeParameters
+from ev_control.shared.regulation import SlipThresholdParameters
+from ev_control.shared.traction_control import LimitedWheel, traction_control
+from ev_core.law import Car, compilable, entry, group, parameter, part
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,3 +69,36 @@ def slip_window(
         raised = w.limit + p.rise * period
         return raised if raised < wanted else inf
     return w.limit
+
+
+@dataclass(frozen=True, slots=True)
+class HeldTorqueParameters(SlipThresholdParameters):
+    """The range of the slip."""
+
+    slowest: float = slowest_wheel()
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+    limp: LimpModeParameters = group(LimpModeParameters)
+
+
+@dataclass(slots=True)
+class HeldTorqueWheel(LimitedWheel):
+    """What the law knows of a wheel."""
+
+    held: float = entry(inf, unit="N m", about="torque of the last step in which the slip was not beyond its range")
+
+
+@traction_control("held_torque", HeldTorqueParameters, HeldTorqueWheel)
+@compilable
+def held_torque(
+    p: HeldTorqueParameters, car: Car, w: HeldTorqueWheel, period: float, motion: WheelMotion, wanted: float
+) -> float:
+    """Hold the torque of the previous step, when the slip was still in its range, as long as the slip is beyond it.
+
+    M <= M_const where S > 0.19, with the torque at which S last was in 0.15..0.19 (dissertation, section 2.4, principle
+    3, eqs 1.5 and 1.6), or below it if the slip leapt over the range. As written: the limit takes nothing back, so
+    beyond the peak of the curve the wheel goes on spinning; `slip_window` is what makes a regulation of it.
+    """
+    if slip_of(motion, p.slowest) > p.high:
+        return w.held
+    w.held = wanted
+    return inf

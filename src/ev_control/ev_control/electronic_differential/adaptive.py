@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.law import AllocationParameters, allocated, filter_share, own_motors_to_allocate
-from ev_control.shared.torque_split import BrakeSplitParameters, split
-from ev_core.law import Car, compilable, each_driven, group, method, parameter, per_wheel
-from ev_msgs_py.contract.signals import DriverCommand, WheelStates, WheelTorqueRequest
+from ev_control.estimation.wheel_dynamics import filter_share
+from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
+from ev_core.law import Car, DriverCommand, WheelStates, WheelTorqueRequest, compilable, each_driven, method, per_wheel
+from ev_core.parameters.declaration import group, parameter
 from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_LEFT, REAR_RIGHT, Wheels
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
-from ev_core.law import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN, Car, Vehicle, compilable, group, method, parameter
+from ev_core.law import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN, Car, Vehicle, Wheels, compilable, group, parameter
+from ev_core.methods.register import method
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
-from ev_msgs_py.contract.wheels import Wheels
 
-AXLES = ("automatic", "front", "rear")
-AUTOMATIC, FRONT, REAR = range(len(AXLES))
+CORRECTED_AXLES = ("automatic", "front", "rear")
+AUTOMATIC, FRONT, REAR = range(len(CORRECTED_AXLES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +19,7 @@ class SteeringCorrectionParameters:
 
     axle: str = parameter(
         "automatic",
-        choices=AXLES,
+        choices=CORRECTED_AXLES,
         about="axle whose torques differ; automatic: front if both its wheels are driven, each on its own, else rear",
         source="Tatar & Chudzik: front of front and all-wheel drive, rear of rear drive",
     )

@@ -7,9 +7,9 @@ from math import inf
 from operator import attrgetter
 from typing import Any
 
-from ev_control.estimation.trusted_wheels import WheelTrustParameters, WheelTrustState, believed, judge_wheels
-from ev_core.law import Car, InertialMeasurement, Need, Vehicle, compilable, cos, entry, group, parameter, part, sin
-from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
+from ev_control.estimation.plausible import WheelTrustParameters, WheelTrustState, believed, judge_wheels
+from ev_core.law import WHEEL_NAMES, Car, InertialMeasurement, Need, Vehicle, Wheels, compilable, cos, entry, part, sin
+from ev_core.parameters.declaration import group, parameter
 
 
 @compilable

@@ -4,8 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, start_again
-from ev_control.estimation.wheel_dynamics import WheelMotion, mass_share, slip_of, slowest_wheel
+from ev_control.estimation.wheel_dynamics import (
+    Filtered,
+    WheelMotion,
+    filter_share,
+    follow,
+    mass_share,
+    slip_of,
+    slowest_wheel,
+    start_again,
+)
 from ev_core.law import Car, compilable, entry, parameter, part
 
 OBSERVERS = ("reference_speed", "derivative", "corrected_derivative", "disturbance")

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow
-from ev_control.estimation.wheel_dynamics import WheelMotion
+from ev_control.estimation.wheel_dynamics import Filtered, WheelMotion, filter_share, follow
 from ev_core.law import Car, compilable, entry, parameter, part
 
 

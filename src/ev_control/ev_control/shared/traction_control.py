@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any, NamedTuple, TypeVar
 
-from ev_control.estimation.first_order_filter import start_again
 from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.reference_speed import (
     ReferenceSpeedParameters,
@@ -18,24 +17,11 @@ from ev_control.estimation.reference_speed import (
     free_wheels_for,
     rolling_speeds,
 )
-from ev_control.estimation.wheel_dynamics import WheelMotion
-from ev_control.shared.limp_mode import limp_mode_for, without_yaw
-from ev_control.shared.torque_plausibility import PlausibilityState
-from ev_core.law import (
-    NO_WHEELS,
-    Car,
-    Need,
-    Wheels,
-    WheelSpeedCommand,
-    compilable,
-    copysign,
-    each_wheel,
-    entry,
-    method,
-    part,
-    per_wheel,
-)
+from ev_control.estimation.wheel_dynamics import WheelMotion, start_again
+from ev_control.shared.limp_mode import LostMotorState, limp_mode_for, without_yaw
+from ev_core.law import NO_WHEELS, Car, Need, Wheels, WheelSpeedCommand, compilable, copysign, method
 from ev_core.methods.law import named_after
+from ev_core.parameters.record import each_wheel, entry, part, per_wheel
 from ev_msgs_py.compilable import FUNCTIONS
 from ev_msgs_py.contract.signals import (
     InertialMeasurement,
@@ -68,7 +54,7 @@ class TractionControlState:
     velocity: list[float] = per_wheel(unit="rad/s", about="last wheel speeds")
     measured: float = entry(unit="1", about="whether there are last wheel speeds")
     direction: list[float] = per_wheel(unit="1", about="sign of the request that is watched; 0 where it just passes")
-    motors: PlausibilityState = part(PlausibilityState)
+    motors: LostMotorState = part(LostMotorState)
 
 
 class Measured(NamedTuple):

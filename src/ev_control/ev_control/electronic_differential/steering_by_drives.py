@@ -1,13 +1,92 @@
-"""The torque difference of two front drives turns the road wheels to the steering wheel's angle (Shchur 2019)."""
+"""Steering by the torque difference of two front drives: assisted, or in the place of a column (Shchur 2019)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
-from ev_control.shared.torque_split import torque_difference_per_steering_moment
 from ev_core.law import FRONT_WHEELS_DRIVEN, Car, compilable, entry, group, method, parameter
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
+
+
+@compilable
+def torque_difference_per_steering_moment(car: Car) -> float:
+    """Difference of the front wheel torques that turns the road wheels with 1 N m: 2 r_k/d (Shchur 2019, eq 3)."""
+    return 2.0 * car.wheel_radius / car.front_track
+
+
+@dataclass(frozen=True, slots=True)
+class PowerSteeringParameters:
+    """Assistance and the virtual spring and damper, all at the steering wheel."""
+
+    gamma: float = parameter(
+        5.0, unit="1", low=0.0, high=50.0, about="amplification of the hand torque", source="Shchur 2019, fig. 1"
+    )
+    k_ck: float = parameter(
+        0.051, unit="N m/rad", low=0.0, high=10.0, about="stiffness of the virtual spring", source="Shchur 2019, eq 7"
+    )
+    b_ck: float = parameter(
+        0.062, unit="N m s/rad", low=0.0, high=10.0, about="virtual damping", source="Shchur 2019, eq 7"
+    )
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
+
+
+@method(
+    "electronic_differential",
+    "power_steering",
+    PowerSteeringParameters,
+    needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate),
+    mirrored=True,
+)
+@compilable
+def power_steering(
+    p: PowerSteeringParameters, car: Car, driver: DriverCommand, column: SteeringColumnState, wheels: WheelStates
+) -> WheelTorqueRequest:
+    """Split the drive torque so that the difference of the front wheels assists and damps the steering.
+
+    Delta M = M_R - M_L = (2 r_k i / d) (gamma M_b - k_ck alpha - b_ck alpha'), with the hand torque M_b [N m] and the
+    steering-wheel angle alpha [rad] as the column measures them, left positive. Shchur (2019), eq 4.
+    """
+    lever = torque_difference_per_steering_moment(car) * car.steering_ratio
+    difference = lever * (p.gamma * column.hand_torque - p.k_ck * column.angle - p.b_ck * column.rate)
+    return allocated(p.allocation, car, wheels, split(p.brake, car, driver, difference))
+
+
+@dataclass(frozen=True, slots=True)
+class DriveByWireParameters:
+    """The gain from steering-wheel angle to torque difference."""
+
+    gain: float = parameter(
+        1.634,
+        unit="N m/rad",
+        low=0.0,
+        high=1000.0,
+        about="torque difference per steering-wheel angle; 2 r_k k_p/(d i) settles the paper's car at alpha/i",
+        source="assumption, from Shchur 2019, eq 3 at rest with M_b = 0",
+    )
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
+
+
+@method(
+    "electronic_differential",
+    "drive_by_wire",
+    DriveByWireParameters,
+    needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate),
+    requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well,
+    mirrored=True,
+)
+@compilable
+def drive_by_wire(
+    p: DriveByWireParameters, car: Car, driver: DriverCommand, column: SteeringColumnState, wheels: WheelStates
+) -> WheelTorqueRequest:
+    """Set the torque difference of the front wheels in proportion to the steering-wheel angle, without feedback.
+
+    Delta M = M_R - M_L = k alpha [N m], left positive: the drive-by-wire concept in the introduction of Shchur (2019),
+    for a by_wire steering column.
+    """
+    return allocated(p.allocation, car, wheels, split(p.brake, car, driver, p.gain * column.angle))
 
 
 @dataclass(frozen=True, slots=True)
