@@ -25,7 +25,7 @@ from ev_control.estimation.slip_curve_fit import (
     slip_variance,
     slope,
 )
-from ev_sim.surfaces.table import SURFACES
+from ev_sim.surfaces import SURFACES
 
 SIZE, OFFSET = 25.0, 1e-4
 DEFAULT = numbers_of(SlipCurveParameters())

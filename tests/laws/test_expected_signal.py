@@ -15,7 +15,7 @@ from ev_control.estimation.friction_estimate import (
     peak_slip,
 )
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.surfaces.table import SURFACES
+from ev_sim.surfaces import SURFACES
 
 DIAGRAM = numbers_of(FrictionDiagramParameters())
 

@@ -17,7 +17,7 @@ from ev_core.vehicle.driveline import Driveline
 from ev_core.vehicle.engine import Engine, Gearbox
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.drives.engine import EngineState, advance_engine
-from ev_sim.plant.planar.state import VX, WHEEL_SPEED, index
+from ev_sim.plant.planar.memory import VX, WHEEL_SPEED, index
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ev_core.law import BodyPose, ParameterError, compilable, cos, entry, hypot, setting, sin
 
-SHAPES = WAYPOINTS, ARCS = "waypoints", "arcs"
+PATH_SHAPES = WAYPOINTS, ARCS = "waypoints", "arcs"
 _ARC_STEP = 0.5  # [m], chord of an arc; 3 mm from an arc of 10 m radius
 
 
@@ -17,7 +17,9 @@ _ARC_STEP = 0.5  # [m], chord of an arc; 3 mm from an arc of 10 m radius
 class PathParameters:
     """A path in odom from its first point on; beyond both ends it goes on straight."""
 
-    shape: str = setting("waypoints", choices=SHAPES, about="straight lines between waypoints, or arcs from a start")
+    shape: str = setting(
+        "waypoints", choices=PATH_SHAPES, about="straight lines between waypoints, or arcs from a start"
+    )
     x: tuple[float, ...] = setting((0.0, 1.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two")
     y: tuple[float, ...] = setting(
         (0.0, 0.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two", lateral=True

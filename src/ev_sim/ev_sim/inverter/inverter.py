@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
+from ev_core.law import compilable
 from ev_msgs_py.can.drive_states import (
-    INTERNAL_LIMIT,
     OPERATION_ENABLED,
     QUICK_STOP_ACTIVE,
     READY_TO_SWITCH_ON,
-    REMOTE,
-    STATE_BITS,
     SWITCH_ON_DISABLED,
-    VOLTAGE_ENABLED,
-    WARNING,
     next_state,
 )
 from ev_msgs_py.can.frames import (
@@ -30,12 +26,17 @@ from ev_msgs_py.can.frames import (
     TRIP,
     WARM,
 )
-from ev_msgs_py.compilable import compilable
-from ev_sim.inverter.dc_link import advance_dc_link, dc_link_faults
+from ev_sim.inverter.device import Inverter
+from ev_sim.inverter.on_channel import begin_cycle, end_cycle, missing_set_point
 from ev_sim.inverter.parameters import InverterParameters
-from ev_sim.inverter.set_points import begin_cycle, end_cycle, missing_set_point
-from ev_sim.inverter.state import Inverter
-from ev_sim.inverter.torque import advance_temperatures, advance_torque, derating, temperature_faults
+from ev_sim.inverter.power_stage import (
+    advance_dc_link,
+    advance_temperatures,
+    advance_torque,
+    dc_link_faults,
+    derating,
+    temperature_faults,
+)
 
 _NO_TORQUE = 1.0  # N m, the error of the torque transducer: below it a quick stop is over
 _CODES = tuple(float(fault.code) for fault in FAULTS)
@@ -121,14 +122,3 @@ def _warnings(p: InverterParameters, s: Inverter) -> int:
     if s.dc_link.contactor != 0.0 and s.dc_link.voltage < 0.9 * p.dc_link.supply_voltage:
         bits |= DC_LINK_LOW
     return bits
-
-
-@compilable
-def statusword(s: Inverter) -> int:
-    """Bits 0 to 11 of the statusword."""
-    word = STATE_BITS[int(s.state)] | (REMOTE if s.remote != 0.0 else 0)
-    if s.dc_link.contactor != 0.0:
-        word |= VOLTAGE_ENABLED
-    if s.warnings != 0.0:
-        word |= WARNING
-    return word | (INTERNAL_LIMIT if s.limited != 0.0 else 0)

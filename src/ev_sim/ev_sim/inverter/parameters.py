@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_core.bus.parameters import BusParameters
-from ev_core.law import ParameterError
-from ev_core.parameters.declaration import group, parameter, setting
+from ev_core.law import ParameterError, group, parameter, setting
 from ev_core.vehicle.motor import ThermalParameters, Winding
-from ev_sim.inverter.injection import INJECTIONS
+from ev_sim.inverter.device import INJECTIONS
 
 _TABLE = "dissertation, table 1.1"
 _ASSUMED = "assumption, as in the vehicle dissertation_class_b"

@@ -6,16 +6,15 @@ from typing import Any
 
 from ev_core.bus.channel import Frame
 from ev_core.bus.checking import is_valid
+from ev_core.law import compilable
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.frames import SENT, TICK, BenchFrames, DeviceFrames, bench_frames, is_due
-from ev_msgs_py.compilable import compilable
-from ev_sim.inverter.frames import made, ticks_between
+from ev_sim.inverter.device import Circuit, Inverter
 from ev_sim.inverter.inverter import advance_inverter
+from ev_sim.inverter.on_channel import grow_older, made, receive_set_point, ticks_between
 from ev_sim.inverter.parameters import CircuitParameters
-from ev_sim.inverter.set_points import grow_older, receive_set_point
-from ev_sim.inverter.state import Circuit, Inverter
 
 
 @compilable

@@ -14,7 +14,7 @@ from ev_sim.measures.samples import Runs, channel
 from ev_sim.recording.recording import Recording
 
 ROLLING = 0.1  # [m/s], above it the car has pulled away and slip is more than the first turn of a wheel
-DISTANCE = 1.0  # [m], the pull-away is timed over it
+PULL_AWAY = 1.0  # [m], the pull-away is timed over it
 
 
 def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
@@ -95,7 +95,7 @@ def _movement(run: Recording) -> float:
 
 def _first_metre(run: Recording) -> float:
     start = _release(run)
-    return motion.crossing_time(run.time, _uphill(run), DISTANCE, "the first metre") - float(run.time[start])
+    return motion.crossing_time(run.time, _uphill(run), PULL_AWAY, "the first metre") - float(run.time[start])
 
 
 def _slips(run: Recording, vehicle: Vehicle) -> np.ndarray:

@@ -10,7 +10,7 @@ from ev_core.law import Car, ParameterError, RearSteeringState, Vehicle, compila
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, TireForces
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
 from ev_sim.profiles.profile import LINEAR, Profile, profile_of, value_at
-from ev_sim.steering.actuator import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
+from ev_sim.steering.actuated import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
 
 PLANT = {"plant": "planar_rear_steering"}  # the others do not turn their rear wheels by it
 

@@ -23,12 +23,11 @@ from ev_msgs_py.can.drive_states import DISABLE_VOLTAGE, OPERATION_ENABLED
 from ev_msgs_py.can.frames import TICK, BenchFrames, DeviceFrames, is_due
 from ev_msgs_py.can.payload import NO_FRAME, are_words, joined, words
 from ev_msgs_py.contract.bus_signals import MOST_TICKS
-from ev_sim.inverter.frames import FAULTS, MOTION, made, ticks_between
+from ev_sim.inverter.device import Inverter
 from ev_sim.inverter.inverter import end_inverter_cycle, lead_inverter
+from ev_sim.inverter.on_channel import FAULTS, MOTION, made, receive_set_point, ticks_between
 from ev_sim.inverter.parameters import InverterParameters
-from ev_sim.inverter.set_points import receive_set_point
-from ev_sim.inverter.state import Inverter
-from ev_sim.test_bench.bus_faults import LOAD_LIMIT, FaultState, on_the_way, present, put_in
+from ev_sim.test_bench.bus_faults import BusFault, BusFaultState, on_the_way, present, put_in
 from ev_sim.test_bench.circuit import (
     CircuitsConstants,
     begin_period,
@@ -40,8 +39,7 @@ from ev_sim.test_bench.circuit import (
     send_to_load,
     turn_shaft,
 )
-from ev_sim.test_bench.parameters import BOTH, LEFT, RIGHT, CanCircuitsParameters
-from ev_sim.test_bench.state import CircuitState
+from ev_sim.test_bench.described import BOTH, LEFT, RIGHT, CanCircuitsParameters, CircuitState
 
 
 class CanConstants(NamedTuple):
@@ -104,8 +102,8 @@ DRIVE, LOAD = range(2)  # the two devices of a channel
 # Places of frames on a channel, in the order of their identifiers; those of the load machine are one higher.
 SET_POINT, HEARTBEAT = 4, 10
 PLACES_SENT = (2, 6, 8, 0)  # motion, electrical, temperatures, faults
-SAID = 2 * MOST_TICKS  # words of the set-points of a device in a control period
-HEARD = SAID + 6  # words of its feedback
+SET_POINT_WORDS = 2 * MOST_TICKS  # words of the set-points of a device in a control period
+FEEDBACK_WORDS = SET_POINT_WORDS + 6  # words of its feedback
 
 
 @dataclass(slots=True)
@@ -113,12 +111,14 @@ class Line:
     """A channel between controller and inverters, what is on it in a control period, and a fault there."""
 
     channel: ChannelState = part(ChannelState)
-    fault: FaultState = part(FaultState)
-    said: list[float] = series(2 * SAID + 1, NO_FRAME, unit="1", about="set-points of both devices, heartbeat")
-    heard: list[float] = series(2 * HEARD, NO_FRAME, unit="1", about="feedback of both devices")
+    fault: BusFaultState = part(BusFaultState)
+    said: list[float] = series(
+        2 * SET_POINT_WORDS + 1, NO_FRAME, unit="1", about="set-points of both devices, heartbeat"
+    )
+    heard: list[float] = series(2 * FEEDBACK_WORDS, NO_FRAME, unit="1", about="feedback of both devices")
 
 
-class Circuit(NamedTuple):
+class CircuitOnChannel(NamedTuple):
     """Which circuit it is: 0 for the right one and 1 for the left."""
 
     number: int
@@ -129,12 +129,12 @@ class Circuit(NamedTuple):
 
 @compilable
 def advance_can_circuit(
-    p: CanCircuitsParameters, c: CanConstants, which: Circuit, s: CircuitState, line: Line, periods: float
+    p: CanCircuitsParameters, c: CanConstants, which: CircuitOnChannel, s: CircuitState, line: Line, periods: float
 ) -> None:
     """One control period of a circuit, tick by tick."""
     begin_period(s)
     next_period(line.channel)
-    for place in range(2 * HEARD):
+    for place in range(2 * FEEDBACK_WORDS):
         line.heard[place] = NO_FRAME
     for tick in range(int(c.ticks)):
         _tick(p, c, which, s, line, tick, periods * c.ticks + tick)
@@ -143,12 +143,18 @@ def advance_can_circuit(
 
 @compilable
 def _tick(
-    p: CanCircuitsParameters, c: CanConstants, which: Circuit, s: CircuitState, line: Line, tick: int, now: float
+    p: CanCircuitsParameters,
+    c: CanConstants,
+    which: CircuitOnChannel,
+    s: CircuitState,
+    line: Line,
+    tick: int,
+    now: float,
 ) -> None:
     """Set-points are released, those that have arrived by the inverters' phase act, feedback is released, arrives."""
     end, phase, channel, machine = bits_per_tick(p.bus), p.bus.phase * p.bus.bit_rate, line.channel, c.circuits.machine
     kind = present(p.inject, now, which.number)
-    put_in(p.inject, s, kind)
+    put_in(p.inject, s.machine.injected, kind)
     _release_set_points(line, tick)
     advance_channel(which.channel, p.bus, channel, which.number, phase)
     low, high = take(channel, SET_POINT + DRIVE)
@@ -156,7 +162,7 @@ def _tick(
     _receive(c, which.drive, s.machine, arrived.low, arrived.high)
     low, high = take(channel, SET_POINT + LOAD)
     _receive(c, which.load, s.load, low, high)
-    make_cycle(p, c, which.number, s, now, kind == LOAD_LIMIT)
+    make_cycle(p, c, which.number, s, now, kind == BusFault.LOAD_LIMIT)
     for kind in range(MOTION, FAULTS + 1):
         if is_due(ticks_between(c.frames, kind), now, now + 1.0):
             _release_feedback(c, which.drive, machine, s.machine, channel, kind, DRIVE, s.speed, phase)
@@ -170,10 +176,10 @@ def _tick(
 def _release_set_points(line: Line, tick: int) -> None:
     """Of both devices, and in the first tick the heartbeat."""
     for device in range(2):
-        place = SAID * device + 2 * tick
+        place = SET_POINT_WORDS * device + 2 * tick
         if are_words(line.said[place], line.said[place + 1]):
             release(line.channel, SET_POINT + device, 0.0, line.said[place], line.said[place + 1])
-    beat = line.said[2 * SAID]
+    beat = line.said[2 * SET_POINT_WORDS]
     if tick == 0 and are_words(beat, 0.0):
         release(line.channel, HEARTBEAT, 0.0, beat, 0.0)
 
@@ -202,6 +208,6 @@ def _hear(line: Line, tick: int) -> None:
         for kind in range(MOTION, FAULTS + 1):
             low, high = take(line.channel, PLACES_SENT[kind] + device)
             if low >= 0.0:
-                place = HEARD * device + (2 * tick if kind == MOTION else SAID + 2 * (kind - 1))
+                place = FEEDBACK_WORDS * device + (2 * tick if kind == MOTION else SET_POINT_WORDS + 2 * (kind - 1))
                 line.channel.lost += 1.0 if line.heard[place] >= 0.0 else 0.0
                 line.heard[place], line.heard[place + 1] = low, high

@@ -7,11 +7,16 @@ from typing import NamedTuple
 from ev_core.law import Car, LoadCommand, Wheels, WheelTorqueCommand, compilable, floor, inlined, remainder
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, SWITCH_ON_DISABLED
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
-from ev_sim.drives.losses import loss_power
+from ev_sim.drives.electrical_side import loss_power
 from ev_sim.inverter.parameters import InverterParameters
-from ev_sim.inverter.torque import advance_electrical, advance_temperatures, follow_reference, largest_torque
-from ev_sim.test_bench.parameters import CircuitsParameters, ShaftParameters
-from ev_sim.test_bench.state import LINE, CircuitState, SetPointState
+from ev_sim.inverter.power_stage import advance_electrical, advance_temperatures, follow_reference, largest_torque
+from ev_sim.test_bench.described import (
+    KEPT_SET_POINTS,
+    CircuitsParameters,
+    CircuitState,
+    SetPointState,
+    ShaftParameters,
+)
 
 
 class Motion(NamedTuple):
@@ -72,7 +77,7 @@ def send(path: SetPointState, periods: float, value: float, largest: float, reso
     # What came over a bus is mostly such a multiple already.
     if resolution > 0.0 and resolution * floor(sent / resolution + 0.5) != sent:
         sent -= remainder(sent, resolution)
-    path.line[int(periods) % LINE] = sent
+    path.line[int(periods) % KEPT_SET_POINTS] = sent
 
 
 @compilable
@@ -95,7 +100,7 @@ def _sent(path: SetPointState, periods: float, steps: int, step: int) -> float:
     """The set-point of the period in which a step lies, which is counted from the beginning of the present one."""
     back = 0 if step >= 0 else (steps - 1 - step) // steps
     period = int(periods) - back
-    return path.line[period % LINE] if period >= 0 else 0.0
+    return path.line[period % KEPT_SET_POINTS] if period >= 0 else 0.0
 
 
 _NO_LIMIT = 2.0  # times its largest speed: the machine's own limit comes first

@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import fields
 
-from ev_core.law import Car, ParameterError, Vehicle, Wheels, any_driven, compilable, method
-from ev_msgs_py.contract.optional_signals import (
-    BenchElectrical,
-    BenchEnergy,
-    BenchShafts,
-    BenchTemperatures,
-    LoadCommand,
-)
+from ev_core.law import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures, Car, LoadCommand, Vehicle, Wheels
+from ev_core.methods.register import method
+from ev_core.vehicle.layout import any_driven
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.inverter.parameters import InverterParameters, Machine
-from ev_sim.inverter.torque import coolant_outlet, share_of_lag, winding_temperature
+from ev_sim.inverter.power_stage import coolant_outlet, share_of_lag, winding_temperature
 from ev_sim.test_bench.circuit import (
     CircuitsConstants,
     CircuitSetPoint,
@@ -24,8 +21,7 @@ from ev_sim.test_bench.circuit import (
     set_points,
     stored_energy,
 )
-from ev_sim.test_bench.parameters import BOTH, LEFT, RIGHT, CircuitsParameters
-from ev_sim.test_bench.state import LINE, CircuitsState
+from ev_sim.test_bench.described import BOTH, KEPT_SET_POINTS, LEFT, RIGHT, CircuitsParameters, CircuitsState
 
 _ROUNDING = 1e-12  # a period of a whole number of steps gets no more than that
 _LEAST_VOLTAGE = 1.0  # V, below it a supply is none
@@ -37,10 +33,11 @@ def prepare(parameters: CircuitsParameters, vehicle: Vehicle, period: float) -> 
     steps = max(math.ceil(period / p.step * (1.0 - _ROUNDING)), 1)
     h = period / steps
     for name, path in (("set_point", p.set_point), ("load_set_point", p.load_set_point)):
-        longest = (LINE - 2) * period
+        periods = KEPT_SET_POINTS - 2
+        longest = periods * period
         if path.delay > longest:
             raise ParameterError(
-                f"{name}.delay: {path.delay!r} is refused, allowed is at most {longest:g} s, {LINE - 2} control periods"
+                f"{name}.delay: {path.delay!r} is refused, allowed is at most {longest:g} s, {periods} control periods"
             )
     motor = {field.name: getattr(vehicle.motor, field.name) for field in fields(Machine)}
     machine = Machine(**{**motor, "rotor_inertia": max(vehicle.motor.rotor_inertia, p.least_rotor_inertia)})

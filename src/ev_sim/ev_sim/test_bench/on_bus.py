@@ -9,18 +9,18 @@ from typing import Any
 from ev_core.bus.channel import BusMeter, Frame
 from ev_core.bus.database_file import load_database
 from ev_core.bus.parameters import CIRCUITS
+from ev_core.law import BatteryCondition
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.law import LawObject
 from ev_msgs_py.can.frames import TICK, bench_frames
 from ev_msgs_py.can.payload import NO_FRAME, joined, words
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, SetPointFrames
-from ev_msgs_py.contract.signals import BatteryCondition
-from ev_sim.inverter.frames import MOTION
+from ev_sim.inverter.on_channel import MOTION
 from ev_sim.inverter.station import ChannelStation, InverterStation
-from ev_sim.test_bench.bus_faults import LOAD_LIMIT, on_the_way, present, put_in
-from ev_sim.test_bench.can_circuit import HEARD, SAID, CanConstants, Line, make_cycle
+from ev_sim.test_bench.bus_faults import BusFault, on_the_way, present, put_in
+from ev_sim.test_bench.can_circuit import FEEDBACK_WORDS, SET_POINT_WORDS, CanConstants, Line, make_cycle
 from ev_sim.test_bench.circuit import begin_period, end_period
-from ev_sim.test_bench.state import CircuitState
+from ev_sim.test_bench.described import CircuitState
 
 _MEANS = ("mean_torque", "mean_load_torque", "mean_shaft_torque", "power", "load_power")
 
@@ -66,8 +66,8 @@ class BenchStation(ChannelStation):
     def advance(self, tick: float) -> tuple[float, float]:
         """Both inverters, their machines and the shaft."""
         kind = present(self._p.inject, tick, self._number)
-        put_in(self._p.inject, self.s, kind)
-        make_cycle(self._p, self._c, self._number, self.s, tick, kind == LOAD_LIMIT)
+        put_in(self._p.inject, self.s.machine.injected, kind)
+        make_cycle(self._p, self._c, self._number, self.s, tick, kind == BusFault.LOAD_LIMIT)
         return self.s.speed, self.s.load_speed
 
     def cycle(self, before: float, ticks: int) -> list[Frame]:
@@ -80,7 +80,7 @@ class BenchStation(ChannelStation):
             if kind == MOTION:
                 self._motions[device].append(payload)
             else:
-                place = HEARD * device + SAID + 2 * (kind - 1)
+                place = FEEDBACK_WORDS * device + SET_POINT_WORDS + 2 * (kind - 1)
                 self.line.heard[place : place + 2] = words(payload)
         return frames
 
@@ -92,7 +92,7 @@ class BenchStation(ChannelStation):
         end_period(self._p, self._c.circuits, self.s, ticks * TICK)
         for device, motions in enumerate(self._motions):
             for tick, payload in enumerate(motions):
-                place = HEARD * device + 2 * tick
+                place = FEEDBACK_WORDS * device + 2 * tick
                 self.line.heard[place : place + 2] = words(payload)
         channel = self.line.channel
         channel.busy, channel.latency = share * self.meter.bits, self.meter.latency * bit_rate

@@ -10,10 +10,9 @@ from collections.abc import MutableSequence, Sequence
 
 from ev_core.law import Car, Wheels, cos, inlined, sin, sqrt, tan
 from ev_core.vehicle.car import front_wheel_tangents
-from ev_sim.plant.planar.constants import BodyConstants
 from ev_sim.plant.planar.contact import look, within_friction
-from ev_sim.plant.planar.parameters import FREE, PlanarParameters
-from ev_sim.plant.planar.state import (
+from ev_sim.plant.planar.given import FREE, BodyConstants, PlanarParameters
+from ev_sim.plant.planar.memory import (
     BODY_DISTANCE,
     DEFLECTION_X,
     DEFLECTION_Y,
@@ -35,7 +34,7 @@ from ev_sim.plant.planar.state import (
     YAW_RATE,
     Step,
 )
-from ev_sim.tyres.carcass import force_and_rate, slip_rate
+from ev_sim.tyres.contact_patch import force_and_rate, slip_rate
 
 
 @inlined

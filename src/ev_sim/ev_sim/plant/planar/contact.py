@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from ev_core.law import GRAVITY, Car, Vehicle, asin, compilable, inlined, sqrt
-from ev_sim.plant.planar.constants import BodyConstants
-from ev_sim.plant.planar.state import (
+from ev_sim.plant.planar.given import BodyConstants
+from ev_sim.plant.planar.memory import (
     BODY_DISTANCE,
     DEFLECTION_X,
     DEFLECTION_Y,
@@ -22,10 +22,8 @@ from ev_sim.plant.planar.state import (
     Step,
 )
 from ev_sim.profiles.profile import number_until
-from ev_sim.surfaces.road import RoadParameters, Segments, left_and_right
-from ev_sim.surfaces.table import TyreOnRoad, interpolate, segment_at, tyre_on_road
-from ev_sim.tyres.carcass import sensitivity
-from ev_sim.tyres.combined import SLIP_VECTOR, STILL, WEIGHTED, slip_vector, uncoupled, weighted
+from ev_sim.surfaces import RoadParameters, Segments, TyreOnRoad, interpolate, left_and_right, segment_at, tyre_on_road
+from ev_sim.tyres.contact_patch import SLIP_VECTOR, STILL, WEIGHTED, sensitivity, slip_vector, uncoupled, weighted
 from ev_sim.tyres.curve import largest
 from ev_sim.tyres.mf_tyre import at_load
 

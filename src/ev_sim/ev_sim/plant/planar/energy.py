@@ -5,19 +5,22 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ev_core.law import Car, Vehicle, exp, expm1, inlined
-from ev_sim.drives.battery import (
+from ev_sim.drives.couplings import shaft_speeds
+from ev_sim.drives.electrical_side import (
     cell_power_limits,
     current_at_power,
+    derating_share,
+    heated,
+    loss_power,
+    map_loss_power,
     open_circuit_voltage,
     power_limits,
     relaxed,
     temperature_share,
 )
-from ev_sim.drives.couplings import shaft_speeds
-from ev_sim.drives.field_weakening import voltage_limited_torque, weakening_loss
-from ev_sim.drives.losses import derating_share, heated, loss_power, map_loss_power
-from ev_sim.plant.planar.parameters import TORQUE_CONTROLLED, PlanarParameters
-from ev_sim.plant.planar.state import PlanarState, Step
+from ev_sim.drives.synchronous_motor import voltage_limited_torque, weakening_loss
+from ev_sim.plant.planar.given import TORQUE_CONTROLLED, PlanarParameters
+from ev_sim.plant.planar.memory import PlanarState, Step
 
 
 class Electrical(NamedTuple):

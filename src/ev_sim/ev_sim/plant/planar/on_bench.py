@@ -7,21 +7,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.law import Car, Vehicle, compilable, entry, inlined, method, parameter, per_wheel, working_memory
+from ev_core.law import BenchElectrical, BenchShafts, Car, LoadCommand, Vehicle, compilable, inlined, method, parameter
+from ev_core.parameters.record import entry, per_wheel, working_memory
 from ev_core.vehicle.drive_train import has_equal_motors, has_own_motors
 from ev_msgs_py.can.frames import SPEED_MODE
-from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchShafts, LoadCommand
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelTorqueCommand
-from ev_sim.drives.battery import current_at_power
-from ev_sim.plant.commands import accepted
+from ev_sim.drives.electrical_side import current_at_power
+from ev_sim.plant.guard import accepted
 from ev_sim.plant.planar.drive_torques import Lags, behind_gear
 from ev_sim.plant.planar.energy import PowerConstants, source_voltage
-from ev_sim.plant.planar.outputs import SIGNALS, Seen, seen, wheels_from
-from ev_sim.plant.planar.parameters import PlanarParameters
-from ev_sim.plant.planar.plant import PLANAR, advance
+from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.memory import STAGES, STEP, VX, WHEEL_SPEED, PlanarState, Step
+from ev_sim.plant.planar.planar import PLANAR, advance
 from ev_sim.plant.planar.prepare import PlanarConstants
+from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, seen, wheels_from
 from ev_sim.plant.planar.start import begin
-from ev_sim.plant.planar.state import STAGES, STEP, VX, WHEEL_SPEED, PlanarState, Step
 
 WHEEL_SPEEDS = ("virtual", "load_machine")
 VIRTUAL, LOAD_MACHINE = range(len(WHEEL_SPEEDS))
@@ -67,8 +67,7 @@ class PlanarOnBenchState(PlanarState):
 
 def at_start(p: PlanarOnBenchParameters, car: Car, c: PlanarConstants) -> PlanarOnBenchState:
     """As the planar plant begins; the shafts rest."""
-    s = PlanarOnBenchState()
-    begin(s, p, car, c)
+    s: PlanarOnBenchState = begin(p, car, c, PlanarOnBenchState)
     for i in range(4):
         s.told_speed[i] = s.motion[WHEEL_SPEED + i]
     return s
@@ -115,7 +114,8 @@ def _load(car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> Lo
     "planar_on_bench",
     PlanarOnBenchParameters,
     needs=(individual_machines,),
-    **PLANAR | {"state": PlanarOnBenchState, "start": at_start, "outputs": outputs, "writes": (*SIGNALS, LoadCommand)},
+    **PLANAR
+    | {"state": PlanarOnBenchState, "start": at_start, "outputs": outputs, "writes": (*PLANAR_SIGNALS, LoadCommand)},
 )
 @inlined
 def planar_on_bench(

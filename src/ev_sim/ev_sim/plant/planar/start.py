@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ev_core.law import WHEEL_NAMES, Car, ParameterError, inlined
 from ev_sim.drives.engine import begin_engine
-from ev_sim.plant.commands import guard_notes
+from ev_sim.plant.guard import guard_notes
 from ev_sim.plant.planar.body import loads
 from ev_sim.plant.planar.contact import RoadTables, find_road, gravity_at, look, within_friction
-from ev_sim.plant.planar.parameters import PlanarParameters
-from ev_sim.plant.planar.prepare import PlanarConstants
-from ev_sim.plant.planar.state import (
+from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.memory import (
     BODY_DISTANCE,
     DEFLECTION_X,
     DEFLECTION_Y,
@@ -22,7 +23,8 @@ from ev_sim.plant.planar.state import (
     PlanarState,
     Step,
 )
-from ev_sim.tyres.curve import CURVES, Coefficients, friction, peak_slip
+from ev_sim.plant.planar.prepare import PlanarConstants
+from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, peak_slip
 
 _REFUSED = (
     "more torque was asked against the gear than the engine's drag: the gear stayed, the selector moves below "
@@ -87,7 +89,7 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
 def _slip_at(car: Car, curve: Coefficients, use: float) -> float | None:
     """The slip [1] on the rising part of the friction curve at a friction use [1]; None beyond its peak."""
     kind = car.tyre.curve
-    low, high = 0.0, peak_slip(CURVES[int(kind)], tuple(curve))
+    low, high = 0.0, peak_slip(FRICTION_CURVES[int(kind)], tuple(curve))
     if use > friction(kind, high, curve):
         return None
     for _ in range(_HALVINGS):
@@ -99,15 +101,9 @@ def _slip_at(car: Car, curve: Coefficients, use: float) -> float | None:
     return 0.5 * (low + high)
 
 
-def at_start(p: PlanarParameters, car: Car, c: PlanarConstants) -> PlanarState:
+def begin(p: PlanarParameters, car: Car, c: PlanarConstants, state: type[PlanarState] = PlanarState) -> Any:
     """Rolling straight ahead, freely or driven, or, without speed, parked: the carcasses hold the car on its slope."""
-    s = PlanarState()
-    begin(s, p, car, c)
-    return s
-
-
-def begin(s: PlanarState, p: PlanarParameters, car: Car, c: PlanarConstants) -> None:
-    """Set a new state to the start."""
+    s = state()
     s.x, s.y, s.state_of_charge = p.initial_x, p.initial_y, car.battery.state_of_charge
     y = s.motion
     y[VX], y[HEADING] = p.initial_speed, p.initial_heading
@@ -122,6 +118,7 @@ def begin(s: PlanarState, p: PlanarParameters, car: Car, c: PlanarConstants) -> 
     if any(c.initial_drive_torque):
         begin_driven(s, car, c)
     keep_noted(s, car, c.road)
+    return s
 
 
 def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:
