@@ -29,21 +29,16 @@ class AccelerationRatioParameters(AccelerationCriterionParameters):
 
 
 @dataclass(slots=True)
-class AccelerationRatioWheel(LimitedWheel):
+class RatioWheel(LimitedWheel):
     """What the law knows of a wheel."""
 
     accelerations: Accelerations = part(Accelerations)
 
 
-@traction_control("acceleration_ratio", AccelerationRatioParameters, AccelerationRatioWheel)
+@traction_control("acceleration_ratio", AccelerationRatioParameters, RatioWheel)
 @compilable
 def acceleration_ratio(
-    p: AccelerationRatioParameters,
-    car: Car,
-    w: AccelerationRatioWheel,
-    period: float,
-    motion: WheelMotion,
-    wanted: float,
+    p: AccelerationRatioParameters, car: Car, w: RatioWheel, period: float, motion: WheelMotion, wanted: float
 ) -> float:
     """Lower a wheel's torque limit while the wheel accelerates out of proportion to the car, a_x/w' < threshold.
 
@@ -65,7 +60,7 @@ WHILE_GAINING, ALWAYS = range(len(LIMITS))
 
 
 @dataclass(frozen=True, slots=True)
-class MaximumTransmissibleTorqueParameters(GainedSpeedParameters):
+class TransmissibleParameters(GainedSpeedParameters):
     """The relaxation factor, and when the limit counts; the source gives none of them."""
 
     limits: str = parameter(
@@ -76,19 +71,11 @@ class MaximumTransmissibleTorqueParameters(GainedSpeedParameters):
         source="always: Yin, Oh and Hori (2009); while_gaining: assumption",
     )
     relaxation: float = parameter(
-        0.9,
-        unit="1",
-        low=0.1,
-        high=1.0,
-        about="acceleration of the car over that of the tyre's tread which is allowed, a/r",
+        0.9, unit="1", low=0.1, high=1.0, about="allowed acceleration of the car over that of the tyre's tread, a/r"
     )
     filter_time: float = parameter(0.03, unit="s", low=0.0, high=1.0, about="time constant of force and accelerations")
     margin: float = parameter(
-        1.0,
-        unit="m/s^2",
-        low=0.0,
-        high=50.0,
-        about="while_gaining: acceleration of the tread over the allowed one that is noise",
+        1.0, unit="m/s^2", low=0.0, high=50.0, about="while_gaining: excess acceleration of the tread that is noise"
     )
     rise: float = parameter(
         1000.0,
@@ -111,7 +98,7 @@ class MaximumTransmissibleTorqueParameters(GainedSpeedParameters):
 
 
 @dataclass(slots=True)
-class MaximumTransmissibleTorqueWheel(LimitedWheel):
+class TransmissibleWheel(LimitedWheel):
     """What the law knows of a wheel."""
 
     road: Filtered = part(Filtered)  # torque that the road takes [N m]
@@ -122,7 +109,7 @@ class MaximumTransmissibleTorqueWheel(LimitedWheel):
     rate: float = entry(unit="N m/s", about="of the request, filtered")
 
 
-def own_motors_to_limit_always(parameters: MaximumTransmissibleTorqueParameters, vehicle: Vehicle) -> str:
+def own_motors_to_limit_always(parameters: TransmissibleParameters, vehicle: Vehicle) -> str:
     """Behind an engine or a differential the torque of a wheel comes too late to be what the limit starts from."""
     if parameters.limits != "always" or (has_own_motors(vehicle) and vehicle.engine.peak_power == 0.0):
         return ""
@@ -130,19 +117,11 @@ def own_motors_to_limit_always(parameters: MaximumTransmissibleTorqueParameters,
 
 
 @traction_control(
-    "maximum_transmissible_torque",
-    MaximumTransmissibleTorqueParameters,
-    MaximumTransmissibleTorqueWheel,
-    needs=(own_motors_to_limit_always,),
+    "maximum_transmissible_torque", TransmissibleParameters, TransmissibleWheel, needs=(own_motors_to_limit_always,)
 )
 @compilable
 def maximum_transmissible_torque(
-    p: MaximumTransmissibleTorqueParameters,
-    car: Car,
-    w: MaximumTransmissibleTorqueWheel,
-    period: float,
-    motion: WheelMotion,
-    wanted: float,
+    p: TransmissibleParameters, car: Car, w: TransmissibleWheel, period: float, motion: WheelMotion, wanted: float
 ) -> float:
     """Limit a wheel to the torque that lets it and the car accelerate in a fixed proportion.
 

@@ -25,11 +25,7 @@ class AdhesionLimitParameters(FrictionLearningParameters):
     """How the friction of the road is learnt, and how much of it is used."""
 
     use: float = parameter(
-        0.95,
-        unit="1",
-        low=0.1,
-        high=1.0,
-        about="share of the estimate that is used; at 1 a wheel that spins has just the torque to spin on",
+        0.95, unit="1", low=0.1, high=1.0, about="used share of the estimate; with 1 a spinning wheel spins on"
     )
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)

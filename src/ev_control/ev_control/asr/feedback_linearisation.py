@@ -12,7 +12,7 @@ from ev_core.law import Car, compilable, group, parameter, part
 
 
 @dataclass(frozen=True, slots=True)
-class FeedbackLinearisationParameters:
+class LinearisationParameters:
     """How fast the slip error decays, and how fast the road is believed to change; the source gives neither."""
 
     rate: float = parameter(25.0, unit="1/s", low=0.1, high=1000.0, about="decay of the slip error, k")
@@ -23,7 +23,7 @@ class FeedbackLinearisationParameters:
 
 
 @dataclass(slots=True)
-class FeedbackLinearisationWheel(RegulatedWheel):
+class LinearisationWheel(RegulatedWheel):
     """What the law knows of a wheel."""
 
     road: Filtered = part(Filtered)  # torque that the road takes [N m]
@@ -31,19 +31,11 @@ class FeedbackLinearisationWheel(RegulatedWheel):
 
 
 @traction_control(
-    "feedback_linearisation",
-    FeedbackLinearisationParameters,
-    FeedbackLinearisationWheel,
-    reference="regulator.reference",
+    "feedback_linearisation", LinearisationParameters, LinearisationWheel, reference="regulator.reference"
 )
 @compilable
 def feedback_linearisation(
-    p: FeedbackLinearisationParameters,
-    car: Car,
-    w: FeedbackLinearisationWheel,
-    period: float,
-    motion: WheelMotion,
-    wanted: float,
+    p: LinearisationParameters, car: Car, w: LinearisationWheel, period: float, motion: WheelMotion, wanted: float
 ) -> float:
     """Choose the torque that makes the slip error decay exponentially, whatever the tyre's curve is.
 
@@ -84,11 +76,7 @@ class ModifiedLambdaParameters:
 
     rate: float = parameter(12.0, unit="1/s", low=0.1, high=1000.0, about="decay of the slip error, k")
     acceleration_time: float = parameter(
-        0.03,
-        unit="s",
-        low=1e-3,
-        high=10.0,
-        about="time constant with which the acceleration of the wheel follows the wanted one",
+        0.03, unit="s", low=1e-3, high=10.0, about="time constant of the wheel's acceleration behind the wanted one"
     )
     filter_time: float = parameter(0.01, unit="s", low=0.0, high=1.0, about="time constant of both accelerations")
     regulator: SlipRegulatorParameters = group(SlipRegulatorParameters)

@@ -28,18 +28,10 @@ class LeastSquaresParameters(SlipPeakParameters):
     """When the fit counts, and how slip is regulated after a hit; the source gives none of them."""
 
     backstop: float = parameter(
-        0.3,
-        unit="1",
-        low=0.05,
-        high=0.9,
-        about="slip that is a hit whatever the fit says: it was too late, or there is no peak, as on ice",
+        0.3, unit="1", low=0.05, high=0.9, about="slip that is a hit whatever the fit: it is late, or there is no peak"
     )
     first_slip: float = parameter(
-        0.08,
-        unit="1",
-        low=0.01,
-        high=0.5,
-        about="slip that is regulated to where the backstop was the hit, which tells nothing of the peak",
+        0.08, unit="1", low=0.01, high=0.5, about="slip that is regulated to after the backstop, which shows no peak"
     )
     use: float = parameter(
         1.0,
@@ -63,11 +55,7 @@ class LeastSquaresParameters(SlipPeakParameters):
         about="rise of the target after that, over the slowest one whose slips spread enough in a window to be fitted",
     )
     release: float = parameter(
-        0.2,
-        unit="s",
-        low=0.0,
-        high=100.0,
-        about="time for which the road has to carry the whole request before the limit ends",
+        0.2, unit="s", low=0.0, high=100.0, about="time for which the road carries the request before the limit ends"
     )
     at_rest: float = share_at_rest(0.3)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
@@ -149,7 +137,7 @@ def aim(p: LeastSquaresParameters, w: LeastSquaresWheel, period: float, motion: 
 
 
 @dataclass(frozen=True, slots=True)
-class LeastSquaresLiteralParameters(SlipCurveParameters):
+class LiteralFitParameters(SlipCurveParameters):
     """The length of the window, which the source leaves open."""
 
     samples: int = parameter(25, unit="1", low=2, high=1000, about="samples in the window of the fit, n")
@@ -158,22 +146,17 @@ class LeastSquaresLiteralParameters(SlipCurveParameters):
 
 
 @dataclass(slots=True)
-class LeastSquaresLiteralWheel(LimitedWheel):
+class LiteralFitWheel(LimitedWheel):
     """What the law knows of a wheel."""
 
     fit: SlipCurveFit = part(SlipCurveFit)
     previous: float = entry(unit="N m", about="torque of the previous step")
 
 
-@traction_control("least_squares_literal", LeastSquaresLiteralParameters, LeastSquaresLiteralWheel)
+@traction_control("least_squares_literal", LiteralFitParameters, LiteralFitWheel)
 @compilable
 def least_squares_literal(
-    p: LeastSquaresLiteralParameters,
-    car: Car,
-    w: LeastSquaresLiteralWheel,
-    period: float,
-    motion: WheelMotion,
-    wanted: float,
+    p: LiteralFitParameters, car: Car, w: LiteralFitWheel, period: float, motion: WheelMotion, wanted: float
 ) -> float:
     """Hold the torque of the previous step while the fitted curve falls; this keeps a spinning wheel spinning.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.shared.limp_mode import LostMotorParameters, LostMotorState, without_yaw
+from ev_control.shared.limp_mode import LostMotorParameters, LostMotors, without_yaw
 from ev_core.law import Car, WheelStates, WheelTorqueCommand, WheelTorqueRequest, compilable, group, method, part
 from ev_core.vehicle.layout import each_driven, equal_motors
 
@@ -32,7 +32,7 @@ class LimpHomeParameters:
 class LimpHomeState:
     """What is known of the motors."""
 
-    motors: LostMotorState = part(LostMotorState)
+    motors: LostMotors = part(LostMotors)
 
 
 @method("asr", "limp_home", LimpHomeParameters, state=LimpHomeState, needs=(each_driven, equal_motors), mirrored=True)

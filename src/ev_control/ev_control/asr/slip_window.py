@@ -22,11 +22,7 @@ class SlipWindowParameters(SlipThresholdParameters):
     fall: float = parameter(8000.0, unit="N m/s", low=1.0, high=1e6, about="fall of the limit above the window")
     rise: float = parameter(2000.0, unit="N m/s", low=1.0, high=1e6, about="rise of the limit below the window")
     trend: float = parameter(
-        0.02,
-        unit="s",
-        low=0.0,
-        high=1.0,
-        about="time over which the slip shows whether it is already on its way back to the window",
+        0.02, unit="s", low=0.0, high=1.0, about="time over which the slip shows whether it is returning to the window"
     )
     slowest: float = slowest_wheel()
     at_rest: float = share_at_rest(0.5)  # with less its limit swings more on ice, which costs speed

@@ -11,33 +11,23 @@ from ev_core.law import Car, ParameterError, compilable, group, parameter, part
 
 
 @dataclass(frozen=True, slots=True)
-class SpeedByAccelerationRatioParameters(SpeedSetPointParameters):
+class RatioSetPointParameters(SpeedSetPointParameters):
     """The ratio that tells slip from grip, and how the set-point moves."""
 
     criterion: AccelerationCriterionParameters = group(AccelerationCriterionParameters)
 
 
 @dataclass(slots=True)
-class SpeedByAccelerationRatioWheel(SpeedSetPointWheel):
+class RatioSetPointWheel(SpeedSetPointWheel):
     """What the law knows of a wheel."""
 
     accelerations: Accelerations = part(Accelerations)
 
 
-@traction_control(
-    "speed_by_acceleration_ratio",
-    SpeedByAccelerationRatioParameters,
-    SpeedByAccelerationRatioWheel,
-    speed_mode=True,
-)
+@traction_control("speed_by_acceleration_ratio", RatioSetPointParameters, RatioSetPointWheel, speed_mode=True)
 @compilable
 def speed_by_acceleration_ratio(
-    p: SpeedByAccelerationRatioParameters,
-    car: Car,
-    w: SpeedByAccelerationRatioWheel,
-    period: float,
-    motion: WheelMotion,
-    wanted: float,
+    p: RatioSetPointParameters, car: Car, w: RatioSetPointWheel, period: float, motion: WheelMotion, wanted: float
 ) -> float:
     """Lower a wheel's speed set-point while the wheel accelerates out of proportion to the car, a_x/w' < threshold.
 

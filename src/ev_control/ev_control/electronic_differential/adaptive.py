@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from ev_control.estimation.wheel_dynamics import filter_share
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
-from ev_core.law import Car, DriverCommand, WheelStates, WheelTorqueRequest, compilable, each_driven, method, per_wheel
+from ev_control.shared.torque_split import differential
+from ev_core.law import Car, DriverCommand, WheelStates, WheelTorqueRequest, compilable, each_driven, per_wheel
 from ev_core.parameters.declaration import group, parameter
 from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_LEFT, REAR_RIGHT, Wheels
 
@@ -21,11 +22,7 @@ class AdaptiveParameters:
         source="assumption where it is on: the dissertation (sections 2.4, 2.7.5, 3.1) says nothing of it",
     )
     filter_time: float = parameter(
-        0.05,
-        unit="s",
-        low=0.0,
-        high=10.0,
-        about="time constant with which a refusal is noticed; much longer than the drives need to follow",
+        0.05, unit="s", low=0.0, high=10.0, about="time constant of noticing a refusal, much longer than the drives'"
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
     allocation: AllocationParameters = group(AllocationParameters)
@@ -39,14 +36,7 @@ class AdaptiveState:
     refused: list[float] = per_wheel(unit="N m", about="how much of it was refused")
 
 
-@method(
-    "electronic_differential",
-    "adaptive",
-    AdaptiveParameters,
-    state=AdaptiveState,
-    needs=(each_driven, own_motors_to_allocate),
-    mirrored=True,
-)
+@differential("adaptive", AdaptiveParameters, state=AdaptiveState, needs=(each_driven, own_motors_to_allocate))
 @compilable
 def adaptive(
     p: AdaptiveParameters, car: Car, s: AdaptiveState, period: float, driver: DriverCommand, wheels: WheelStates

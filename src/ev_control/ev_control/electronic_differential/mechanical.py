@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
-from ev_core.law import Car, Wheels, any_driven, compilable, each_driven, equal_motors, group, method, parameter, tanh
+from ev_control.shared.torque_split import differential
+from ev_core.law import Car, Wheels, any_driven, compilable, each_driven, equal_motors, group, parameter, tanh
 from ev_msgs_py.contract.signals import DriverCommand, WheelStates, WheelTorqueRequest
 
 
@@ -16,7 +17,7 @@ class EqualTorqueParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method("electronic_differential", "equal_torque", EqualTorqueParameters, needs=(any_driven,), mirrored=True)
+@differential("equal_torque", EqualTorqueParameters, needs=(any_driven,))
 @compilable
 def equal_torque(p: EqualTorqueParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
     """Give every driven wheel the same share of the drive torque, for any layout."""
@@ -30,13 +31,7 @@ class OpenDifferentialParameters:
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
-@method(
-    "electronic_differential",
-    "open_differential",
-    OpenDifferentialParameters,
-    needs=(any_driven, equal_motors),
-    mirrored=True,
-)
+@differential("open_differential", OpenDifferentialParameters, needs=(any_driven, equal_motors))
 @compilable
 def open_differential(p: OpenDifferentialParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
     """Equal torques left and right as behind a mechanical differential, whose wheels cannot get more than both grip.
@@ -101,13 +96,7 @@ class LimitedSlipParameters:
     allocation: AllocationParameters = group(AllocationParameters)
 
 
-@method(
-    "electronic_differential",
-    "limited_slip",
-    LimitedSlipParameters,
-    needs=(each_driven, own_motors_to_allocate),
-    mirrored=True,
-)
+@differential("limited_slip", LimitedSlipParameters, needs=(each_driven, own_motors_to_allocate))
 @compilable
 def limited_slip(p: LimitedSlipParameters, car: Car, driver: DriverCommand, wheels: WheelStates) -> WheelTorqueRequest:
     """Give the slower wheel of each driven axle K times the torque of the faster one.
@@ -146,13 +135,7 @@ class LimitedSlipVariableParameters:
     allocation: AllocationParameters = group(AllocationParameters)
 
 
-@method(
-    "electronic_differential",
-    "limited_slip_variable",
-    LimitedSlipVariableParameters,
-    needs=(each_driven, own_motors_to_allocate),
-    mirrored=True,
-)
+@differential("limited_slip_variable", LimitedSlipVariableParameters, needs=(each_driven, own_motors_to_allocate))
 @compilable
 def limited_slip_variable(
     p: LimitedSlipVariableParameters, car: Car, driver: DriverCommand, wheels: WheelStates

@@ -12,8 +12,8 @@ from ev_control.estimation.slip_angle_observer import (
     observed_slip_angles,
 )
 from ev_control.law import BrakeSplitParameters, split_brake
-from ev_control.shared.torque_split import KNOWN_BY, TRUTH
-from ev_core.law import ALL_WHEELS_DRIVEN, Car, Wheels, compilable, entry, group, hypot, method, parameter, part
+from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
+from ev_core.law import ALL_WHEELS_DRIVEN, Car, Wheels, compilable, entry, group, hypot, parameter, part
 from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
@@ -134,18 +134,10 @@ class AxleRedistributionParameters(NeutralSteerParameters):
         about="difference of the magnitudes of the slip angles that changes the branch; straight ahead it is undefined",
     )
     acceleration_deadband: float = parameter(
-        0.1,
-        unit="m/s^2",
-        low=1e-6,
-        high=5.0,
-        about="acceleration below which its direction is undefined and the last one is held",
+        0.1, unit="m/s^2", low=1e-6, high=5.0, about="acceleration below which its direction is undefined, and held"
     )
     speed_deadband: float = parameter(
-        0.1,
-        unit="rad/s",
-        low=0.0,
-        high=10.0,
-        about="difference of the rear wheel speeds that changes which one is the slower",
+        0.1, unit="rad/s", low=0.0, high=10.0, about="difference of the rear wheel speeds that changes the slower one"
     )
     observer: SlipAngleObserverParameters = group(SlipAngleObserverParameters)
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
@@ -167,14 +159,12 @@ def first_branch(p: AxleRedistributionParameters) -> AxleRedistributionState:
     return AxleRedistributionState(front_slides=1.0 if p.first_branch == FRONT else 0.0)
 
 
-@method(
-    "electronic_differential",
+@differential(
     "axle_redistribution",
     AxleRedistributionParameters,
     state=AxleRedistributionState,
     start=first_branch,
     needs=(ALL_WHEELS_DRIVEN,),
-    mirrored=True,
 )
 @compilable
 def axle_redistribution(

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from ev_control.estimation.reference_speed import free_wheel_speed
 from ev_control.estimation.slip_peak import RoadTargetParameters, RoadTargetState, forget_road, target_by_road
 from ev_control.law import BrakeSplitParameters, split
-from ev_control.shared.torque_split import KNOWN_BY, TRUTH
+from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
 from ev_core.elementary import copysign
-from ev_core.law import REAR_WHEELS_DRIVEN, Car, Wheels, compilable, entry, method, only_driven, part, speed_along_path
+from ev_core.law import REAR_WHEELS_DRIVEN, Car, Wheels, compilable, entry, only_driven, part, speed_along_path
 from ev_core.parameters.declaration import group, parameter, setting
 from ev_msgs_py.contract.signals import (
     BodyVelocity,
@@ -129,13 +129,11 @@ class SlipTargetState:
     road: RoadTargetState = part(RoadTargetState)
 
 
-@method(
-    "electronic_differential",
+@differential(
     "slip_target",
     SlipTargetParameters,
     state=SlipTargetState,
     needs=(REAR_WHEELS_DRIVEN, only_driven("rear_left", "rear_right")),
-    mirrored=True,
 )
 @compilable
 def slip_target(

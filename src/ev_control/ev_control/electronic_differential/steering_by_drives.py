@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
-from ev_core.law import FRONT_WHEELS_DRIVEN, Car, compilable, entry, group, method, parameter
+from ev_control.shared.torque_split import differential
+from ev_core.law import FRONT_WHEELS_DRIVEN, Car, compilable, entry, group, parameter
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
 
 
@@ -32,13 +33,7 @@ class PowerSteeringParameters:
     allocation: AllocationParameters = group(AllocationParameters)
 
 
-@method(
-    "electronic_differential",
-    "power_steering",
-    PowerSteeringParameters,
-    needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate),
-    mirrored=True,
-)
+@differential("power_steering", PowerSteeringParameters, needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate))
 @compilable
 def power_steering(
     p: PowerSteeringParameters, car: Car, driver: DriverCommand, column: SteeringColumnState, wheels: WheelStates
@@ -69,13 +64,11 @@ class DriveByWireParameters:
     allocation: AllocationParameters = group(AllocationParameters)
 
 
-@method(
-    "electronic_differential",
+@differential(
     "drive_by_wire",
     DriveByWireParameters,
     needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate),
     requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well,
-    mirrored=True,
 )
 @compilable
 def drive_by_wire(
@@ -125,14 +118,12 @@ class SteerByWireState:
     integral: float = entry(unit="N m", about="integral part of the steering moment")
 
 
-@method(
-    "electronic_differential",
+@differential(
     "steer_by_wire",
     SteerByWireParameters,
     state=SteerByWireState,
     needs=(FRONT_WHEELS_DRIVEN, own_motors_to_allocate),
     requires={"steering_column": "by_wire"},  # the hands must not turn the road wheels as well,
-    mirrored=True,
 )
 @compilable
 def steer_by_wire(

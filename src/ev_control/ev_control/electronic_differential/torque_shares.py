@@ -15,8 +15,8 @@ from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.estimation.wheel_dynamics import wheel_loads
 from ev_control.law import BrakeSplitParameters, split, split_brake
 from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
-from ev_control.shared.torque_split import KNOWN_BY, TRUTH
-from ev_core.law import WHEEL_NAMES, Car, ParameterError, Vehicle, Wheels, compilable, each_driven, method, part
+from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
+from ev_core.law import WHEEL_NAMES, Car, ParameterError, Vehicle, Wheels, compilable, each_driven, part
 from ev_core.parameters.declaration import group, parameter
 from ev_msgs_py.contract.signals import (
     DriverCommand,
@@ -29,7 +29,7 @@ from ev_msgs_py.contract.signals import (
 
 
 @dataclass(frozen=True, slots=True)
-class LoadProportionalParameters:
+class LoadShareParameters:
     """The rolling resistance under the wheels, which no sensor of a car measures."""
 
     rolling_resistance: tuple[float, ...] = parameter(
@@ -57,28 +57,16 @@ class Prepared(NamedTuple):
     resistance: tuple[float, ...]  # rolling resistance under each wheel [1], zero where none is driven
 
 
-def prepare(parameters: LoadProportionalParameters, vehicle: Vehicle, _period: float) -> Prepared:
+def prepare(parameters: LoadShareParameters, vehicle: Vehicle, _period: float) -> Prepared:
     """The rolling resistance of the wheels that count."""
     by_name = zip(WHEEL_NAMES, parameters.rolling_resistance, strict=True)
     return Prepared(tuple(f if name in vehicle.driven_wheels else 0.0 for name, f in by_name))
 
 
-@method(
-    "electronic_differential",
-    "load_proportional",
-    LoadProportionalParameters,
-    prepare=prepare,
-    needs=(each_driven, own_motors_to_allocate),
-    mirrored=True,
-)
+@differential("load_proportional", LoadShareParameters, prepare=prepare, needs=(each_driven, own_motors_to_allocate))
 @compilable
 def load_proportional(
-    p: LoadProportionalParameters,
-    car: Car,
-    c: Prepared,
-    driver: DriverCommand,
-    imu: InertialMeasurement,
-    wheels: WheelStates,
+    p: LoadShareParameters, car: Car, c: Prepared, driver: DriverCommand, imu: InertialMeasurement, wheels: WheelStates
 ) -> WheelTorqueRequest:
     """Share the drive torque in proportion to load times rolling resistance of the driven wheels.
 
@@ -132,14 +120,12 @@ def begin(p: AdhesionShareParameters) -> AdhesionShareState:
     return AdhesionShareState(unknown_road(p.estimate))
 
 
-@method(
-    "electronic_differential",
+@differential(
     "adhesion_share",
     AdhesionShareParameters,
     state=AdhesionShareState,
     start=begin,
     needs=(each_driven, free_wheels_for("estimate.reference"), own_motors_to_allocate),
-    mirrored=True,
 )
 @compilable
 def adhesion_share(

@@ -22,19 +22,11 @@ class FrictionLearningParameters:
 
     largest_friction: float = parameter(1.2, unit="1", low=0.01, high=3.0, about="friction at the start and at most")
     learning_slip: float = parameter(
-        0.15,
-        unit="1",
-        low=0.01,
-        high=1.0,
-        about="slip from which on the friction in use is taken for the friction of the road",
+        0.15, unit="1", low=0.01, high=1.0, about="slip from which on the friction in use is taken for the road's"
     )
     filter_time: float = parameter(0.02, unit="s", low=0.0, high=1.0, about="time constant of the friction in use")
     rise: float = parameter(
-        0.3,
-        unit="1/s",
-        low=0.0,
-        high=100.0,
-        about="rise of the estimate without slip, which finds out when the road gets better",
+        0.3, unit="1/s", low=0.0, high=100.0, about="rise of the estimate without slip, to find a better road"
     )
     slowest: float = slowest_wheel()
 

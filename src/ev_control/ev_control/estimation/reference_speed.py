@@ -144,12 +144,7 @@ def mean_of_free_wheels(car: Car, s: ReferenceSpeedState, by_wheel: Wheels) -> f
 
 @compilable
 def observed_speed(
-    p: ReferenceSpeedParameters,
-    s: ReferenceSpeedState,
-    period: float,
-    by_wheel: Wheels,
-    gained: float,
-    direction: float,
+    p: ReferenceSpeedParameters, s: ReferenceSpeedState, period: float, by_wheel: Wheels, gained: float, ahead: float
 ) -> float:
     """Speed of the car by what it has gained in the period, corrected by what each wheel would mean if it rolled [m/s].
 
@@ -164,9 +159,9 @@ def observed_speed(
     for i in range(4):
         if s.trust.left_out[i] == 0.0:
             slowest, fastest = min(slowest, by_wheel[i]), max(fastest, by_wheel[i])
-    if direction == 0.0:
+    if ahead == 0.0:
         gap = (slowest + fastest) / 2.0 - u  # wheels without torque roll
         return u + gap * min(p.gripping_rate * period, 1.0)
-    gap = (slowest if direction > 0.0 else fastest) - u
-    rate = p.gripping_rate if gap * direction < 0.0 else p.slipping_rate
+    gap = (slowest if ahead > 0.0 else fastest) - u
+    rate = p.gripping_rate if gap * ahead < 0.0 else p.slipping_rate
     return u + gap * min(rate * period, 1.0)

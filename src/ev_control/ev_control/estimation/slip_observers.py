@@ -43,18 +43,10 @@ class SlipObserverParameters:
         0.05, unit="s", low=0.0, high=1.0, about="disturbance: time constant of torque and acceleration",
     )  # fmt: skip
     least_acceleration: float = parameter(
-        3.0,
-        unit="rad/s^2",
-        low=0.1,
-        high=1000.0,
-        about="disturbance: wheel acceleration below which eq 1.10, which divides by it, says nothing",
+        3.0, unit="rad/s^2", low=0.1, high=1000.0, about="disturbance: acceleration below which eq 1.10 gives no slip"
     )
     forget_time: float = parameter(
-        0.3,
-        unit="s",
-        low=0.0,
-        high=100.0,
-        about="disturbance: time constant of forgetting the slip where eq 1.10 says nothing",
+        0.3, unit="s", low=0.0, high=100.0, about="disturbance: time constant of forgetting where eq 1.10 gives no slip"
     )
 
 

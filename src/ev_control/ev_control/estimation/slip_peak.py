@@ -24,26 +24,14 @@ class SlipPeakParameters(SlipCurveParameters):
     """The window of the fit, and when it counts; the source gives none of them."""
 
     window: float = parameter(
-        0.125,
-        unit="s",
-        low=0.01,
-        high=2.0,
-        about="length of the window; shorter than 0.05 s misses peaks, longer than 0.25 s is late",
+        0.125, unit="s", low=0.01, high=2.0, about="of the fit; less than 0.05 s misses peaks, more than 0.25 s is late"
     )
     slowest: float = slowest_wheel()
     offset: float = parameter(
-        1e-4,
-        unit="1",
-        low=1e-9,
-        high=0.1,
-        about="added to the slip under the square root, whose slope at no slip stays finite then",
+        1e-4, unit="1", low=1e-9, high=0.1, about="added to the slip under the root, whose slope at zero is finite then"
     )
     least_slip: float = parameter(
-        0.03,
-        unit="1",
-        low=0.0,
-        high=0.5,
-        about="slip below which nothing is a hit, and least slip that is regulated to",
+        0.03, unit="1", low=0.0, high=0.5, about="slip below which nothing is a hit, and the least that is regulated to"
     )
     speed_noise: float = parameter(
         0.03,

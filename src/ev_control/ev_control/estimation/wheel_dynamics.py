@@ -81,11 +81,7 @@ class WheelMotion(NamedTuple):
 def slowest_wheel() -> Any:
     """The parameter `slowest` of those that take a slip by `slip_of`."""
     return parameter(
-        3.0,
-        unit="rad/s",
-        low=0.1,
-        high=100.0,
-        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
+        3.0, unit="rad/s", low=0.1, high=100.0, about="least wheel speed that slip is counted against: rest is no slip"
     )
 
 

@@ -26,14 +26,10 @@ class GainedSpeedParameters:
         unit="rad/s",
         low=0.0,
         high=100.0,
-        about="what it may gain at any speed: noise, and a carcass that winds up at rest",
+        about="allowed gain at any speed: noise, a carcass that winds up at rest",
     )
     memory: float = parameter(
-        1.0,
-        unit="s",
-        low=0.01,
-        high=100.0,
-        about="time constant with which the gained speed is forgotten, so that no offset adds up",
+        1.0, unit="s", low=0.01, high=100.0, about="time constant of forgetting the gained speed: no offset adds up"
     )
 
 

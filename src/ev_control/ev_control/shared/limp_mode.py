@@ -55,7 +55,7 @@ class LostMotorParameters:
 
 
 @dataclass(slots=True)
-class LostMotorState:
+class LostMotors:
     """What is known of the four motors."""
 
     most: list[float] = per_wheel(unit="N m", about="torque at the wheel by the commands up to now, forwards at most")
@@ -68,7 +68,7 @@ class LostMotorState:
 
 
 @compilable
-def watch_torques(p: LostMotorParameters, car: Car, s: LostMotorState, period: float, wheels: WheelStates) -> None:
+def watch_torques(p: LostMotorParameters, car: Car, s: LostMotors, period: float, wheels: WheelStates) -> None:
     """Compare the torques of the last period with what was told, and with those of the partners.
 
     A deviation counts by its size, at most twice what is allowed, and what is plausible takes back: so noise about the
@@ -98,7 +98,7 @@ def watch_torques(p: LostMotorParameters, car: Car, s: LostMotorState, period: f
 
 
 @compilable
-def deviation(p: LostMotorParameters, s: LostMotorState, wheels: WheelStates, i: int, due: float) -> float:
+def deviation(p: LostMotorParameters, s: LostMotors, wheels: WheelStates, i: int, due: float) -> float:
     """How much more than was told, or less than is due [N m], a motor gives, over what is allowed [1].
 
     A dead motor may show both: by drag or noise it gives a little of the other sign, and all that is due is missing.
@@ -114,7 +114,7 @@ def deviation(p: LostMotorParameters, s: LostMotorState, wheels: WheelStates, i:
 
 
 @compilable
-def due_torque(p: LostMotorParameters, car: Car, s: LostMotorState, wheels: WheelStates, i: int) -> float:
+def due_torque(p: LostMotorParameters, car: Car, s: LostMotors, wheels: WheelStates, i: int) -> float:
     """What motor i gives at least if it is sound [N m], counted positive in the direction of what it is told.
 
     That is what it was told, within what it can for ever at its speed, in the share that its partner gives of its own.
@@ -160,12 +160,7 @@ def measured(wheels: WheelStates, i: int) -> float:
 
 @compilable
 def expect(
-    p: LostMotorParameters,
-    car: Car,
-    s: LostMotorState,
-    period: float,
-    command: WheelTorqueCommand,
-    wheels: WheelStates,
+    p: LostMotorParameters, car: Car, s: LostMotors, period: float, command: WheelTorqueCommand, wheels: WheelStates
 ) -> None:
     """Go on with what is told: bounds widen at once, as of a quick drive, and close by the lag, as of a slow one.
 
@@ -213,7 +208,7 @@ def limp_mode_for(group: str) -> Need:
 def without_yaw(
     p: LostMotorParameters,
     car: Car,
-    s: LostMotorState,
+    s: LostMotors,
     period: float,
     request: WheelTorqueRequest,
     limited: Wheels,
@@ -252,7 +247,7 @@ def without_yaw(
 def as_partner(
     p: LostMotorParameters,
     car: Car,
-    s: LostMotorState,
+    s: LostMotors,
     request: WheelTorqueRequest,
     limited: Wheels,
     wheels: WheelStates,

@@ -95,18 +95,10 @@ class SpeedSetPointParameters:
         about="rise of the set-point; faster than any road lets the car gain speed, so that it finds the limit again",
     )
     least_slip: float = parameter(
-        0.02,
-        unit="1",
-        low=0.0,
-        high=0.5,
-        about="slip below which the set-point is not lowered: a lower one would be a drive without torque",
+        0.02, unit="1", low=0.0, high=0.5, about="slip below which the set-point is not lowered: the drive needs torque"
     )
     served: float = parameter(
-        0.95,
-        unit="1",
-        low=0.1,
-        high=1.0,
-        about="share of the request that the drive gives where the set-point does not limit it any more",
+        0.95, unit="1", low=0.1, high=1.0, about="share of the request that a drive gives which is no longer limited"
     )
     release: float = parameter(
         0.2, unit="s", low=0.0, high=100.0, about="time for which it has to before the set-point ends"

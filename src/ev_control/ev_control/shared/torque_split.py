@@ -7,8 +7,12 @@ the left (Shchur 2019, eqs 1 to 4).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
-from ev_core.law import NO_WHEELS, Car, DriverCommand, Wheels, WheelTorqueRequest, compilable, parameter
+from ev_core.law import NO_WHEELS, Car, DriverCommand, Wheels, WheelTorqueRequest, compilable, method, parameter
+
+# The method of an electronic differential: left and right are alike to all of them.
+differential = partial(method, "electronic_differential", mirrored=True)
 
 # What no sensor of a car measures, a law takes from the plant or estimates.
 KNOWN_BY = ("truth", "estimated")

@@ -18,7 +18,7 @@ from ev_control.estimation.reference_speed import (
     rolling_speeds,
 )
 from ev_control.estimation.wheel_dynamics import WheelMotion, start_again
-from ev_control.shared.limp_mode import LostMotorState, limp_mode_for, without_yaw
+from ev_control.shared.limp_mode import LostMotors, limp_mode_for, without_yaw
 from ev_core.law import NO_WHEELS, Car, Need, Wheels, WheelSpeedCommand, compilable, copysign, method
 from ev_core.methods.law import named_after
 from ev_core.parameters.record import each_wheel, entry, part, per_wheel
@@ -54,7 +54,7 @@ class TractionControlState:
     velocity: list[float] = per_wheel(unit="rad/s", about="last wheel speeds")
     measured: float = entry(unit="1", about="whether there are last wheel speeds")
     direction: list[float] = per_wheel(unit="1", about="sign of the request that is watched; 0 where it just passes")
-    motors: LostMotorState = part(LostMotorState)
+    motors: LostMotors = part(LostMotors)
 
 
 class Measured(NamedTuple):

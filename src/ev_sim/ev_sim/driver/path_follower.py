@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ev_core.elementary import atan2, copysign
-from ev_core.law import Car, Vehicle, compilable, entry, group, method, parameter, part, speed_along_path
+from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_sim.driver.path import Path, PathParameters, RoadEdgeState, edge_notes, nearest, path_of, point_at, watch_edge
-from ev_sim.driver.pedals import UNBOUNDED, FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
+from ev_sim.driver.pedals import (
+    UNBOUNDED,
+    FeetParameters,
+    FeetProfiles,
+    FeetState,
+    driver_method,
+    feet_profiles,
+    work_pedals,
+)
 from ev_sim.driver.profile_driver import AngleControlParameters, AngleControlState, turn_to_angle
-from ev_sim.profiles.speed_profile import with_speed_profile_from_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,20 +141,13 @@ def followed_path(parameters: PathFollowerParameters, vehicle: Vehicle, period: 
     return FollowedPath(feet_profiles(parameters, vehicle, period), path_of(parameters.path))
 
 
-def notes(p: PathFollowerParameters, s: PathFollowerState) -> tuple[str, ...]:
+def road_notes(p: LaneKeepingParameters, s: Any) -> tuple[str, ...]:
     """Whether the car has left its road."""
     return edge_notes(s.hands.edge, p.path.width)
 
 
-@method(
-    "driver",
-    "path_follower",
-    PathFollowerParameters,
-    state=PathFollowerState,
-    prepare=followed_path,
-    load_files=with_speed_profile_from_file,
-    notes=notes,
-    mirrored=True,
+@driver_method(
+    "path_follower", PathFollowerParameters, state=PathFollowerState, prepare=followed_path, notes=road_notes
 )
 @compilable
 def path_follower(

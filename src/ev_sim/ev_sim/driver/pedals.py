@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 from ev_core.law import BodyVelocity, DriverCommand, Instant, Vehicle, compilable, copysign, entry, method, part
@@ -10,6 +11,9 @@ from ev_core.parameters.declaration import group, parameter, setting
 from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
 from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_speed_profile_from_file
+
+# The method of a driver who follows a speed profile, which may stand in a file.
+driver_method = partial(method, "driver", load_files=with_speed_profile_from_file, mirrored=True)
 
 
 @compilable
@@ -43,11 +47,7 @@ class SpeedControlParameters:
         1500.0, unit="N m", low=0.0, high=1e6, about="limit when driving, forwards or backwards"
     )
     max_regenerative_torque: float = parameter(
-        600.0,
-        unit="N m",
-        low=0.0,
-        high=1e6,
-        about="limit of the drives when they slow the car down; beyond it the friction brakes take over",
+        600.0, unit="N m", low=0.0, high=1e6, about="limit of slowing drives; beyond it the friction brakes take over"
     )
     max_brake_torque: float = parameter(
         4000.0, unit="N m", low=0.0, high=1e6, about="limit of the friction brakes that slow down, about 1 g"
@@ -170,14 +170,7 @@ def feet_profiles(parameters: FeetParameters, vehicle: Vehicle, period: float) -
 
 @compilable
 def work_pedals(
-    p: FeetParameters,
-    car: Car,
-    profiles: FeetProfiles,
-    s: FeetState,
-    period: float,
-    t: float,
-    speed: float,
-    fastest: float,
+    p: FeetParameters, car: Car, c: FeetProfiles, s: FeetState, period: float, t: float, speed: float, fastest: float
 ) -> tuple[float, float]:
     """Drive and brake torque [N m] at the time t [s] and the speed along the path [m/s].
 
@@ -189,20 +182,12 @@ def work_pedals(
         s.begin = t
     if s.has_begun == 1.0:
         since = t - s.begin
-        return value_at(profiles.drive_torque, since), value_at(profiles.brake_torque, since)
-    wanted = min(max(value_at(profiles.speed, t), -fastest), fastest)
+        return value_at(c.drive_torque, since), value_at(c.brake_torque, since)
+    wanted = min(max(value_at(c.speed, t), -fastest), fastest)
     return follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
 
 
-@method(
-    "driver",
-    "manoeuvre",
-    FeetParameters,
-    state=FeetState,
-    prepare=feet_profiles,
-    load_files=with_speed_profile_from_file,
-    mirrored=True,
-)
+@driver_method("manoeuvre", FeetParameters, state=FeetState, prepare=feet_profiles)
 @compilable
 def manoeuvre(
     p: FeetParameters, car: Car, c: FeetProfiles, s: FeetState, period: float, now: Instant, body: BodyVelocity

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.law import Car, Vehicle, atan2, compilable, entry, exp, group, method, part, speed_along_path
+from ev_core.law import Car, Vehicle, atan2, compilable, entry, exp, group, part, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_sim.driver.path import Path, PathParameters, RoadEdgeState, edge_notes, nearest, path_of, point_at, watch_edge
 from ev_sim.driver.path_follower import LOOKING_ROUND, HandParameters
-from ev_sim.driver.pedals import FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
+from ev_sim.driver.pedals import FeetParameters, FeetProfiles, FeetState, driver_method, feet_profiles, work_pedals
 from ev_sim.driver.preview_gains import GAIN_SPEEDS, STATES, STEP, PreviewGains, PreviewParameters, preview_gains
 from ev_sim.driver.profile_driver import AngleControlState, turn_to_angle
 from ev_sim.driver.speed_plan import (
@@ -23,7 +23,6 @@ from ev_sim.driver.speed_plan import (
 )
 from ev_sim.measures.understeer import axle_cornering_stiffnesses, axle_masses, understeer_gradient
 from ev_sim.profiles.profile import number_until
-from ev_sim.profiles.speed_profile import with_speed_profile_from_file
 
 _SIZE = len(STATES)
 _TURNS_ALONG = 0.5  # ratio of rear to front angle from which on a car goes aside more than it turns: nothing to learn
@@ -187,16 +186,7 @@ def notes(p: PreviewDriverParameters, s: PreviewDriverState) -> tuple[str, ...]:
     return (*plan_notes(s.plan), *edge_notes(s.edge, p.path.width))
 
 
-@method(
-    "driver",
-    "preview",
-    PreviewDriverParameters,
-    state=PreviewDriverState,
-    prepare=previewed_path,
-    load_files=with_speed_profile_from_file,
-    notes=notes,
-    mirrored=True,
-)
+@driver_method("preview", PreviewDriverParameters, state=PreviewDriverState, prepare=previewed_path, notes=notes)
 @compilable
 def preview(
     p: PreviewDriverParameters,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.law import Car, Vehicle, compilable, entry, group, method, parameter, part, setting, speed_along_path
+from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part, setting, speed_along_path
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
-from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, follow_speed, limited_pid
+from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, driver_method, follow_speed, limited_pid
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_speed_profile_from_file
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
 
 WAYS = ("hand_torque", "angle")
 HAND_TORQUE, ANGLE = range(len(WAYS))
@@ -21,12 +21,7 @@ class HandTorqueParameters:
 
     time: tuple[float, ...] = setting((0.0,), unit="s", about="times of the points, increasing")
     torque: tuple[float, ...] = setting(
-        (0.0,),
-        unit="N m",
-        low=-100.0,
-        high=100.0,
-        about="hand torques at these times; the last one holds",
-        lateral=True,
+        (0.0,), unit="N m", low=-100.0, high=100.0, about="hand torques at these times; the last holds", lateral=True
     )
     interpolation: str = interpolation_parameter("step")
 
@@ -40,12 +35,7 @@ class WantedAngleParameters:
 
     time: tuple[float, ...] = setting((0.0,), unit="s", about="times of the points, increasing")
     angle: tuple[float, ...] = setting(
-        (0.0,),
-        unit="rad",
-        low=-1.5,
-        high=1.5,
-        about="road-wheel angles at these times; the last one holds",
-        lateral=True,
+        (0.0,), unit="rad", low=-1.5, high=1.5, about="road-wheel angles at these times; the last holds", lateral=True
     )
     interpolation: str = interpolation_parameter("step")
 
@@ -140,15 +130,7 @@ def profiles_of(parameters: SpeedProfileDriverParameters, vehicle: Vehicle, peri
     )
 
 
-@method(
-    "driver",
-    "speed_profile",
-    SpeedProfileDriverParameters,
-    state=SpeedProfileDriverState,
-    prepare=profiles_of,
-    load_files=with_speed_profile_from_file,
-    mirrored=True,
-)
+@driver_method("speed_profile", SpeedProfileDriverParameters, state=SpeedProfileDriverState, prepare=profiles_of)
 @compilable
 def speed_profile(
     p: SpeedProfileDriverParameters,

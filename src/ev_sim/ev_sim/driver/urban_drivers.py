@@ -11,8 +11,8 @@ from ev_core.law import GRAVITY, Car, Need, Vehicle, any_driven, compilable, ent
 from ev_core.methods.law import named_after
 from ev_core.parameters.declaration import group, parameter
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
-from ev_sim.driver.path import Path, edge_notes, path_of
-from ev_sim.driver.path_follower import LaneKeepingParameters, LaneKeepingState, keep_lane
+from ev_sim.driver.path import Path, path_of
+from ev_sim.driver.path_follower import LaneKeepingParameters, LaneKeepingState, keep_lane, road_notes
 from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.profiles.cycle_windows import TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.profile import Profile, value_at
@@ -31,7 +31,7 @@ class CycleDriverParameters(LaneKeepingParameters):
 
 
 @dataclass(slots=True)
-class CycleDriverState:
+class CycleState:
     """What feet and hands remember."""
 
     speed_control: SpeedControlState = part(SpeedControlState)
@@ -59,7 +59,7 @@ def drive_cycle(
     p: CycleDriverParameters,
     car: Car,
     c: Cycle,
-    s: CycleDriverState,
+    s: CycleState,
     period: float,
     now: Instant,
     body: BodyVelocity,
@@ -83,11 +83,6 @@ def drive_cycle(
     return DriverCommand(drive, brake, hand_torque)
 
 
-def notes(p: CycleDriverParameters, s: CycleDriverState) -> tuple[str, ...]:
-    """Whether the car has left its road."""
-    return edge_notes(s.hands.edge, p.path.width)
-
-
 def cycle_driver(
     name: str, parameters: type, needs: tuple[Need, ...] = (), requires: Mapping[str, str] = MappingProxyType({})
 ) -> Callable[[D], D]:
@@ -102,7 +97,7 @@ def cycle_driver(
             p: Any,
             car: Car,
             c: Cycle,
-            s: CycleDriverState,
+            s: CycleState,
             period: float,
             now: Instant,
             body: BodyVelocity,
@@ -116,10 +111,10 @@ def cycle_driver(
             "driver",
             name,
             parameters,
-            state=CycleDriverState,
+            state=CycleState,
             prepare=cycle_of,
             load_files=with_speed_profile_from_file,
-            notes=notes,
+            notes=road_notes,
             needs=needs,
             requires=requires,
             mirrored=True,
@@ -150,12 +145,7 @@ class PowerLevelParameters:
         source="dissertation, table 2.3: peak of packed snow 1",
     )
     slip: float = parameter(
-        0.0907,
-        unit="1",
-        low=0.0,
-        high=0.9,
-        about="slip at the limit",
-        source="dissertation, table 2.3: slip of that peak",
+        0.0907, unit="1", low=0.0, high=0.9, about="slip at the limit", source="dissertation, table 2.3: that peak"
     )
     rolling_resistance: float = parameter(
         0.083,
@@ -166,11 +156,7 @@ class PowerLevelParameters:
         source="dissertation, table 2.2: packed snow, middle of its range, and f_0 of the vehicle",
     )
     slowest: float = parameter(
-        1.0,
-        unit="m/s",
-        low=0.01,
-        high=10.0,
-        about="below this speed the level is a torque, for a power gives none at rest",
+        1.0, unit="m/s", low=0.01, high=10.0, about="below this speed the level is a torque: a power gives none at rest"
     )
 
 
@@ -198,13 +184,7 @@ def torque_of_power(p: PowerLevelParameters, car: Car, speed: float, wheels: Whe
 @cycle_driver("tracking", CycleDriverParameters)
 @compilable
 def tracking(
-    p: CycleDriverParameters,
-    car: Car,
-    s: CycleDriverState,
-    period: float,
-    wanted: float,
-    speed: float,
-    wheels: WheelStates,
+    p: CycleDriverParameters, car: Car, s: CycleState, period: float, wanted: float, speed: float, wheels: WheelStates
 ) -> float:
     """Follow a speed cycle with just the drive torque that it takes, and keep the lane.
 
@@ -222,18 +202,14 @@ class PulseParameters(CycleDriverParameters):
 
     level: PowerLevelParameters = group(PowerLevelParameters)
     band: float = parameter(
-        0.3,
-        unit="m/s",
-        low=0.0,
-        high=10.0,
-        about="the foot goes down this far below the cycle and up this far above it",
+        0.3, unit="m/s", low=0.0, high=10.0, about="the foot goes down this far below the cycle, up this far above it"
     )
 
 
 @cycle_driver("pulse", PulseParameters, needs=(any_driven,))
 @compilable
 def pulse(
-    p: PulseParameters, car: Car, s: CycleDriverState, period: float, wanted: float, speed: float, wheels: WheelStates
+    p: PulseParameters, car: Car, s: CycleState, period: float, wanted: float, speed: float, wheels: WheelStates
 ) -> float:
     """Follow a speed cycle with an accelerator that is either released or at a power above the limit of packed snow.
 
@@ -257,13 +233,7 @@ class ImposedSpeedParameters(CycleDriverParameters):
 @cycle_driver("imposed_speed", ImposedSpeedParameters, needs=(any_driven,), requires={"plant.speed": "imposed"})
 @compilable
 def imposed_speed(
-    p: ImposedSpeedParameters,
-    car: Car,
-    s: CycleDriverState,
-    period: float,
-    wanted: float,
-    speed: float,
-    wheels: WheelStates,
+    p: ImposedSpeedParameters, car: Car, s: CycleState, period: float, wanted: float, speed: float, wheels: WheelStates
 ) -> float:
     """Ask for a power above the limit of packed snow in all windows of traction, whatever the speed.
 

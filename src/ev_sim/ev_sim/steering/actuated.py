@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.law import Car, Vehicle, compilable, entry, expm1, group, method, parameter, part
+from ev_core.law import Car, Vehicle, compilable, entry, expm1, group, parameter, part
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates
-from ev_sim.steering.column import SteeringWheelParameters, drive_moment, speed_difference
-from ev_sim.steering.friction_oscillator import Oscillator, oscillated, oscillator
+from ev_sim.steering.column import SteeringWheelParameters, drive_moment, steering_column, steering_wheel
+from ev_sim.steering.friction_oscillator import Oscillator, oscillated
 
 _LONGEST_STEP = 0.5e-3  # s, a quarter of the default lag of the torque
 
@@ -44,11 +44,7 @@ class SteeringMotorParameters:
         20.0, unit="1/s", low=0.0, high=1000.0, about="of the error of the rate, over rate_gain"
     )
     trail: float = parameter(
-        0.03,
-        unit="m",
-        low=-0.5,
-        high=0.5,
-        about="by which side forces act behind the steering axes, of tyre and suspension",
+        0.03, unit="m", low=-0.5, high=0.5, about="of the side forces behind the steering axes, by tyre and suspension"
     )
 
 
@@ -138,12 +134,7 @@ class ActuatedParameters:
         SteeringMotorParameters, wheel_inertia=2.8, damping=7.5, max_angle=0.7, max_rate=1.0
     )
     stiffness: float = parameter(
-        65.0,
-        unit="N m/rad",
-        low=0.0,
-        high=1e5,
-        about="restoring stiffness of the road wheels, k_p",
-        source="Shchur 2019",
+        65.0, unit="N m/rad", low=0.0, high=1e5, about="restoring stiffness of road wheels, k_p", source="Shchur 2019"
     )
     drive_inertia: float = parameter(
         0.0,
@@ -179,9 +170,8 @@ class Moved(NamedTuple):
 
 def moved(p: ActuatedParameters, vehicle: Vehicle, period: float) -> Moved:
     """The actuator over a period [s], and the steering wheel with the end stops of a connected one."""
-    wheel, stop = p.steering_wheel, vehicle.steering_ratio * p.actuator.max_angle
-    turned = oscillator(wheel.inertia, wheel.damping, wheel.centring_stiffness, wheel.dry_friction, stop, period)
-    return Moved(servo(p.actuator, period), turned)
+    stop = vehicle.steering_ratio * p.actuator.max_angle
+    return Moved(servo(p.actuator, period), steering_wheel(p.steering_wheel, stop, period))
 
 
 @compilable
@@ -190,9 +180,7 @@ def shown(s: ActuatedState) -> SteeringColumnState:
     return SteeringColumnState(s.angle, s.rate, s.hand_torque, s.actuator.angle, s.actuator.rate)
 
 
-@method(
-    "steering_column", "actuated", ActuatedParameters, state=ActuatedState, prepare=moved, outputs=shown, mirrored=True
-)
+@steering_column("actuated", ActuatedParameters, state=ActuatedState, prepare=moved, outputs=shown)
 @compilable
 def actuated(
     p: ActuatedParameters,
@@ -211,8 +199,7 @@ def actuated(
     the motor's torque, `feel.share` times the moment of the road over i, as a sensor at the rack shows it (the torque
     of the actuator would bring its own acceleration back, and swing). Left positive.
     """
-    road = drive_moment(car, p.drive_inertia, period, wheels, s.wheel_speed_difference) - p.stiffness * s.actuator.angle
-    s.wheel_speed_difference = speed_difference(wheels)
+    road = drive_moment(car, p.drive_inertia, period, wheels, s) - p.stiffness * s.actuator.angle
     s.hand_torque = driver.hand_torque
     felt = p.feel.share * road / car.steering_ratio
     s.feel = min(max(felt, -p.feel.peak_torque), p.feel.peak_torque)

@@ -3,31 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 from ev_core.law import Car, DriverCommand, SteeringColumnState, Vehicle, WheelStates, compilable, entry, method
 from ev_core.parameters.declaration import group, parameter
 from ev_sim.steering.friction_oscillator import Oscillator, oscillated, oscillator
 
-
-@compilable
-def speed_difference(wheels: WheelStates) -> float:
-    """Right minus left front wheel speed [rad/s]."""
-    return wheels.velocity.front_right - wheels.velocity.front_left
+steering_column = partial(method, "steering_column", mirrored=True)
 
 
 @compilable
-def drive_moment(
-    car: Car, wheel_inertia: float, period: float, wheels: WheelStates, last_speed_difference: float
-) -> float:
+def drive_moment(car: Car, wheel_inertia: float, period: float, wheels: WheelStates, s: Any) -> float:
     """Steering moment of the drive forces, left positive [N m]: d/(2 r_k) (M_R - M_L) - J_k d/(2 r_k) (w_R' - w_L').
 
     The torques are the actual ones at the wheels. The wheel accelerations of a period are the difference of the
-    speeds at its two ends before, so they come one period late: the column reads no later speed.
+    speeds at its two ends before, so they come one period late: the column reads no later speed. The state keeps them
+    as `wheel_speed_difference`.
     """
     lever = car.front_track / (2 * car.wheel_radius)
     torque_difference = wheels.effort.front_right - wheels.effort.front_left
-    acceleration_torque = wheel_inertia / period * (speed_difference(wheels) - last_speed_difference)
+    speed_difference = wheels.velocity.front_right - wheels.velocity.front_left
+    acceleration_torque = wheel_inertia / period * (speed_difference - s.wheel_speed_difference)
+    s.wheel_speed_difference = speed_difference
     return lever * (torque_difference - acceleration_torque)
 
 
@@ -81,17 +79,6 @@ def road_wheels(parameters: RoadWheelParameters, _vehicle: Vehicle, period: floa
     return oscillator(p.inertia, p.damping, p.stiffness, p.dry_friction, p.max_angle, period)
 
 
-@compilable
-def connected_column(
-    car: Car, road_wheel_angle: float, road_wheel_rate: float, hand_torque: float
-) -> SteeringColumnState:
-    """What sensors measure of a column that is mechanically connected: the steering wheel turns i times as far."""
-    ratio = car.steering_ratio
-    return SteeringColumnState(
-        ratio * road_wheel_angle, ratio * road_wheel_rate, hand_torque, road_wheel_angle, road_wheel_rate
-    )
-
-
 @dataclass(slots=True)
 class ManualState:
     """The road wheels and the hands; left positive."""
@@ -102,20 +89,16 @@ class ManualState:
 
 
 @compilable
-def manual_column(car: Car, s: ManualState) -> SteeringColumnState:
-    """The column at this instant; the hand torque is the one that acted up to now."""
-    return connected_column(car, s.road_wheel_angle, s.road_wheel_rate, s.hand_torque)
+def connected_column(car: Car, s: ManualState) -> SteeringColumnState:
+    """What sensors measure of a column that is mechanically connected: the steering wheel turns i times as far.
+
+    The hand torque is the one that acted up to now.
+    """
+    ratio, angle, rate = car.steering_ratio, s.road_wheel_angle, s.road_wheel_rate
+    return SteeringColumnState(ratio * angle, ratio * rate, s.hand_torque, angle, rate)
 
 
-@method(
-    "steering_column",
-    "manual",
-    RoadWheelParameters,
-    state=ManualState,
-    prepare=road_wheels,
-    outputs=manual_column,
-    mirrored=True,
-)
+@steering_column("manual", RoadWheelParameters, state=ManualState, prepare=road_wheels, outputs=connected_column)
 @compilable
 def manual(car: Car, c: Oscillator, s: ManualState, driver: DriverCommand) -> None:
     """Turn the road wheels by hand alone: a steering geometry that gives the drive forces no lever arm.
@@ -129,29 +112,14 @@ def manual(car: Car, c: Oscillator, s: ManualState, driver: DriverCommand) -> No
 
 
 @dataclass(slots=True)
-class PoweredState:
-    """The road wheels, the hands, and the front wheels; left positive."""
+class PoweredState(ManualState):
+    """The same, and the front wheels."""
 
-    road_wheel_angle: float = entry(unit="rad")
-    road_wheel_rate: float = entry(unit="rad/s")
-    hand_torque: float = entry(unit="N m", about="what acted up to now")
     wheel_speed_difference: float = entry(unit="rad/s", about="right minus left front wheel, a period ago")
 
 
-@compilable
-def powered_column(car: Car, s: PoweredState) -> SteeringColumnState:
-    """The column at this instant; the hand torque is the one that acted up to now."""
-    return connected_column(car, s.road_wheel_angle, s.road_wheel_rate, s.hand_torque)
-
-
-@method(
-    "steering_column",
-    "powered",
-    DrivenRoadWheelParameters,
-    state=PoweredState,
-    prepare=road_wheels,
-    outputs=powered_column,
-    mirrored=True,
+@steering_column(
+    "powered", DrivenRoadWheelParameters, state=PoweredState, prepare=road_wheels, outputs=connected_column
 )
 @compilable
 def powered(
@@ -169,9 +137,8 @@ def powered(
     with d the road-wheel angle, M_R and M_L the actual drive torques of the front wheels and M_b the hand torque at
     the steering wheel; left positive; the steering-wheel angle is i d. Shchur (2019), eq 3. The wheels start at rest.
     """
-    moment = drive_moment(car, p.wheel_inertia, period, wheels, s.wheel_speed_difference)
+    moment = drive_moment(car, p.wheel_inertia, period, wheels, s)
     moment += car.steering_ratio * driver.hand_torque
-    s.wheel_speed_difference = speed_difference(wheels)
     s.hand_torque = driver.hand_torque
     s.road_wheel_angle, s.road_wheel_rate = oscillated(c, s.road_wheel_angle, s.road_wheel_rate, moment)
 
@@ -187,13 +154,14 @@ class SteeringWheelParameters:
         0.16, unit="N m s/rad", low=0.0, high=10.0, about="viscous friction, about 0.8 of critical"
     )
     centring_stiffness: float = parameter(
-        0.25,
-        unit="N m/rad",
-        low=0.001,
-        high=10.0,
-        about="centring spring, as stiff as the mechanical column feels, k_p/i^2",
+        0.25, unit="N m/rad", low=0.001, high=10.0, about="centring spring, as stiff as a mechanical column: k_p/i^2"
     )
     dry_friction: float = parameter(0.0, unit="N m", low=0.0, high=10.0, about="dry friction")
+
+
+def steering_wheel(p: SteeringWheelParameters, stop: float, period: float) -> Oscillator:
+    """The motion of the steering wheel within its end stops [rad], exact over a period [s]."""
+    return oscillator(p.inertia, p.damping, p.centring_stiffness, p.dry_friction, stop, period)
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,25 +183,17 @@ class ByWireState:
     wheel_speed_difference: float = entry(unit="rad/s", about="right minus left front wheel, a period ago")
 
 
-class Oscillators(NamedTuple):
+class Moving(NamedTuple):
     """What moves on its own."""
 
     road_wheels: Oscillator
     steering_wheel: Oscillator
 
 
-def oscillators(parameters: ByWireParameters, vehicle: Vehicle, period: float) -> Oscillators:
+def oscillators(parameters: ByWireParameters, vehicle: Vehicle, period: float) -> Moving:
     """Road wheels and steering wheel, exact over a period [s]; the latter has the end stops of a connected one."""
-    wheel = parameters.steering_wheel
-    steering_wheel = oscillator(
-        wheel.inertia,
-        wheel.damping,
-        wheel.centring_stiffness,
-        wheel.dry_friction,
-        vehicle.steering_ratio * parameters.max_angle,
-        period,
-    )
-    return Oscillators(road_wheels(parameters, vehicle, period), steering_wheel)
+    wheel = steering_wheel(parameters.steering_wheel, vehicle.steering_ratio * parameters.max_angle, period)
+    return Moving(road_wheels(parameters, vehicle, period), wheel)
 
 
 @compilable
@@ -242,26 +202,17 @@ def shown(s: ByWireState) -> SteeringColumnState:
     return SteeringColumnState(s.angle, s.rate, s.hand_torque, s.road_wheel_angle, s.road_wheel_rate)
 
 
-@method(
-    "steering_column", "by_wire", ByWireParameters, state=ByWireState, prepare=oscillators, outputs=shown, mirrored=True
-)
+@steering_column("by_wire", ByWireParameters, state=ByWireState, prepare=oscillators, outputs=shown)
 @compilable
 def by_wire(
-    p: ByWireParameters,
-    car: Car,
-    c: Oscillators,
-    s: ByWireState,
-    period: float,
-    driver: DriverCommand,
-    wheels: WheelStates,
+    p: ByWireParameters, car: Car, c: Moving, s: ByWireState, period: float, driver: DriverCommand, wheels: WheelStates
 ) -> None:
     """Turn the road wheels by the front drives alone; the hands turn a steering wheel with a centring spring.
 
     Road wheels: eq 3 of Shchur (2019) with M_b = 0, as in its steer-by-wire and drive-by-wire concepts. Steering
     wheel: J a'' + b a' + k a = M_b - M sgn(a'), end stops at i times those of the road wheels. Left positive.
     """
-    moment = drive_moment(car, p.wheel_inertia, period, wheels, s.wheel_speed_difference)
-    s.wheel_speed_difference = speed_difference(wheels)
+    moment = drive_moment(car, p.wheel_inertia, period, wheels, s)
     s.hand_torque = driver.hand_torque
     s.angle, s.rate = oscillated(c.steering_wheel, s.angle, s.rate, driver.hand_torque)
     s.road_wheel_angle, s.road_wheel_rate = oscillated(c.road_wheels, s.road_wheel_angle, s.road_wheel_rate, moment)

@@ -19,12 +19,7 @@ class SteeringAngleProfileParameters:
 
     time: tuple[float, ...] = setting((0.0,), unit="s", about="times of the points, increasing")
     angle: tuple[float, ...] = setting(
-        (0.0,),
-        unit="rad",
-        low=-30.0,
-        high=30.0,
-        about="steering-wheel angles at these times; the last one holds",
-        lateral=True,
+        (0.0,), unit="rad", low=-30.0, high=30.0, about="angles at these times; the last holds", lateral=True
     )
     interpolation: str = interpolation_parameter("linear")
 

@@ -118,7 +118,7 @@ class Line:
     heard: list[float] = series(2 * FEEDBACK_WORDS, NO_FRAME, unit="1", about="feedback of both devices")
 
 
-class CircuitOnChannel(NamedTuple):
+class ChannelPlace(NamedTuple):
     """Which circuit it is: 0 for the right one and 1 for the left."""
 
     number: int
@@ -129,7 +129,7 @@ class CircuitOnChannel(NamedTuple):
 
 @compilable
 def advance_can_circuit(
-    p: CanCircuitsParameters, c: CanConstants, which: CircuitOnChannel, s: CircuitState, line: Line, periods: float
+    p: CanCircuitsParameters, c: CanConstants, which: ChannelPlace, s: CircuitState, line: Line, periods: float
 ) -> None:
     """One control period of a circuit, tick by tick."""
     begin_period(s)
@@ -143,31 +143,25 @@ def advance_can_circuit(
 
 @compilable
 def _tick(
-    p: CanCircuitsParameters,
-    c: CanConstants,
-    which: CircuitOnChannel,
-    s: CircuitState,
-    line: Line,
-    tick: int,
-    now: float,
+    p: CanCircuitsParameters, c: CanConstants, on: ChannelPlace, s: CircuitState, line: Line, tick: int, now: float
 ) -> None:
     """Set-points are released, those that have arrived by the inverters' phase act, feedback is released, arrives."""
     end, phase, channel, machine = bits_per_tick(p.bus), p.bus.phase * p.bus.bit_rate, line.channel, c.circuits.machine
-    kind = present(p.inject, now, which.number)
+    kind = present(p.inject, now, on.number)
     put_in(p.inject, s.machine.injected, kind)
     _release_set_points(line, tick)
-    advance_channel(which.channel, p.bus, channel, which.number, phase)
+    advance_channel(on.channel, p.bus, channel, on.number, phase)
     low, high = take(channel, SET_POINT + DRIVE)
     arrived = on_the_way(p.inject, line.fault, kind, low, high)
-    _receive(c, which.drive, s.machine, arrived.low, arrived.high)
+    _receive(c, on.drive, s.machine, arrived.low, arrived.high)
     low, high = take(channel, SET_POINT + LOAD)
-    _receive(c, which.load, s.load, low, high)
-    make_cycle(p, c, which.number, s, now, kind == BusFault.LOAD_LIMIT)
+    _receive(c, on.load, s.load, low, high)
+    make_cycle(p, c, on.number, s, now, kind == BusFault.LOAD_LIMIT)
     for kind in range(MOTION, FAULTS + 1):
         if is_due(ticks_between(c.frames, kind), now, now + 1.0):
-            _release_feedback(c, which.drive, machine, s.machine, channel, kind, DRIVE, s.speed, phase)
-            _release_feedback(c, which.load, p.load, s.load, channel, kind, LOAD, s.load_speed, phase)
-    advance_channel(which.channel, p.bus, channel, which.number, end)
+            _release_feedback(c, on.drive, machine, s.machine, channel, kind, DRIVE, s.speed, phase)
+            _release_feedback(c, on.load, p.load, s.load, channel, kind, LOAD, s.load_speed, phase)
+    advance_channel(on.channel, p.bus, channel, on.number, end)
     _hear(line, tick)
     next_tick(p.bus, channel)
 

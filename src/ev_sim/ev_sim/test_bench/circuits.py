@@ -18,7 +18,6 @@ from ev_sim.test_bench.circuit import (
     CircuitSetPoint,
     advance_circuit,
     power,
-    set_points,
     stored_energy,
 )
 from ev_sim.test_bench.described import BOTH, KEPT_SET_POINTS, LEFT, RIGHT, CircuitsParameters, CircuitsState
@@ -152,12 +151,12 @@ def circuits(
 
     The machine under test follows the torque that the laws ask for, the load machine what the virtual car asks for.
     """
-    told = set_points(car, command, load)
     s.voltage = battery.voltage
     for i in range(4):
         if car.driven[i] == 1.0:
             enabled = p.enabled == BOTH or p.enabled == (LEFT if i % 2 == 0 else RIGHT)
             power(s.circuits[i], enabled, battery.voltage, p.load.dc_link.supply_voltage)
-            own = CircuitSetPoint(told.torque[i], told.load_mode[i], told.load_torque[i], told.load_speed[i])
-            advance_circuit(p, c, s.circuits[i], s.periods, own, period)
+            shaft_torque = command.drive[i] / car.gear_ratio  # section 4.1
+            given = CircuitSetPoint(shaft_torque, load.mode[i], load.torque[i], load.speed[i])
+            advance_circuit(p, c, s.circuits[i], s.periods, given, period)
     s.periods += 1.0

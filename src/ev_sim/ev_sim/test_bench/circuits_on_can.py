@@ -16,7 +16,7 @@ from ev_msgs_py.can.payload import NO_FRAME
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, BusStates, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures
 from ev_sim.test_bench.bus_faults import measured, present
-from ev_sim.test_bench.can_circuit import SET_POINT_WORDS, CanConstants, CircuitOnChannel, Line, advance_can_circuit
+from ev_sim.test_bench.can_circuit import SET_POINT_WORDS, CanConstants, ChannelPlace, Line, advance_can_circuit
 from ev_sim.test_bench.circuits import constants
 from ev_sim.test_bench.circuits import outputs as outputs_of_circuits
 from ev_sim.test_bench.circuits import prepare as prepare_circuits
@@ -145,8 +145,8 @@ def circuits_on_can(
     """The same circuits, with all four inverters behind a CAN bus and CiA 402."""
     s.voltage = battery.voltage
     _say(s, said)
-    right = CircuitOnChannel(0, c.frames.drive_11, c.frames.load_11, c.channel_11)
-    left = CircuitOnChannel(1, c.frames.drive_12, c.frames.load_12, c.channel_12)
+    right = ChannelPlace(0, c.frames.drive_11, c.frames.load_11, c.channel_11)
+    left = ChannelPlace(1, c.frames.drive_12, c.frames.load_12, c.channel_12)
     advance_can_circuit(p, c, right, s.circuits[int(c.right)], s.line_11, s.periods)
     advance_can_circuit(p, c, left, s.circuits[int(c.left)], s.line_12, s.periods)
     s.periods += 1.0

@@ -63,13 +63,7 @@ AHEAD = 0.1
 
 @inlined
 def slip_vector(
-    tyre: Tyre,
-    on_road: Coefficients,
-    slip_x: float,
-    slip_y: float,
-    transport: float,
-    contact_x: float,
-    contact_y: float,
+    tyre: Tyre, on_road: Coefficients, slip_x: float, slip_y: float, transport: float, patch_x: float, patch_y: float
 ) -> tuple[float, float]:
     """Friction per longitudinal and per lateral slip [1] when both share one curve over the resulting slip.
 
@@ -81,8 +75,8 @@ def slip_vector(
     stretched = tyre.lateral_ratio * slip_y
     slip = sqrt(slip_x * slip_x + stretched * stretched) / transport
     if slip > AHEAD:
-        slid_y = tyre.lateral_ratio * contact_y
-        slip = min(slip, AHEAD + sqrt(contact_x * contact_x + slid_y * slid_y))
+        slid_y = tyre.lateral_ratio * patch_y
+        slip = min(slip, AHEAD + sqrt(patch_x * patch_x + slid_y * slid_y))
     common = secant(tyre.curve, slip, on_road)
     return common, tyre.lateral_ratio * common
 

@@ -10,30 +10,10 @@ from collections.abc import MutableSequence, Sequence
 
 from ev_core.law import Car, Wheels, cos, inlined, sin, sqrt, tan
 from ev_core.vehicle.car import front_wheel_tangents
+from ev_sim.plant.planar import memory
 from ev_sim.plant.planar.contact import look, within_friction
 from ev_sim.plant.planar.given import FREE, BodyConstants, PlanarParameters
-from ev_sim.plant.planar.memory import (
-    BODY_DISTANCE,
-    DEFLECTION_X,
-    DEFLECTION_Y,
-    DISTANCE,
-    DRAG_WORK,
-    FRICTION_WORK,
-    GRAVITY_WORK,
-    HEADING,
-    HOLDING_WORK,
-    SLIP_X,
-    SLIP_Y,
-    TRANSFER_X,
-    TRANSFER_Y,
-    TYRE_WORK,
-    VX,
-    VY,
-    WHEEL_ANGLE,
-    WHEEL_SPEED,
-    YAW_RATE,
-    Step,
-)
+from ev_sim.plant.planar.memory import Step
 from ev_sim.tyres.contact_patch import force_and_rate, slip_rate
 
 
@@ -65,7 +45,7 @@ def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
 def loads(y: Sequence[float], car: Car, gravity_z: float) -> Wheels:
     """Loads of the four wheels [N] in a state, under gravity that presses the car on the road [m/s^2]."""
     pitch_arm, roll_arm = car.pitch_height * car.mass, car.roll_height * car.mass
-    return wheel_loads(car, car.mass * gravity_z, pitch_arm * y[TRANSFER_X], roll_arm * y[TRANSFER_Y])
+    return wheel_loads(car, car.mass * gravity_z, pitch_arm * y[memory.TRANSFER_X], roll_arm * y[memory.TRANSFER_Y])
 
 
 @inlined
@@ -122,7 +102,7 @@ def rates(
     exceeds the friction, else the wheel is held. Sums go over left and right first, so that a mirrored state has
     exactly mirrored rates.
     """
-    vx, vy, yaw_rate = y[VX], y[VY], y[YAW_RATE]
+    vx, vy, yaw_rate = y[memory.VX], y[memory.VY], y[memory.YAW_RATE]
     load = loads(y, car, step.gravity_z)
     step.load[0], step.load[1], step.load[2], step.load[3] = load
     look(y, car, body, step, starts)
@@ -139,7 +119,7 @@ def rates(
             wheel_speed, slip_x, slip_y = at.wheel_speed[i], at.slip_x[i], at.slip_y[i]
             transport_x, transport_y = at.transport_x[i], at.transport_y[i]
             normal, radius = step.load[i], step.radius[i]
-            deflection_x, deflection_y = y[DEFLECTION_X + i], y[DEFLECTION_Y + i]
+            deflection_x, deflection_y = y[memory.DEFLECTION_X + i], y[memory.DEFLECTION_Y + i]
             along_force, rate_x = force_and_rate(
                 deflection_x, slip_x, transport_x, at.secant_x[i], stiffness_x, body.damping_x
             )
@@ -153,9 +133,9 @@ def rates(
             if scale_y < 1.0:
                 across_force *= scale_y
                 rate_y = (across_force - stiffness_y * deflection_y) / body.damping_y
-            dy[DEFLECTION_X + i], dy[DEFLECTION_Y + i] = rate_x, rate_y
-            dy[SLIP_X + i] = slip_rate(y[SLIP_X + i], slip_x - rate_x, transport_x, length)
-            dy[SLIP_Y + i] = slip_rate(y[SLIP_Y + i], slip_y - rate_y, transport_y, length)
+            dy[memory.DEFLECTION_X + i], dy[memory.DEFLECTION_Y + i] = rate_x, rate_y
+            dy[memory.SLIP_X + i] = slip_rate(y[memory.SLIP_X + i], slip_x - rate_x, transport_x, length)
+            dy[memory.SLIP_Y + i] = slip_rate(y[memory.SLIP_Y + i], slip_y - rate_y, transport_y, length)
             step.force_x[i], step.force_y[i] = along_force, across_force
 
             torque = step.drive[i] - radius * along_force
@@ -163,11 +143,11 @@ def rates(
             if starts:
                 decide_motion(step, i, wheel_speed, torque, dry)
             if step.held[i] == 1.0:
-                dy[WHEEL_SPEED + i] = 0.0
+                dy[memory.WHEEL_SPEED + i] = 0.0
             else:
-                dy[WHEEL_SPEED + i] = (torque - step.motion[i] * dry) / body.wheel_inertia[i]
-            dy[WHEEL_ANGLE + i] = wheel_speed
-            dy[DISTANCE + i] = at.along[i]
+                dy[memory.WHEEL_SPEED + i] = (torque - step.motion[i] * dry) / body.wheel_inertia[i]
+            dy[memory.WHEEL_ANGLE + i] = wheel_speed
+            dy[memory.DISTANCE + i] = at.along[i]
 
             body_x = along_force * at.cosine[i] - across_force * at.sine[i]
             body_y = along_force * at.sine[i] + across_force * at.cosine[i]
@@ -184,7 +164,7 @@ def rates(
 
     specific_x, specific_y = sum_x / car.mass, sum_y / car.mass
     drag = body.drag * abs(vx) * vx
-    dy[DRAG_WORK] = drag * vx
+    dy[memory.DRAG_WORK] = drag * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
     holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
     if p.speed != FREE:
@@ -195,19 +175,19 @@ def rates(
     if body.side_drag > 0.0:
         side_drag = body.side_drag * abs(vy) * vy
         step.acceleration_y -= side_drag / car.mass
-        dy[DRAG_WORK] += side_drag * vy
-    dy[VX] = step.acceleration_x + yaw_rate * vy
-    dy[VY] = step.acceleration_y - yaw_rate * vx
-    dy[YAW_RATE] = moment / car.yaw_inertia
-    dy[HEADING] = yaw_rate
-    dy[TRANSFER_X] = (specific_x + holding - y[TRANSFER_X]) / p.load_transfer_lag
+        dy[memory.DRAG_WORK] += side_drag * vy
+    dy[memory.VX] = step.acceleration_x + yaw_rate * vy
+    dy[memory.VY] = step.acceleration_y - yaw_rate * vx
+    dy[memory.YAW_RATE] = moment / car.yaw_inertia
+    dy[memory.HEADING] = yaw_rate
+    dy[memory.TRANSFER_X] = (specific_x + holding - y[memory.TRANSFER_X]) / p.load_transfer_lag
     roll_lag = car.suspension.roll_lag if car.suspension.roll_lag > 0.0 else p.load_transfer_lag
-    dy[TRANSFER_Y] = (specific_y - y[TRANSFER_Y]) / roll_lag
-    dy[BODY_DISTANCE] = vx
-    dy[TYRE_WORK] = tyre_power
-    dy[FRICTION_WORK] = friction_power
-    dy[GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
-    dy[HOLDING_WORK] = -car.mass * holding * vx
+    dy[memory.TRANSFER_Y] = (specific_y - y[memory.TRANSFER_Y]) / roll_lag
+    dy[memory.BODY_DISTANCE] = vx
+    dy[memory.TYRE_WORK] = tyre_power
+    dy[memory.FRICTION_WORK] = friction_power
+    dy[memory.GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
+    dy[memory.HOLDING_WORK] = -car.mass * holding * vx
 
 
 @inlined

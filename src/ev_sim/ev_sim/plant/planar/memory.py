@@ -99,25 +99,14 @@ def index(name: str) -> int:
     return _PLACES[name]
 
 
-VX = index("longitudinal_velocity")
-VY = index("lateral_velocity")
-YAW_RATE = index("yaw_rate")
-HEADING = index("heading")
-TRANSFER_X = index("longitudinal_transfer")
-TRANSFER_Y = index("lateral_transfer")
-WHEEL_SPEED = index("wheel_speed")
-DEFLECTION_X = index("longitudinal_deflection")
-DEFLECTION_Y = index("lateral_deflection")
-SLIP_X = index("longitudinal_slip")
-SLIP_Y = index("lateral_slip")
-WHEEL_ANGLE = index("wheel_angle")
-DISTANCE = index("distance")
-BODY_DISTANCE = index("body_distance")
-TYRE_WORK = index("tyre_work")
-FRICTION_WORK = index("friction_work")
-DRAG_WORK = index("drag_work")
-GRAVITY_WORK = index("gravity_work")
-HOLDING_WORK = index("holding_work")
+VX, VY, YAW_RATE = index("longitudinal_velocity"), index("lateral_velocity"), index("yaw_rate")
+HEADING, WHEEL_ANGLE, WHEEL_SPEED = index("heading"), index("wheel_angle"), index("wheel_speed")
+TRANSFER_X, TRANSFER_Y = index("longitudinal_transfer"), index("lateral_transfer")
+DEFLECTION_X, DEFLECTION_Y = index("longitudinal_deflection"), index("lateral_deflection")
+SLIP_X, SLIP_Y = index("longitudinal_slip"), index("lateral_slip")
+DISTANCE, BODY_DISTANCE = index("distance"), index("body_distance")
+TYRE_WORK, FRICTION_WORK, DRAG_WORK = index("tyre_work"), index("friction_work"), index("drag_work")
+GRAVITY_WORK, HOLDING_WORK = index("gravity_work"), index("holding_work")
 
 
 @dataclass(slots=True)

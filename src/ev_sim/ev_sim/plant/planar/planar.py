@@ -194,16 +194,16 @@ class PlanarSpeedModeParameters(PlanarParameters):
 
 
 @dataclass(slots=True)
-class PlanarSpeedModeState(PlanarState):
+class SpeedModeState(PlanarState):
     """The same, and what the speed controls keep."""
 
     set_point: list[float] = per_wheel(unit="rad/s", about="of the wheel speed that was accepted last")
     speed_integral: list[float] = per_wheel(unit="N m", about="integral part of the speed control, at the shaft")
 
 
-def begin_speed_mode(p: PlanarSpeedModeParameters, car: Car, c: PlanarConstants) -> PlanarSpeedModeState:
+def begin_speed_mode(p: PlanarSpeedModeParameters, car: Car, c: PlanarConstants) -> SpeedModeState:
     """As the planar plant begins."""
-    started: PlanarSpeedModeState = begin(p, car, c, PlanarSpeedModeState)
+    started: SpeedModeState = begin(p, car, c, SpeedModeState)
     return started
 
 
@@ -217,14 +217,14 @@ def a_motor_for_each_wheel(_parameters: PlanarSpeedModeParameters, vehicle: Vehi
     "planar_speed_mode",
     PlanarSpeedModeParameters,
     needs=(a_motor_for_each_wheel,),
-    **PLANAR | {"state": PlanarSpeedModeState, "start": begin_speed_mode},
+    **PLANAR | {"state": SpeedModeState, "start": begin_speed_mode},
 )
 @inlined
 def planar_speed_mode(
     p: PlanarSpeedModeParameters,
     car: Car,
     c: PlanarConstants,
-    s: PlanarSpeedModeState,
+    s: SpeedModeState,
     period: float,
     command: WheelTorqueCommand,
     column: SteeringColumnState,
@@ -244,13 +244,7 @@ def planar_speed_mode(
 
 @inlined
 def _apply(
-    s: PlanarSpeedModeState,
-    p: PlanarSpeedModeParameters,
-    car: Car,
-    power: PowerConstants,
-    lags: Lags,
-    step: Step,
-    h: float,
+    s: SpeedModeState, p: PlanarSpeedModeParameters, car: Car, power: PowerConstants, lags: Lags, step: Step, h: float
 ) -> None:
     """Set the torques of a step of h [s] as in torque mode, by the torque that each speed control asks for."""
     command, control = step.drive_command, p.speed_control
