@@ -19,12 +19,12 @@ from ev_control.estimation.slip_curve_fit import (
     add_sample,
     fitted_curve,
     fitted_peak,
-    forget_samples,
     is_full,
     mean_slip,
     slip_variance,
     slope,
 )
+from ev_control.estimation.wheel_dynamics import start_again
 from ev_sim.surfaces import SURFACES
 
 SIZE, OFFSET = 25.0, 1e-4
@@ -108,7 +108,7 @@ def test_forgotten_samples_are_gone():
     fit = SlipCurveFit()
     for n in range(30):
         add_sample(fit, SIZE, OFFSET, 0.01 * n, 0.5)
-    forget_samples(fit)
+    start_again(SlipCurveFit)(fit)
     add_sample(fit, SIZE, OFFSET, 0.2, 0.7)
     assert sums(fit) == pytest.approx(sums_of([(0.2, 0.7)]), rel=1e-15)
     assert not is_full(fit)

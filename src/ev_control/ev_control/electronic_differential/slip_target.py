@@ -68,11 +68,7 @@ class SwitchingControlParameters:
         0.001, unit="1", low=1e-6, high=1.0, about="half width of the boundary layer, phi", source="Ge & Ni 2005"
     )
     largest_correction: float = parameter(
-        0.5,
-        unit="1",
-        low=0.0,
-        high=1.0,
-        about="limit of each wheel's change of torque over its equal share, so that no torque comes without the pedal",
+        0.5, unit="1", low=0.0, high=1.0, about="limit of a wheel's change over its share: no torque without the pedal"
     )
 
 

@@ -91,11 +91,7 @@ class SteerByWireParameters:
     )
     damping_ratio: float = parameter(0.9, unit="1", low=0.1, high=5.0, about="damping ratio of the servo, D")
     disturbance_rate: float = parameter(
-        2.0,
-        unit="1/s",
-        low=0.0,
-        high=100.0,
-        about="rate at which the integral action removes the effect of disturbances, p; 0 for no integral action",
+        2.0, unit="1/s", low=0.0, high=100.0, about="rate at which the integral removes disturbances, p; 0 for none"
     )
     max_torque_difference: float = parameter(150.0, unit="N m", low=0.0, high=10000.0, about="limit of |M_R - M_L|")
     inertia: float = parameter(

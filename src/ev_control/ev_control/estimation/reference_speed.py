@@ -45,11 +45,7 @@ class ReferenceSpeedParameters:
         20.0, unit="1/s", low=0.0, high=1000.0, about="correction of the observer by a wheel that cannot be slipping"
     )
     slipping_rate: float = parameter(
-        0.5,
-        unit="1/s",
-        low=0.0,
-        high=1000.0,
-        about="correction of the observer by wheels that may be slipping; bounds what a sensor's offset adds up to",
+        0.5, unit="1/s", low=0.0, high=1000.0, about="correction by wheels that may slip; bounds what offsets add up to"
     )
     trust: WheelTrustParameters = group(WheelTrustParameters)
 

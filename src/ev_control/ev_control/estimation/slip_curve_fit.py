@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any, NamedTuple
 
-from ev_control.estimation.wheel_dynamics import start_again
 from ev_core.law import compilable, entry, parameter, series, sqrt
 
 EMPTY_SUM = (0.0, 0.0)
@@ -59,9 +58,6 @@ class SlipCurveFit:
     sum_root_y: float = entry(unit="1", about="here and below the root stands for g(x)")
     sum_roots: float = entry(unit="1", about="of g^2, where that is not x + offset")
     sum_yy: float = entry(unit="1")
-
-
-forget_samples = start_again(SlipCurveFit)
 
 
 @compilable

@@ -12,7 +12,6 @@ from ev_control.estimation.wheel_dynamics import (
     mass_share,
     slip_of,
     slowest_wheel,
-    start_again,
 )
 from ev_core.law import Car, compilable, entry, parameter, part
 
@@ -57,9 +56,6 @@ class SlipObserverState:
     slip: float = entry(unit="1", about="estimated slip")
     torque: Filtered = part(Filtered)  # [N m]
     acceleration: Filtered = part(Filtered)  # [rad/s^2]
-
-
-forget_slip = start_again(SlipObserverState)
 
 
 @compilable

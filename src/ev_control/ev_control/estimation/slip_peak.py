@@ -34,18 +34,14 @@ class SlipPeakParameters(SlipCurveParameters):
         0.03, unit="1", low=0.0, high=0.5, about="slip below which nothing is a hit, and the least that is regulated to"
     )
     speed_noise: float = parameter(
-        0.03,
-        unit="rad/s",
-        low=1e-4,
-        high=10.0,
-        about="standard deviation of the measured wheel speeds; scatter that it explains is no reason to fit",
+        0.03, unit="rad/s", low=1e-4, high=10.0, about="standard deviation of measured wheel speeds, no reason to fit"
     )
     spread: float = parameter(
         3.0,
         unit="1",
         low=0.0,
         high=100.0,
-        about="standard deviation of the slip in the window over that of its noise, from which on the fit counts",
+        about="least standard deviation of the slip in a fit, over that of its noise",
     )
     hits: int = parameter(5, unit="1", low=1, high=100, about="steps in a row in which the curve falls, for a hit")
 
@@ -58,9 +54,6 @@ class SlipPeakState:
     slip: float = entry(unit="1", about="last slip")
     falling: float = entry(unit="1", about="steps in a row in which the curve falls")
     peak: float = entry(unit="1", about="slip of the peak at the last hit")
-
-
-forget_peak = start_again(SlipPeakState)
 
 
 @compilable

@@ -22,11 +22,7 @@ class GainedSpeedParameters:
         "the load at a slip of 0.03",
     )
     least_gain: float = parameter(
-        0.3,
-        unit="rad/s",
-        low=0.0,
-        high=100.0,
-        about="allowed gain at any speed: noise, a carcass that winds up at rest",
+        0.3, unit="rad/s", low=0.0, high=100.0, about="allowed gain at any speed: noise, a carcass that winds up"
     )
     memory: float = parameter(
         1.0, unit="s", low=0.01, high=100.0, about="time constant of forgetting the gained speed: no offset adds up"

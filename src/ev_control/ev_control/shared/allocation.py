@@ -30,11 +30,7 @@ class AllocationParameters:
         source="assumption: the sources say nothing of limits",
     )
     efficiency: float = parameter(
-        0.9,
-        unit="1",
-        low=0.1,
-        high=1.0,
-        about="mechanical power of the motors over the electrical one, counted on while the battery is discharged",
+        0.9, unit="1", low=0.1, high=1.0, about="motors' mechanical over electrical power while the battery discharges"
     )
 
 

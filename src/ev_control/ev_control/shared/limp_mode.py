@@ -30,11 +30,7 @@ class LostMotorParameters:
     """When a torque is not plausible; all of it is assumed."""
 
     lag: float = setting(
-        0.0,
-        unit="s",
-        low=0.0,
-        high=1.0,
-        about="of bus and sensor between command and measured torque, beside the car's `motor.torque_lag`",
+        0.0, unit="s", low=0.0, high=1.0, about="of bus and sensor to the measured torque, beside `motor.torque_lag`"
     )
     tolerance: float = setting(20.0, unit="N m", low=0.1, high=1e4, about="deviation at the wheel that is allowed")
     share: float = setting(0.2, unit="1", low=0.0, high=1.0, about="of the expected torque, allowed besides")

@@ -88,11 +88,7 @@ class SpeedSetPointParameters:
 
     lowering: float = parameter(200.0, unit="rad/s^2", low=0.1, high=1e5, about="fall of the set-point")
     raising: float = parameter(
-        60.0,
-        unit="rad/s^2",
-        low=0.1,
-        high=1e5,
-        about="rise of the set-point; faster than any road lets the car gain speed, so that it finds the limit again",
+        60.0, unit="rad/s^2", low=0.1, high=1e5, about="rise of the set-point, faster than any car, to find the limit"
     )
     least_slip: float = parameter(
         0.02, unit="1", low=0.0, high=0.5, about="slip below which the set-point is not lowered: the drive needs torque"

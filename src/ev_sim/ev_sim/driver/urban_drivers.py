@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from ev_core.law import GRAVITY, Car, Need, Vehicle, any_driven, compilable, entry, method, part, speed_along_path
+from ev_core.law import GRAVITY, Car, Need, Vehicle, any_driven, compilable, entry, part, speed_along_path
 from ev_core.methods.law import named_after
 from ev_core.parameters.declaration import group, parameter
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
 from ev_sim.driver.path import Path, path_of
 from ev_sim.driver.path_follower import LaneKeepingParameters, LaneKeepingState, keep_lane, road_notes
-from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, follow_speed
+from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, driver_method, follow_speed
 from ev_sim.profiles.cycle_windows import TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
 from ev_sim.profiles.profile import Profile, value_at
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_speed_profile_from_file
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
 
 D = TypeVar("D", bound=Callable[..., float])
 
@@ -53,36 +53,6 @@ def cycle_of(parameters: CycleDriverParameters, vehicle: Vehicle, period: float)
     return Cycle(speed, cycle_modes(parameters.modes, speed), path_of(parameters.path))
 
 
-@compilable
-def drive_cycle(
-    drive_torque: Callable[..., float],
-    p: CycleDriverParameters,
-    car: Car,
-    c: Cycle,
-    s: CycleState,
-    period: float,
-    now: Instant,
-    body: BodyVelocity,
-    pose: BodyPose,
-    column: SteeringColumnState,
-    wheels: WheelStates,
-) -> DriverCommand:
-    """Pedals by the window of the cycle, hand torque by the place of the car beside its path.
-
-    In the traction windows the driver gives `drive_torque`, and in the others just follows the cycle. There a car that
-    is to slow down is braked by its drives as far as `speed_control.max_regenerative_torque`, then by its brakes, and
-    driven where the road slows it down more than it should (snow does); one that is to stand is held.
-    """
-    speed = speed_along_path(body)
-    hand_torque = keep_lane(p, car, c.path, s.hands, period, now.time, pose, speed, column)
-    wanted = value_at(c.speed, now.time)
-    if mode_at(c.modes, now.time) == TRACTION:
-        return DriverCommand(drive_torque(p, car, s, period, wanted, speed, wheels), 0.0, hand_torque)
-    s.pressed = 0.0
-    drive, brake = follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
-    return DriverCommand(drive, brake, hand_torque)
-
-
 def cycle_driver(
     name: str, parameters: type, needs: tuple[Need, ...] = (), requires: Mapping[str, str] = MappingProxyType({})
 ) -> Callable[[D], D]:
@@ -90,6 +60,11 @@ def cycle_driver(
 
     It is `(p, car, s, period, wanted, speed, wheels)`, with the wanted and the present speed [m/s], and gives the drive
     torque of all wheels together [N m]; p is a CycleDriverParameters with more.
+
+    In the traction windows the driver gives `drive_torque`, and in the others just follows the cycle. There a car that
+    is to slow down is braked by its drives as far as `speed_control.max_regenerative_torque`, then by its brakes, and
+    driven where the road slows it down more than it should (snow does); one that is to stand is held. The hand
+    torque is that of the place of the car beside its path.
     """
 
     def register(drive_torque: D) -> D:
@@ -105,19 +80,17 @@ def cycle_driver(
             column: SteeringColumnState,
             wheels: WheelStates,
         ) -> DriverCommand:
-            return drive_cycle(drive_torque, p, car, c, s, period, now, body, pose, column, wheels)
+            speed = speed_along_path(body)
+            hand_torque = keep_lane(p, car, c.path, s.hands, period, now.time, pose, speed, column)
+            wanted = value_at(c.speed, now.time)
+            if mode_at(c.modes, now.time) == TRACTION:
+                return DriverCommand(drive_torque(p, car, s, period, wanted, speed, wheels), 0.0, hand_torque)
+            s.pressed = 0.0
+            drive, brake = follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
+            return DriverCommand(drive, brake, hand_torque)
 
-        method(
-            "driver",
-            name,
-            parameters,
-            state=CycleState,
-            prepare=cycle_of,
-            load_files=with_speed_profile_from_file,
-            notes=road_notes,
-            needs=needs,
-            requires=requires,
-            mirrored=True,
+        driver_method(
+            name, parameters, state=CycleState, prepare=cycle_of, notes=road_notes, needs=needs, requires=requires
         )(compilable(named_after(driver, drive_torque)))
         return drive_torque
 

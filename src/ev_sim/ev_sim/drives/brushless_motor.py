@@ -135,11 +135,7 @@ class MotorParameters:
         source="Shchur 2019",
     )
     torque_limit: float = setting(
-        500.0,
-        unit="N m",
-        low=0.0,
-        high=1e5,
-        about="magnitude at the shaft that the torque reference is limited to; assumed, far above what the paper needs",
+        500.0, unit="N m", low=0.0, high=1e5, about="limit of the torque reference, far above what the paper needs"
     )
 
 
@@ -164,7 +160,7 @@ class CurrentControllerParameters:
         unit="rad/s",
         low=1.0,
         high=1e5,
-        about="bandwidth of the closed current loop; the zero of the controller cancels the pole -R/L of the motor",
+        about="of the closed current loop; a zero cancels the motor's pole -R/L",
     )
     emf_feedforward: float = setting(
         1.0, unit="1", low=0.0, high=1.0, about="share of the EMF that the controller adds from the measured speed"

@@ -136,11 +136,7 @@ class SpeedModeParameters:
         about="proportional gain at the shaft; with the inertia J of wheel and rotor there the speed follows at gain/J",
     )
     integral_time: float = parameter(
-        1.0,
-        unit="s",
-        low=1e-3,
-        high=1e3,
-        about="integral time; shorter ones let the speed of the car swing, whose inertia a rolling wheel carries",
+        1.0, unit="s", low=1e-3, high=1e3, about="integral time; less lets the car swing, whose inertia a wheel carries"
     )
 
 

@@ -32,7 +32,7 @@ class KinematicPlantParameters(DriveParameters):
         unit="V",
         low=1.0,
         high=2000.0,
-        about="constant voltage of the bus; assumed, the paper's second turn needs more than the 381 V of the EMF",
+        about="constant: the paper's second turn needs more than the 381 V of EMF",
     )
     sub_step: float = setting(
         1e-3, unit="s", low=1e-6, high=1e-3, about="longest step of the motion, over which the drives see one speed"

@@ -51,11 +51,7 @@ class RoadWheelParameters:
         source="Shchur 2019, eq 3",
     )
     max_angle: float = parameter(
-        2.0,
-        unit="rad",
-        low=0.01,
-        high=3.14,
-        about="road-wheel angle of the end stops; the paper has none, 2 lies outside its runs, a car has about 0.7",
+        2.0, unit="rad", low=0.01, high=3.14, about="of the end stops, beyond the paper's runs; a car has about 0.7"
     )
 
 

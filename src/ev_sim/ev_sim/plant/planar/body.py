@@ -6,14 +6,12 @@ the signs of one right-handed frame.
 
 from __future__ import annotations
 
-from collections.abc import MutableSequence, Sequence
-
 from ev_core.law import Car, Wheels, cos, inlined, sin, sqrt, tan
 from ev_core.vehicle.car import front_wheel_tangents
 from ev_sim.plant.planar import memory
 from ev_sim.plant.planar.contact import look, within_friction
 from ev_sim.plant.planar.given import FREE, BodyConstants, PlanarParameters
-from ev_sim.plant.planar.memory import Step
+from ev_sim.plant.planar.memory import Row, Step
 from ev_sim.tyres.contact_patch import force_and_rate, slip_rate
 
 
@@ -42,7 +40,7 @@ def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
 
 
 @inlined
-def loads(y: Sequence[float], car: Car, gravity_z: float) -> Wheels:
+def loads(y: Row, car: Car, gravity_z: float) -> Wheels:
     """Loads of the four wheels [N] in a state, under gravity that presses the car on the road [m/s^2]."""
     pitch_arm, roll_arm = car.pitch_height * car.mass, car.roll_height * car.mass
     return wheel_loads(car, car.mass * gravity_z, pitch_arm * y[memory.TRANSFER_X], roll_arm * y[memory.TRANSFER_Y])
@@ -86,15 +84,7 @@ def _within(value: float, limit: float) -> float:
 
 
 @inlined
-def rates(
-    y: Sequence[float],
-    dy: MutableSequence[float],
-    p: PlanarParameters,
-    car: Car,
-    body: BodyConstants,
-    step: Step,
-    starts: bool,
-) -> None:
+def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, step: Step, starts: bool) -> None:
     """Time derivative of the integrated part `y` of the state, into `dy`; forces and slips go into `step`.
 
     Dry friction (brakes and rolling resistance, set-valued at rest) opposes one direction during a step; an evaluation

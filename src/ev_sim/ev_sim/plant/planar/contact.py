@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from ev_core.law import GRAVITY, Car, Vehicle, asin, compilable, inlined, sqrt
 from ev_sim.plant.planar import memory
 from ev_sim.plant.planar.given import BodyConstants
-from ev_sim.plant.planar.memory import Contacts, Step
+from ev_sim.plant.planar.memory import Contacts, Row, Step
 from ev_sim.profiles.profile import number_until
 from ev_sim.surfaces import RoadParameters, Segments, TyreOnRoad, interpolate, left_and_right, segment_at, tyre_on_road
 from ev_sim.tyres.contact_patch import SLIP_VECTOR, STILL, WEIGHTED, sensitivity, slip_vector, uncoupled, weighted
@@ -55,7 +55,7 @@ def _track(segments: Segments, of: Mapping[str, TyreOnRoad]) -> Track:
 
 
 @inlined
-def find_road(y: Sequence[float], body: BodyConstants, step: Step, road: RoadTables, first: bool) -> None:
+def find_road(y: Row, body: BodyConstants, step: Step, road: RoadTables, first: bool) -> None:
     """Set the tyre on the surface under each wheel, and gravity by the slope under the centre of mass.
 
     Every wheel looks at its own travelled distance, ahead of or behind the centre of mass by its place in the car. The
@@ -87,7 +87,7 @@ def gravity_at(slope: Slope, distance: float) -> tuple[float, float, float]:
 
 
 @inlined
-def _look_under(y: Sequence[float], body: BodyConstants, step: Step, track: Track, i: int, first: bool) -> None:
+def _look_under(y: Row, body: BodyConstants, step: Step, track: Track, i: int, first: bool) -> None:
     """Set the tyre of wheel i from its track, where it has come to another segment."""
     distance = y[memory.DISTANCE + i] + body.wheel_x[i]
     if first:
@@ -115,7 +115,7 @@ INFINITE = 1e12  # [N], beyond any force, but a number that may be multiplied
 
 
 @inlined
-def look(y: Sequence[float], car: Car, body: BodyConstants, step: Step, starts: bool) -> None:
+def look(y: Row, car: Car, body: BodyConstants, step: Step, starts: bool) -> None:
     """Find velocities and friction of all contacts, under the loads of the step, into `step.contact`.
 
     A wheel that the brake stops within the step stands, unless the evaluation `starts` it.
@@ -144,7 +144,7 @@ def look(y: Sequence[float], car: Car, body: BodyConstants, step: Step, starts: 
 
 
 @inlined
-def point(y: Sequence[float], car: Car, step: Step) -> None:
+def point(y: Row, car: Car, step: Step) -> None:
     """The directions of the wheels, as steered and as the side force on their axle bends them.
 
     The carcasses hold the side force, so it is taken from their deflection.
@@ -170,7 +170,7 @@ def point(y: Sequence[float], car: Car, step: Step) -> None:
 
 
 @inlined
-def _one_curve(y: Sequence[float], car: Car, step: Step, i: int) -> None:
+def _one_curve(y: Row, car: Car, step: Step, i: int) -> None:
     tyre, on_road, at = car.tyre, step.tyre[i], step.contact
     transport = max(abs(at.rim[i]), at.speed[i], STILL)
     carried = step.load[i] * sensitivity(tyre, step.load[i])
@@ -184,7 +184,7 @@ def _one_curve(y: Sequence[float], car: Car, step: Step, i: int) -> None:
 
 
 @compilable  # once in the code of a plant: it is long, and a call is nothing beside it
-def _magic_formulas(y: Sequence[float], body: BodyConstants, step: Step) -> None:
+def _magic_formulas(y: Row, body: BodyConstants, step: Step) -> None:
     at = step.contact
     for i in range(4):
         at.grip[i], at.stiffness[i] = step.tyre[i].c0, step.tyre[i].c1
@@ -199,7 +199,7 @@ def _magic_formulas(y: Sequence[float], body: BodyConstants, step: Step) -> None
 
 
 @inlined
-def _magic_formula(y: Sequence[float], body: BodyConstants, step: Step, i: int, plain: bool) -> None:
+def _magic_formula(y: Row, body: BodyConstants, step: Step, i: int, plain: bool) -> None:
     at = step.contact
     transport = max(abs(at.rim[i]), at.speed[i], STILL)
     loaded = at_load(body.mf, i, step.load[i], at.grip[i], at.stiffness[i], plain)
@@ -212,7 +212,7 @@ def _magic_formula(y: Sequence[float], body: BodyConstants, step: Step, i: int, 
 
 
 @inlined
-def _two_curves(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int) -> None:
+def _two_curves(y: Row, car: Car, body: BodyConstants, step: Step, i: int) -> None:
     tyre, on_road, at = car.tyre, step.tyre[i], step.contact
     carried = step.load[i] * sensitivity(tyre, step.load[i])
     transport_x = max(abs(at.rim[i]), abs(at.along[i]), STILL)
@@ -247,7 +247,7 @@ def within_friction(car: Car, at: Contacts, i: int, force_x: float, force_y: flo
 
 
 @inlined
-def slips(y: Sequence[float], car: Car, body: BodyConstants, at: Contacts, i: int) -> tuple[float, float]:
+def slips(y: Row, car: Car, body: BodyConstants, at: Contacts, i: int) -> tuple[float, float]:
     """The slips [1] at which the friction curve gives the present forces of wheel i, along and across.
 
     In steady driving they are the slip ratio and the sine of the slip angle (with the sign of their force); at rest,

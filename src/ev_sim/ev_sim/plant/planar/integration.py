@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import MutableSequence, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,13 +13,11 @@ from ev_core.vehicle.car import car_numbers
 from ev_sim.plant.planar.body import rates, steer
 from ev_sim.plant.planar.contact import RoadTables, find_road, road_tables
 from ev_sim.plant.planar.given import BodyConstants, PlanarParameters, body_constants
-from ev_sim.plant.planar.memory import INTEGRATED_SIZE, WHEEL_SPEED, Stages, Step
+from ev_sim.plant.planar.memory import INTEGRATED_SIZE, WHEEL_SPEED, Row, Stages, Step
 
 
 @inlined
-def integrate(
-    y: MutableSequence[float], p: PlanarParameters, car: Car, body: BodyConstants, step: Step, stages: Stages, h: float
-) -> None:
+def integrate(y: Row, p: PlanarParameters, car: Car, body: BodyConstants, step: Step, stages: Stages, h: float) -> None:
     """Advance the integrated part of the state in place by h [s].
 
     A wheel that dry friction has stopped within the step ends it at rest, exactly.
@@ -42,7 +40,7 @@ def integrate(
             y[WHEEL_SPEED + i] = 0.0
 
 
-Row = One = np.ndarray
+One = np.ndarray
 
 
 class Equations:

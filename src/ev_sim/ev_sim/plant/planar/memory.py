@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import MutableSequence
 from dataclasses import dataclass
 
 from ev_core.law import Place, each_wheel, entry, memory_type, part, per_wheel, row, series, wheel_places
@@ -33,6 +34,8 @@ INTEGRATED_PLACES = (
     Place("holding_work", "J", "taken from the body by the force that holds its speed"),
 )
 INTEGRATED_SIZE = len(INTEGRATED_PLACES)
+
+Row = MutableSequence[float]  # what is integrated, or its rates
 
 LONGEST_DELAY = 50  # [control periods]
 
