@@ -78,14 +78,11 @@ def load_proportional(
     front_left, front_right = c.resistance[0] * load[0], c.resistance[1] * load[1]
     rear_left, rear_right = c.resistance[2] * load[2], c.resistance[3] * load[3]
     # Left and right first, so that a mirrored car gets exactly mirrored torques.
-    weight = (front_left + front_right) + (rear_left + rear_right)
-    if weight == 0.0:
+    whole = (front_left + front_right) + (rear_left + rear_right)
+    if whole == 0.0:
         return split(p.brake, car, driver, 0.0)
     drive = Wheels(
-        total * front_left / weight,
-        total * front_right / weight,
-        total * rear_left / weight,
-        total * rear_right / weight,
+        total * front_left / whole, total * front_right / whole, total * rear_left / whole, total * rear_right / whole
     )
     return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, split_brake(p.brake, driver)))
 

@@ -37,11 +37,7 @@ class SlipPeakParameters(SlipCurveParameters):
         0.03, unit="rad/s", low=1e-4, high=10.0, about="standard deviation of measured wheel speeds, no reason to fit"
     )
     spread: float = parameter(
-        3.0,
-        unit="1",
-        low=0.0,
-        high=100.0,
-        about="least standard deviation of the slip in a fit, over that of its noise",
+        3.0, unit="1", low=0.0, high=100.0, about="least standard deviation of the slip in a fit, over that of noise"
     )
     hits: int = parameter(5, unit="1", low=1, high=100, about="steps in a row in which the curve falls, for a hit")
 

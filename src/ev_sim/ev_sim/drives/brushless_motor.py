@@ -156,11 +156,7 @@ class CurrentControllerParameters:
     """Current controller; Shchur (2019) gives none, so its structure and its parameters are assumptions."""
 
     bandwidth: float = setting(
-        3000.0,
-        unit="rad/s",
-        low=1.0,
-        high=1e5,
-        about="of the closed current loop; a zero cancels the motor's pole -R/L",
+        3000.0, unit="rad/s", low=1.0, high=1e5, about="of the current loop; a zero cancels the motor's pole -R/L"
     )
     emf_feedforward: float = setting(
         1.0, unit="1", low=0.0, high=1.0, about="share of the EMF that the controller adds from the measured speed"

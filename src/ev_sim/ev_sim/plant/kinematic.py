@@ -28,11 +28,7 @@ class KinematicPlantParameters(DriveParameters):
     """Drives, supply and integration of the kinematic plant; the car itself is the vehicle description."""
 
     bus_voltage: float = setting(
-        480.0,
-        unit="V",
-        low=1.0,
-        high=2000.0,
-        about="constant: the paper's second turn needs more than the 381 V of EMF",
+        480.0, unit="V", low=1.0, high=2000.0, about="constant: the paper's second turn needs more than 381 V of EMF"
     )
     sub_step: float = setting(
         1e-3, unit="s", low=1e-6, high=1e-3, about="longest step of the motion, over which the drives see one speed"
