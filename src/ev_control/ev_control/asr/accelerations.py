@@ -20,7 +20,7 @@ from ev_core.vehicle.drive_train import has_own_motors
 
 @dataclass(frozen=True, slots=True)
 class AccelerationRatioParameters(AccelerationCriterionParameters):
-    """The ratio that tells slip from grip, and how the limit moves."""
+    """The ratio that separates slip from grip, and how the limit moves."""
 
     fall: float = parameter(8000.0, unit="N m/s", low=1.0, high=1e6, about="fall of the limit while the wheel slips")
     rise: float = parameter(500.0, unit="N m/s", low=1.0, high=1e6, about="rise of the limit while it grips")

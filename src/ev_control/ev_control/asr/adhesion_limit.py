@@ -119,7 +119,7 @@ def forget_road(p: ExpectedSignalParameters, w: ExpectedSignalWheel) -> None:
 def expected_signal(
     p: ExpectedSignalParameters, car: Car, w: ExpectedSignalWheel, period: float, motion: WheelMotion, wanted: float
 ) -> float:
-    """Limit each wheel to the peak that stored diagrams expect, on the road that the friction in use speaks for.
+    """Limit each wheel to the peak that stored diagrams expect, on the road that the friction in use indicates.
 
     phi_x(s, alpha) with the estimated largest friction is what a wheel with this slip and slip angle should use; the
     estimate follows the difference to what it does use, (M - J w')/(F_z r), by `rate`; a wheel without slip says

@@ -99,8 +99,8 @@ def modified_lambda(
 
     S' = -k (S - S*) asks for w'* = (V'/r - k w (S - S*))/(1 - S), as in `feedback_linearisation`; the torque then
     follows by M' = J/T (w'* - w'), an integral action that needs no torque of the road and smooths its ripple. The
-    source only says that w' is regulated (dissertation, section 1.3, figure 1.20); the rest is assumption. Near full
-    slip 1/(1 - S) is taken at S = 0.9.
+    source has no more than that w' is regulated (dissertation, section 1.3, figure 1.20); the rest is assumption. Near
+    full slip 1/(1 - S) is taken at S = 0.9.
     """
     slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
     share = filter_share(period, p.filter_time)

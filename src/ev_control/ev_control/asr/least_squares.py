@@ -89,7 +89,7 @@ def least_squares(
 
     y = A x + B sqrt(x + e) is fitted to the last samples of the slip x = 1 - w_free/w and of the road torque
     y = (M - J w')/M_nom; the peak is passed where dy/dx < 0 at the present slip (dissertation, eqs 2.34 to 2.36, which
-    take the motor torque: what the law itself commands says nothing of the road). The rest is assumption:
+    take the motor torque: the law's own command does not depend on the road). The rest is assumption:
 
     - A slip beyond `backstop` is a hit as well as `hits` fits in a row that fall: ice has no peak.
     - After a hit the slip x* = (B/(2 A))^2 is the target, and the limit is what the road takes, plus what the wheel
@@ -163,7 +163,7 @@ def least_squares_literal(
     X = 1 - w_free/w, Y = M/M_nom, y = A x + B sqrt(x) over the window, dy/dx < 0 at the present X: the previous torque
     is the limit of this step (dissertation, eqs 2.34 to 2.36). For comparison only, because it does next to nothing:
     the torque that it holds is the one that spins the wheel, so it ends the rise of the torque but never takes any
-    back. And Y is the law's own command: a driver who asks for a constant torque makes a curve that says nothing of
+    back. And Y is the law's own command: a driver who asks for a constant torque makes a curve that does not depend on
     the road. What the source does not define is left out: a sample at rest (0/0), with X < 0 (its root), or a
     window whose equations have no single solution.
     """

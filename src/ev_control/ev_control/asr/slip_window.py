@@ -47,7 +47,7 @@ def slip_window(
     """Lower a wheel's torque limit while its slip is above 0.15..0.19, hold it inside, raise it below.
 
     Slip S = 1 - w_free/w (dissertation, eqs 1.5, 1.6 and 2.34). The source prints the window as "0.15 > S > 0.19",
-    which no slip satisfies; its section 2.4 says what is meant. The first limit is the torque at which the slip leaves
+    which no slip satisfies; its section 2.4 explains it. The first limit is the torque at which the slip leaves
     the window (eq 1.6). Where the slip is already returning the limit stays, else it would overshoot by the time that
     the wheel takes (assumption). The window lies beyond the peak on snow (0.09) and wet asphalt (0.13), where a wheel
     does not stay by itself: the slip swings through the window.

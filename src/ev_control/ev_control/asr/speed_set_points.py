@@ -12,7 +12,7 @@ from ev_core.law import Car, ParameterError, compilable, group, parameter, part
 
 @dataclass(frozen=True, slots=True)
 class RatioSetPointParameters(SpeedSetPointParameters):
-    """The ratio that tells slip from grip, and how the set-point moves."""
+    """The ratio that separates slip from grip, and how the set-point moves."""
 
     criterion: AccelerationCriterionParameters = group(AccelerationCriterionParameters)
 
@@ -104,7 +104,7 @@ def speed_corridor(
 
     The drive is commanded by a speed set-point, so its torque falls and rises with that (dissertation, section 1.4,
     without numbers). The corridor goes with the speed at which a wheel of the nominal radius would roll: torques drift
-    apart where radii differ, as the source says; counting slip instead only helps if it knows each radius. At walking
+    apart where radii differ, as in the source; counting slip instead only helps if it knows each radius. At walking
     speed bounds are taken of `slowest`.
     """
     low, high = p.road.low, p.road.high

@@ -19,7 +19,7 @@ class AdaptiveParameters:
     redistribute: bool = parameter(
         False,
         about="offer what one wheel is refused to the other wheel of its axle, instead of dropping it",
-        source="assumption where it is on: the dissertation (sections 2.4, 2.7.5, 3.1) says nothing of it",
+        source="assumption where it is on: the dissertation (sections 2.4, 2.7.5, 3.1) has nothing of it",
     )
     filter_time: float = parameter(
         0.05, unit="s", low=0.0, high=10.0, about="time constant of noticing a refusal, much longer than the drives'"
@@ -45,7 +45,7 @@ def adaptive(
 
     Dissertation, sections 2.4 and 3.1: the base is equal torques, and the ASR holds each wheel at the limit of its grip
     on its own. What it refuses is dropped, as nothing in the source offers it to the other wheel; the request is then
-    that of `equal_torque`. How the "asymmetric regulation" of section 2.4 is formed is not said: here by the ASR.
+    that of `equal_torque`. How the "asymmetric regulation" of section 2.4 is formed is open: here by the ASR.
 
     With `redistribute` the rest of a refused share R_i = M_share - M_i, with the torque M_i that acts on the wheel, is
     added to the request of the other wheel of the axle, whose own ASR decides what it takes. So the wheels get no more

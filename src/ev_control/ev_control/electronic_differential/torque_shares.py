@@ -52,7 +52,7 @@ class LoadShareParameters:
 
 
 class Prepared(NamedTuple):
-    """What the law is told once."""
+    """What the law is given once."""
 
     resistance: tuple[float, ...]  # rolling resistance under each wheel [1], zero where none is driven
 

@@ -113,7 +113,7 @@ def judge_wheels(
 def is_stuck(p: WheelTrustParameters, car: Car, s: WheelTrustState, velocity: Wheels, gained: float, i: int) -> bool:
     """Whether a wheel, not at rest, keeps its speed while the car changes its own by more than is allowed.
 
-    Both the mean of the other wheels and the accelerometer must say so, each from then until now: noise does not add
+    Both the mean of the other wheels and the accelerometer must show it, each from then until now: noise does not add
     up, and neither wheels that spin nor an accelerometer's offset alone make it.
     """
     others = ((velocity[0] + velocity[1]) + (velocity[2] + velocity[3])) - velocity[i]

@@ -86,7 +86,7 @@ def rolling_speeds(
     u + r t/2 along the car (track t, yaw rate r), and steered ones at (u -+ r t/2) cos(delta) + L r sin(delta) along
     themselves. `free_wheels` turns this round and takes the mean of the wheels without a motor, which roll as long as
     nobody brakes; `observer` see `observed_speed`, which also takes over where no wheel without a motor is believed any
-    more (`trust.watch`). The first speed is what all wheels together say, since a car may begin, or its controller be
+    more (`trust.watch`). The first speed is the mean of all wheels, since a car may begin, or its controller be
     restarted, on the move. `velocity` are wheel speeds [rad/s], the angle is that of the road
     wheels [rad], within -pi/2..pi/2, `direction` the sign of what the drives are asked for.
     """

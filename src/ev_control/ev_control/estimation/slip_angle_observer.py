@@ -134,7 +134,7 @@ FRONT_WHEELS = 2  # places below it
 
 @dataclass(frozen=True, slots=True)
 class SideForceParameters:
-    """The form of the correction, of which the source only says that the friction diagram gives it."""
+    """The form of the correction, of which the source only has that the friction diagram gives it."""
 
     correction: str = parameter(
         "none",

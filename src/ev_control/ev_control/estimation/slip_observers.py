@@ -71,7 +71,7 @@ def observed_slip(
       k = 1/(r w) all of the acceleration is the measured one, and only the error of the beginning stays.
     - `disturbance` takes l = -d/(r^2 M w') with the torque d = T - (J + r^2 M) w' that a wheel which grips would leave
       unexplained (eq 1.10, printed with l' on the left, but a slip stands on the right). It holds for a steady slip,
-      says nothing where w' passes zero or the wheel is slower than `slowest`; there the slip is slowly forgotten, else
+      and not where w' passes zero or the wheel is slower than `slowest`; there the slip is slowly forgotten, else
       a control that has taken all torque from a wheel would wait for ever.
 
     All start from no slip when the torque sets in, and stay within 0..1. Below `slowest` [rad/s] the equations are

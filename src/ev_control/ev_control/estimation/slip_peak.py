@@ -143,7 +143,7 @@ def target_by_road(
 ) -> float:
     """The target slip [1] of rear wheels with these slips [1]: `given`, or what the road allows if that is less.
 
-    It only falls: below the peak nothing tells that the road has become better.
+    It only falls: below the peak nothing shows that the road has become better.
     """
     if p.target == FIXED:
         return given

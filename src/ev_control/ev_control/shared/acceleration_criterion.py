@@ -40,7 +40,7 @@ def has_gained(p: Any, car: Car, w: Any, period: float, motion: WheelMotion) -> 
 
 @dataclass(frozen=True, slots=True)
 class AccelerationCriterionParameters(GainedSpeedParameters):
-    """The ratio that tells slip from grip."""
+    """The ratio that separates slip from grip."""
 
     threshold: float = parameter(
         0.16,

@@ -27,7 +27,7 @@ class AllocationParameters:
         choices=KEEPS,
         about="what stays where motors or battery cannot give all: asked: the request, each motor cuts its own part; "
         "sum: other wheels give what one cannot; difference: that of each axle, and the sum yields",
-        source="assumption: the sources say nothing of limits",
+        source="assumption: the sources have no limits",
     )
     efficiency: float = parameter(
         0.9, unit="1", low=0.1, high=1.0, about="motors' mechanical over electrical power while the battery discharges"

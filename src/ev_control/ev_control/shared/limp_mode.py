@@ -46,7 +46,7 @@ class LostMotorParameters:
         "where the partner's torque changes its sign by it",
     )
     recovery: float = setting(
-        0.5, unit="s", low=0.0, high=100.0, about="of torques as told, not about zero, until it counts as sound"
+        0.5, unit="s", low=0.0, high=100.0, about="of torques as commanded, not about zero, until it counts as sound"
     )
 
 
@@ -65,7 +65,7 @@ class LostMotors:
 
 @compilable
 def watch_torques(p: LostMotorParameters, car: Car, s: LostMotors, period: float, wheels: WheelStates) -> None:
-    """Compare the torques of the last period with what was told, and with those of the partners.
+    """Compare the torques of the last period with the commands, and with those of the partners.
 
     A deviation counts by its size, at most twice what is allowed, and what is plausible takes back: so noise about the
     allowed deviation does not add up. Nor is one look enough, unless `time` is 0, however long the period is. A motor
@@ -95,7 +95,7 @@ def watch_torques(p: LostMotorParameters, car: Car, s: LostMotors, period: float
 
 @compilable
 def deviation(p: LostMotorParameters, s: LostMotors, wheels: WheelStates, i: int, due: float) -> float:
-    """How much more than was told, or less than is due [N m], a motor gives, over what is allowed [1].
+    """How much more than was commanded, or less than is due [N m], a motor gives, over what is allowed [1].
 
     A dead motor may show both: by drag or noise it gives a little of the other sign, and all that is due is missing.
     """
@@ -111,22 +111,22 @@ def deviation(p: LostMotorParameters, s: LostMotors, wheels: WheelStates, i: int
 
 @compilable
 def due_torque(p: LostMotorParameters, car: Car, s: LostMotors, wheels: WheelStates, i: int) -> float:
-    """What motor i gives at least if it is sound [N m], counted positive in the direction of what it is told.
+    """What motor i gives at least if it is sound [N m], counted positive in the direction of its command.
 
-    That is what it was told, within what it can for ever at its speed, in the share that its partner gives of its own.
-    Where the partner itself stays behind, no more than that gives either: both may have met the same limit. Of a motor
-    that is not lost nothing is due beside a partner that is, or that is told nothing of the kind; and of none before it
-    must have left the other direction.
+    That is its command, within what it can for ever at its speed, in the share that its partner gives of its own.
+    Where the partner itself stays behind, no more than that is due: both may have met the same limit. Nothing is due
+    from a motor that is not lost beside a partner that is lost, or whose command is of the other kind; nor from any
+    motor before it must have left the other direction.
     """
     j, ahead = PARTNERS[i], copysign(1.0, s.told[i])
     told, told_partner, gives = abs(s.told[i]), ahead * s.told[j], max(ahead * measured(wheels, j), 0.0)
     outer, other = (s.most[i], -s.least[i]) if ahead > 0.0 else (-s.least[i], s.most[i])
-    outer_partner = s.most[j] if ahead > 0.0 else -s.least[j]  # of which it may still give more than it is told now
+    outer_partner = s.most[j] if ahead > 0.0 else -s.least[j]  # of which it may still give more than its command now
     outer *= car.motor.gear_efficiency * car.motor.gear_efficiency
     outer_partner *= car.motor.gear_efficiency * car.motor.gear_efficiency
     due, most = told, lasting_torque(p, car, wheels.velocity[i], ahead)
     if s.lost[j] == 0.0 and told_partner > p.tolerance:
-        # A small torque says little of a large one.
+        # A small torque shows little of a large one.
         due = min(told, 2.0 * told_partner) * min(gives / max(outer_partner, told_partner), 1.0)
         if gives + p.tolerance + p.share * told_partner < told_partner and s.lost[i] == 0.0:
             most = min(most, gives)
@@ -158,7 +158,7 @@ def measured(wheels: WheelStates, i: int) -> float:
 def expect(
     p: LostMotorParameters, car: Car, s: LostMotors, period: float, command: WheelTorqueCommand, wheels: WheelStates
 ) -> None:
-    """Go on with what is told: bounds widen at once, as of a quick drive, and close by the lag, as of a slow one.
+    """Go on with the command: bounds widen at once, as of a quick drive, and close by the lag, as of a slow one.
 
     Limits may leave anything between rest and the command, so the bounds close towards rest. All leave room for the
     gear either way, and for what motors serve of the brake torque where brakes are blended.
@@ -224,7 +224,7 @@ def without_yaw(
     `keep_difference` is for cars that their drives steer: where nobody brakes, the difference of the requests may be
     given whatever its sign is and however small the request, within traction control.
 
-    A lost motor is told what was asked of it, so that it shows when it comes back: its partner then gives the same at
+    A lost motor gets what was asked of it, so that it shows when it comes back: its partner then gives the same at
     once, and after `recovery` of torques that are not about zero it counts as sound.
     """
     watch_torques(p, car, s, period, wheels)

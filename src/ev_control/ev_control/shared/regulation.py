@@ -84,7 +84,7 @@ def until_served(p: Any, w: Any, period: float, limit: float, wanted: float) -> 
 
 @dataclass(frozen=True, slots=True)
 class SpeedSetPointParameters:
-    """How the set-point moves; the source says that it is lowered, and neither how fast nor when it is raised."""
+    """How the set-point moves; in the source it is lowered; how fast, and when it is raised, is open."""
 
     lowering: float = parameter(200.0, unit="rad/s^2", low=0.1, high=1e5, about="fall of the set-point")
     raising: float = parameter(

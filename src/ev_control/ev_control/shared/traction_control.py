@@ -33,8 +33,8 @@ from ev_msgs_py.contract.signals import (
 
 L = TypeVar("L", bound=Callable[..., float])
 
-# Slower than this a car is about to pull away, perhaps on a hill: its drives, told ahead, do not brake it as it rolls
-# back, and a brake that is still pressed is about to be released.
+# Slower than this a car is about to pull away, perhaps on a hill: its drives, commanded ahead, do not brake it as it
+# rolls back, and a brake that is still pressed is about to be released.
 PULLING_AWAY = 0.3  # [m/s]
 HELD_SPEED = 0.1  # tread of a wheel that its brake still holds; far above the noise of wheel speeds [m/s]
 

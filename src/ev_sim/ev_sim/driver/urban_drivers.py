@@ -99,7 +99,7 @@ def cycle_driver(
 
 @dataclass(frozen=True, slots=True)
 class PowerLevelParameters:
-    """How much the driver asks for; the source says no more than above the limit of packed snow."""
+    """How much the driver asks for; the source has no more than "above the limit of packed snow"."""
 
     factor: float = parameter(
         1.11,
@@ -139,7 +139,7 @@ def torque_of_power(p: PowerLevelParameters, car: Car, speed: float, wheels: Whe
 
     That of a power P = k (friction + rolling resistance) W V/(1 - slip). W is the load of the driven wheels at rest;
     with k = 1 that is the power at which they all turn at the slip of the limit. The torque is P over the mean speed of
-    the driven wheels, so it falls where they spin: a drive that is told a power gives just that.
+    the driven wheels, so it falls where they spin: a drive that is given a power gives just that.
     """
     front = car.centre_of_mass_to_rear_axle / car.wheelbase
     driven, velocity = car.driven, wheels.velocity

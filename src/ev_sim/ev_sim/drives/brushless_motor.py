@@ -112,7 +112,7 @@ def torque_share(electrical_angle: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class MotorParameters:
-    """Motor with permanent magnets; without iron losses, friction or saturation, of which the source says nothing."""
+    """Motor with permanent magnets; without iron losses, friction or saturation, of which the source has nothing."""
 
     pole_pairs: int = parameter(10, unit="1", low=1, high=100, about="pole pairs, p", source="Shchur 2019")
     resistance: float = parameter(

@@ -79,7 +79,7 @@ def _take_over(layout: SetPointLayout, s: Inverter, payload: int) -> None:
 
 @compilable
 def begin_cycle(s: Inverter) -> None:
-    """Tell the check when no frame has come since the last cycle."""
+    """Note for the check that no frame has come since the last cycle."""
     if s.supervision.heard == 0.0:
         no_new_data(s.check)
     s.supervision.heard = 0.0
@@ -176,7 +176,7 @@ def _electrical(f: BenchFrames, s: Inverter) -> int:
 
 @compilable
 def _temperatures(f: BenchFrames, p: InverterParameters, s: Inverter) -> int:
-    """The rotor is not modelled by itself: it says what the winding does."""
+    """The rotor is not modelled by itself: its temperature is that of the winding."""
     winding = winding_temperature(p.thermal, s)
     payload = inserted(0, f.temperatures.winding, winding)
     payload = inserted(payload, f.temperatures.inverter, inverter_temperature(p.thermal, s))

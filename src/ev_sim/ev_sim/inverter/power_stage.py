@@ -88,13 +88,13 @@ def advance_temperatures(p: ThermalParameters, machine: Machine, s: Inverter, pe
 
 @compilable
 def winding_temperature(p: ThermalParameters, s: Inverter) -> float:
-    """As its sensor says [degC]."""
+    """As its sensor measures it [degC]."""
     return p.coolant + s.temperatures.winding + s.injected.winding_rise
 
 
 @compilable
 def inverter_temperature(p: ThermalParameters, s: Inverter) -> float:
-    """As its sensor says [degC]."""
+    """As its sensor measures it [degC]."""
     return p.coolant + s.temperatures.inverter + s.injected.inverter_rise
 
 
@@ -126,7 +126,7 @@ _HALF_STEP = 1.0 / 64.0  # N m
 
 @compilable
 def advance_torque(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
-    """Let the torque follow its reference over `period` [s], and say what that takes electrically."""
+    """Let the torque follow its reference over `period` [s], and find what that takes electrically."""
     follow_reference(p, s, speed, period, share_of_lag(p.machine.torque_lag, period), largest_torque(p, s, speed))
     advance_electrical(p, s, speed)
 

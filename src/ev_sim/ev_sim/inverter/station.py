@@ -31,14 +31,14 @@ _DAMAGED = 0xFF  # a payload whose checksum is wrong
 
 
 class InverterStation:
-    """One inverter: takes its set-points and says what its frames say."""
+    """One inverter: it takes its set-points and sends its frames."""
 
     p: Any  # the numbers of its parameters
 
     def __init__(self, frames: BenchFrames, own: DeviceFrames, s: Inverter) -> None:
         self.s = s
         self._frames, self._own = frames, own
-        self.lost = 0.0  # set-points, as their counters tell
+        self.lost = 0.0  # set-points, by their counters
         self._lengths = [int(getattr(frames, kind.lower()).length) for kind in SENT]
 
     def receive(self, frame: Frame) -> None:

@@ -149,7 +149,7 @@ def _displacement(run: Recording, beginning: float) -> float:
 def _passes(name: str, runs: Runs) -> float:
     """1 if the yaw rate falls fast enough and, from 5 A on, the car answers far enough; else 0.
 
-    NotJudged if the run is not the one that its name says: a car that has passed with less has not passed.
+    NotJudged if the run is not the one of its name: a car that has passed with less has not passed.
     """
     run = run_named(runs, name)
     multiple, named = _multiple(run, runs), _named_multiple(name)
@@ -161,6 +161,6 @@ def _passes(name: str, runs: Runs) -> float:
 
 
 def _named_multiple(name: str) -> float:
-    """The multiple of A that the name of a run says, 1.5 of times_1_5; zero if it says none."""
+    """The multiple of A in the name of a run, 1.5 of times_1_5; zero without one."""
     found = re.search(r"times_(\d+)_(\d+)", name)
     return float(f"{found[1]}.{found[2]}") if found else 0.0

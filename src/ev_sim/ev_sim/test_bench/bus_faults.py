@@ -108,7 +108,7 @@ def on_the_way(p: BusFaultParameters, s: BusFaultState, kind: int, low: float, h
 
 @compilable
 def measured(p: BusFaultParameters, kind: int, torque: float) -> float:
-    """What the transducer says of a torque [N m]."""
+    """What the transducer measures of a torque [N m]."""
     if kind == BusFault.TRANSDUCER_OFFSET:
         return torque + p.value
     return torque * p.value if kind == BusFault.TRANSDUCER_GAIN else torque

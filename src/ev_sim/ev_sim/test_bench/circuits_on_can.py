@@ -112,7 +112,7 @@ def outputs(
 
 @compilable
 def _said(p: CanCircuitsParameters, c: CanConstants, s: CanCircuitsState, wheel: int, torque: float) -> float:
-    """What the transducer of a wheel says of a torque [N m], with the fault that was there last."""
+    """What the transducer of a wheel measures of a torque [N m], with the last fault."""
     channel = int(p.inject.drive)
     if wheel != int(c.right if channel == 0 else c.left):
         return torque

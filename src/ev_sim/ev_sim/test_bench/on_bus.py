@@ -123,7 +123,7 @@ class BenchOnBus(LawObject):
             circuit: BenchStation(p, c, number, *places[number], meters[circuit])
             for number, circuit in enumerate(CIRCUITS)
         }
-        self._tick = self._told = 0.0  # cycles so far, and of these those that were told
+        self._tick = self._told = 0.0  # cycles so far, and those until the last instant
         self._has_begun = False
         self._said = super().outputs()
         self.advance = self._take
@@ -133,7 +133,7 @@ class BenchOnBus(LawObject):
         self._circuits[circuit].receive(frame)
 
     def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
-        """Advance everything; what the inverters have to say."""
+        """Advance everything; the frames that the inverters send."""
         before = self._tick
         self._tick += ticks
         return [(name, frame) for name, one in self._circuits.items() for frame in one.cycle(before, ticks)]

@@ -125,7 +125,7 @@ def weighted(
 
     Slip velocities [m/s] over the transport velocity [m/s] give slips; those of the formula are over the speed `along`
     the wheel [m/s]. As with one curve, of the resulting slip counts what is not too far `AHEAD` of that of the contact
-    [1]. `plain` is what `is_plain` says of the tyres.
+    [1]. `plain` is `is_plain` of the tyres.
     """
     slid = max(sqrt(slip_x * slip_x + slip_y * slip_y), AHEAD * transport)
     counted = min(slid, (AHEAD + sqrt(contact_x * contact_x + contact_y * contact_y)) * transport)

@@ -1,4 +1,4 @@
-"""What goes wrong in the planar plant: motors, inverters, battery, tyres; docs/faults.md says how."""
+"""What goes wrong in the planar plant: motors, inverters, battery, tyres; docs/faults.md has the list."""
 
 from __future__ import annotations
 

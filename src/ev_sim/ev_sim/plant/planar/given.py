@@ -91,7 +91,7 @@ def load_files(parameters: PlanarParameters) -> PlanarParameters:
 
 @dataclass(slots=True)
 class BodyConstants:
-    """Numbers of body, wheels and tyres that the vehicle description does not say itself."""
+    """Numbers of body, wheels and tyres that the vehicle description does not have itself."""
 
     wheel_x: list[float] = per_wheel(unit="m", about="of the wheel centre from the centre of mass")
     wheel_y: list[float] = per_wheel(unit="m", about="of the wheel centre from the centre of mass")
@@ -102,7 +102,7 @@ class BodyConstants:
     )
     number_of_wheels: float = entry(4.0, unit="1")
     mf: MfTyres = part(MfTyres)
-    mf_is_plain: float = entry(unit="1", about="what `is_plain` says of the tyres")
+    mf_is_plain: float = entry(unit="1", about="`is_plain` of the tyres")
     damping_x: float = entry(unit="N s/m", about="of the carcass, along the wheel")
     damping_y: float = entry(unit="N s/m", about="of the carcass, across the wheel")
     drag: float = entry(unit="N s^2/m^2", about="rho c_d A / 2")

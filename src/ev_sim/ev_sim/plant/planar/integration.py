@@ -44,7 +44,7 @@ One = np.ndarray
 
 
 class Equations:
-    """The integrated part of the plant under torques, a steering angle and a road that stay as they are told.
+    """The integrated part of the plant under torques, a steering angle and a road that stay as they are given.
 
     y are the numbers that `state.INTEGRATED` names, shape (INTEGRATED_SIZE,). Everything is compiled.
     """

@@ -42,7 +42,7 @@ LONGEST_DELAY = 50  # [control periods]
 
 @dataclass(slots=True)
 class CarFaultState:
-    """As it is without faults; `is_struck` says whether anything else is to be looked at."""
+    """As it is without faults; `is_struck` is whether anything else matters."""
 
     is_struck: float = entry(unit="1", about="1 while there are faults")
     share: list[float] = per_wheel(1.0, unit="1", about="of its torque that the motor gives")

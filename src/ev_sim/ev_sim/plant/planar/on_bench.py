@@ -44,14 +44,14 @@ class PlanarOnBenchParameters(PlanarParameters):
         "load_machine",
         choices=WHEEL_SPEEDS,
         about="with which speed a driven wheel meets the road: load_machine: the one measured at its load machine; "
-        "virtual: the one that the load machine is told to hold, the default behind a real bus",
+        "virtual: the one that the load machine is set to hold, the default behind a real bus",
         source="dissertation, section 4.1: the speed of the load machine is that of the virtual driven wheel",
     )
 
 
 _BEYOND = 2.0  # times its largest torque is what a machine is believed to give: the transducer may err
 _MOST_POWER = 1e7  # W, believed of the electrical measurement
-_MOST_APART = 100.0  # rad/s that a wheel is believed to be away from what its load machine was told
+_MOST_APART = 100.0  # rad/s that a wheel is believed to be away from the set-point of its load machine
 
 
 @dataclass(slots=True)
@@ -60,8 +60,8 @@ class PlanarOnBenchState(PlanarState):
 
     measured_torque: list[float] = per_wheel(unit="N m", about="of the machine with its rotor, at the shaft")
     measured_speed: list[float] = per_wheel(unit="rad/s", about="of the shaft")
-    told_speed: list[float] = per_wheel(unit="rad/s", about="of the wheel, that the load machine was told last")
-    apart: list[float] = per_wheel(unit="rad/s", about="of the wheel: load machine less what it was told")
+    told_speed: list[float] = per_wheel(unit="rad/s", about="of the wheel, the last set-point of the load machine")
+    apart: list[float] = per_wheel(unit="rad/s", about="of the wheel: load machine less its set-point")
     measured_power: float = entry(unit="W", about="that the machines took from the battery")
 
 
@@ -155,7 +155,7 @@ def planar_on_bench(
 def _turn_with_load_machine(s: PlanarOnBenchState, i: int, speed: float) -> None:
     """Let a wheel meet the road as its load machine turned [rad/s, of the wheel] when the last period ended.
 
-    What the load machine is told goes on from what it was told: the speed J w' = i M - F_x r - M_f - M_brake of the
+    The set-point of the load machine goes on from its last one: the speed J w' = i M - F_x r - M_f - M_brake of the
     virtual wheel. The difference between both, held over a period, is what the load machine does not follow.
     """
     told = s.motion[WHEEL_SPEED + i] - s.apart[i]

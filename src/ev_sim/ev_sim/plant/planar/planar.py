@@ -36,7 +36,7 @@ from ev_sim.plant.planar.shown import ELECTRICAL_SIGNALS, PLANAR_SIGNALS, electr
 from ev_sim.plant.planar.start import begin, keep_noted, notes
 from ev_sim.profiles.profile import value_at
 
-# What all methods of this plant have, but for what they say themselves.
+# What all methods of this plant have, but for what they give themselves.
 PLANAR: dict[str, Any] = {
     "state": PlanarState,
     "prepare": prepare,
@@ -175,7 +175,7 @@ def planar_rear_steering(
     column: SteeringColumnState,
     rear: RearSteeringState,
 ) -> None:
-    """The planar plant with rear wheels that an actuator steers, besides what `rear_steering_ratio` of the car says.
+    """The planar plant with rear wheels that an actuator steers, besides the `rear_steering_ratio` of the car.
 
     Over a period the rear angle goes on at its rate, as the front one does, within the same limit.
     """

@@ -1,4 +1,4 @@
-"""What the planar plant is told once: step width, constants of the car, and its tables."""
+"""What the planar plant is given once: step width, constants of the car, and its tables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The planar plant at the start of a run, at rest or in equilibrium, and what it says about the run."""
+"""The planar plant at the start of a run, at rest or in equilibrium, and its notes about the run."""
 
 from __future__ import annotations
 
