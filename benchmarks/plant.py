@@ -31,7 +31,7 @@ from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.analysis.__main__ import load_vehicle
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.integration import Equations
-from ev_sim.plant.planar.memory import INTEGRATED_SIZE
+from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE
 
 STEP = 1e-3  # [s]
 SPEED = 15.0  # [m/s]

@@ -27,7 +27,7 @@ from ev_sim.plant.planar.body import rates, steer
 from ev_sim.plant.planar.contact import find_road
 from ev_sim.plant.planar.drive_torques import Lags, apply_drives
 from ev_sim.plant.planar.energy import account
-from ev_sim.plant.planar.memory import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, Step, index
+from ev_sim.plant.planar.planar_state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, Step, index
 from ev_sim.plant.planar.prepare import prepare
 from ev_sim.recording.recording import Recording
 

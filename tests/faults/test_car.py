@@ -124,7 +124,7 @@ def test_a_puncture_pulls_to_its_side_and_ends():
 
 
 def test_a_soft_tyre_has_a_smaller_slope_and_the_same_peak():
-    from ev_sim.plant.planar.memory import TyreRecord
+    from ev_sim.plant.planar.planar_state import TyreRecord
     from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, soften
 
     for curve, c in enumerate(

@@ -27,7 +27,9 @@ from ev_control.estimation.wheel_dynamics import (
 )
 from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.limp_mode import LimpModeParameters
-from ev_control.shared.regulation import (
+from ev_control.shared.torque_split import BrakeSplitParameters, split, split_brake
+from ev_control.shared.traction_control import LimitedWheel, traction_control
+from ev_control.shared.wheel_regulation import (
     RegulatedWheel,
     SlipRegulatorParameters,
     SlipThresholdParameters,
@@ -40,8 +42,6 @@ from ev_control.shared.regulation import (
     until_served,
     weighed,
 )
-from ev_control.shared.torque_split import BrakeSplitParameters, split, split_brake
-from ev_control.shared.traction_control import LimitedWheel, traction_control
 
 __all__ = [
     "AllocationParameters",

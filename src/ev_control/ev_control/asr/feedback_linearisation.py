@@ -7,7 +7,7 @@ from math import inf
 from typing import Any
 
 from ev_control.law import Filtered, WheelMotion, filter_share, follow, observed_slip, road_torque, traction_control
-from ev_control.shared.regulation import RegulatedWheel, SlipRegulatorParameters, stays_out, until_served, weighed
+from ev_control.shared.wheel_regulation import RegulatedWheel, SlipRegulatorParameters, stays_out, until_served, weighed
 from ev_core.law import Car, compilable, group, parameter, part
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf
 
 from ev_control.law import Filtered, WheelMotion, filter_share, follow, forget_filtered, observed_slip, traction_control
-from ev_control.shared.regulation import RegulatedWheel, SlipRegulatorParameters, stays_out, until_served, weighed
+from ev_control.shared.wheel_regulation import RegulatedWheel, SlipRegulatorParameters, stays_out, until_served, weighed
 from ev_core.law import Car, compilable, entry, group, parameter, part
 
 

@@ -10,8 +10,8 @@ from ev_control.estimation.slip_angle_observer import SideForceParameters, SideF
 from ev_control.estimation.wheel_dynamics import share_at_rest
 from ev_control.law import Filtered, WheelMotion, filter_share, follow, share_at, slip_of, slowest_wheel
 from ev_control.shared.limp_mode import LimpModeParameters
-from ev_control.shared.regulation import SlipThresholdParameters
 from ev_control.shared.traction_control import LimitedWheel, traction_control
+from ev_control.shared.wheel_regulation import SlipThresholdParameters
 from ev_core.law import Car, compilable, entry, group, parameter, part
 
 

@@ -15,7 +15,7 @@ from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.integration import Equations
-from ev_sim.plant.planar.memory import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, YAW_RATE, index
+from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, YAW_RATE, index
 from ev_sim.surfaces import REFERENCE, RoadParameters
 
 OUTPUTS = ("lateral_velocity", "yaw_rate", "front_slip_angle", "rear_slip_angle")

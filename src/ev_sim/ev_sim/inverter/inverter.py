@@ -27,8 +27,8 @@ from ev_msgs_py.can.frames import (
     WARM,
 )
 from ev_sim.inverter.device import Inverter
+from ev_sim.inverter.inverter_parameters import InverterParameters
 from ev_sim.inverter.on_channel import begin_cycle, end_cycle, missing_set_point
-from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.power_stage import (
     advance_dc_link,
     advance_temperatures,

@@ -36,7 +36,7 @@ from ev_msgs_py.can.frames import (
 from ev_msgs_py.can.payload import extracted, inserted
 from ev_msgs_py.can.protection import last_counter, next_counter
 from ev_sim.inverter.device import Inverter
-from ev_sim.inverter.parameters import InverterParameters
+from ev_sim.inverter.inverter_parameters import InverterParameters
 from ev_sim.inverter.power_stage import coolant_outlet, inverter_temperature, winding_temperature
 
 

@@ -26,7 +26,7 @@ from ev_sim.drives.synchronous_motor import (
     weakening_loss,
 )
 from ev_sim.inverter.device import Inverter
-from ev_sim.inverter.parameters import DcLinkParameters, InverterParameters, Machine
+from ev_sim.inverter.inverter_parameters import DcLinkParameters, InverterParameters, Machine
 
 
 @compilable

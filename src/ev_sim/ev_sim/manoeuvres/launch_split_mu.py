@@ -13,7 +13,7 @@ from ev_sim.measures.samples import Runs, channel
 from ev_sim.recording.recording import Recording
 
 LAUNCH_SPEED = 5.0  # [m/s], the launch is timed up to it
-ROLLING = 0.1  # [m/s], above it slip is more than the first turn of a wheel
+ROLLING_SPEED = 0.1  # [m/s], above it slip is more than the first turn of a wheel
 
 
 def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
@@ -65,5 +65,5 @@ def _distance(run: Recording) -> float:
 
 def _slip(run: Recording, wheel: str) -> float:
     part = _launch(run)
-    rolling = motion.speed(run)[part] > ROLLING
+    rolling = motion.speed(run)[part] > ROLLING_SPEED
     return np.abs(channel(run, f"tire_forces.slip_ratio.{wheel}")[part][rolling]).max()

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from ev_core.law import Car, Wheels, cos, inlined, sin, sqrt, tan
 from ev_core.vehicle.car import front_wheel_tangents
-from ev_sim.plant.planar import memory
+from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.contact import look, within_friction
 from ev_sim.plant.planar.given import FREE, BodyConstants, PlanarParameters
-from ev_sim.plant.planar.memory import Row, Step
+from ev_sim.plant.planar.planar_state import Row, Step
 from ev_sim.tyres.contact_patch import force_and_rate, slip_rate
 
 
@@ -43,7 +43,7 @@ def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
 def loads(y: Row, car: Car, gravity_z: float) -> Wheels:
     """Loads of the four wheels [N] in a state, under gravity that presses the car on the road [m/s^2]."""
     pitch_arm, roll_arm = car.pitch_height * car.mass, car.roll_height * car.mass
-    return wheel_loads(car, car.mass * gravity_z, pitch_arm * y[memory.TRANSFER_X], roll_arm * y[memory.TRANSFER_Y])
+    return wheel_loads(car, car.mass * gravity_z, pitch_arm * y[state.TRANSFER_X], roll_arm * y[state.TRANSFER_Y])
 
 
 @inlined
@@ -92,7 +92,7 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
     exceeds the friction, else the wheel is held. Sums go over left and right first, so that a mirrored state has
     exactly mirrored rates.
     """
-    vx, vy, yaw_rate = y[memory.VX], y[memory.VY], y[memory.YAW_RATE]
+    vx, vy, yaw_rate = y[state.VX], y[state.VY], y[state.YAW_RATE]
     load = loads(y, car, step.gravity_z)
     step.load[0], step.load[1], step.load[2], step.load[3] = load
     look(y, car, body, step, starts)
@@ -109,7 +109,7 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
             wheel_speed, slip_x, slip_y = at.wheel_speed[i], at.slip_x[i], at.slip_y[i]
             transport_x, transport_y = at.transport_x[i], at.transport_y[i]
             normal, radius = step.load[i], step.radius[i]
-            deflection_x, deflection_y = y[memory.DEFLECTION_X + i], y[memory.DEFLECTION_Y + i]
+            deflection_x, deflection_y = y[state.DEFLECTION_X + i], y[state.DEFLECTION_Y + i]
             along_force, rate_x = force_and_rate(
                 deflection_x, slip_x, transport_x, at.secant_x[i], stiffness_x, body.damping_x
             )
@@ -123,9 +123,9 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
             if scale_y < 1.0:
                 across_force *= scale_y
                 rate_y = (across_force - stiffness_y * deflection_y) / body.damping_y
-            dy[memory.DEFLECTION_X + i], dy[memory.DEFLECTION_Y + i] = rate_x, rate_y
-            dy[memory.SLIP_X + i] = slip_rate(y[memory.SLIP_X + i], slip_x - rate_x, transport_x, length)
-            dy[memory.SLIP_Y + i] = slip_rate(y[memory.SLIP_Y + i], slip_y - rate_y, transport_y, length)
+            dy[state.DEFLECTION_X + i], dy[state.DEFLECTION_Y + i] = rate_x, rate_y
+            dy[state.SLIP_X + i] = slip_rate(y[state.SLIP_X + i], slip_x - rate_x, transport_x, length)
+            dy[state.SLIP_Y + i] = slip_rate(y[state.SLIP_Y + i], slip_y - rate_y, transport_y, length)
             step.force_x[i], step.force_y[i] = along_force, across_force
 
             torque = step.drive[i] - radius * along_force
@@ -133,11 +133,11 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
             if starts:
                 decide_motion(step, i, wheel_speed, torque, dry)
             if step.held[i] == 1.0:
-                dy[memory.WHEEL_SPEED + i] = 0.0
+                dy[state.WHEEL_SPEED + i] = 0.0
             else:
-                dy[memory.WHEEL_SPEED + i] = (torque - step.motion[i] * dry) / body.wheel_inertia[i]
-            dy[memory.WHEEL_ANGLE + i] = wheel_speed
-            dy[memory.DISTANCE + i] = at.along[i]
+                dy[state.WHEEL_SPEED + i] = (torque - step.motion[i] * dry) / body.wheel_inertia[i]
+            dy[state.WHEEL_ANGLE + i] = wheel_speed
+            dy[state.DISTANCE + i] = at.along[i]
 
             body_x = along_force * at.cosine[i] - across_force * at.sine[i]
             body_y = along_force * at.sine[i] + across_force * at.cosine[i]
@@ -154,7 +154,7 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
 
     specific_x, specific_y = sum_x / car.mass, sum_y / car.mass
     drag = body.drag * abs(vx) * vx
-    dy[memory.DRAG_WORK] = drag * vx
+    dy[state.DRAG_WORK] = drag * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
     holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
     if p.speed != FREE:
@@ -165,19 +165,19 @@ def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, s
     if body.side_drag > 0.0:
         side_drag = body.side_drag * abs(vy) * vy
         step.acceleration_y -= side_drag / car.mass
-        dy[memory.DRAG_WORK] += side_drag * vy
-    dy[memory.VX] = step.acceleration_x + yaw_rate * vy
-    dy[memory.VY] = step.acceleration_y - yaw_rate * vx
-    dy[memory.YAW_RATE] = moment / car.yaw_inertia
-    dy[memory.HEADING] = yaw_rate
-    dy[memory.TRANSFER_X] = (specific_x + holding - y[memory.TRANSFER_X]) / p.load_transfer_lag
+        dy[state.DRAG_WORK] += side_drag * vy
+    dy[state.VX] = step.acceleration_x + yaw_rate * vy
+    dy[state.VY] = step.acceleration_y - yaw_rate * vx
+    dy[state.YAW_RATE] = moment / car.yaw_inertia
+    dy[state.HEADING] = yaw_rate
+    dy[state.TRANSFER_X] = (specific_x + holding - y[state.TRANSFER_X]) / p.load_transfer_lag
     roll_lag = car.suspension.roll_lag if car.suspension.roll_lag > 0.0 else p.load_transfer_lag
-    dy[memory.TRANSFER_Y] = (specific_y - y[memory.TRANSFER_Y]) / roll_lag
-    dy[memory.BODY_DISTANCE] = vx
-    dy[memory.TYRE_WORK] = tyre_power
-    dy[memory.FRICTION_WORK] = friction_power
-    dy[memory.GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
-    dy[memory.HOLDING_WORK] = -car.mass * holding * vx
+    dy[state.TRANSFER_Y] = (specific_y - y[state.TRANSFER_Y]) / roll_lag
+    dy[state.BODY_DISTANCE] = vx
+    dy[state.TYRE_WORK] = tyre_power
+    dy[state.FRICTION_WORK] = friction_power
+    dy[state.GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
+    dy[state.HOLDING_WORK] = -car.mass * holding * vx
 
 
 @inlined

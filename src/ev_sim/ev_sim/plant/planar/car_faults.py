@@ -9,7 +9,7 @@ from ev_core.law import WHEEL_NAMES, Car, ParameterError, Vehicle, compilable
 from ev_msgs_py.refusal import quoted
 from ev_sim.drives.brushless_motor import torque_share
 from ev_sim.plant.planar.given import BodyConstants
-from ev_sim.plant.planar.memory import LONGEST_DELAY, WHEEL_ANGLE, CarFaultState, PlanarState, Step
+from ev_sim.plant.planar.planar_state import LONGEST_DELAY, WHEEL_ANGLE, CarFaultState, PlanarState, Step
 from ev_sim.tyres.curve import soften
 
 CODES = tuple(OF_THE_CAR)

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from ev_core.law import GRAVITY, Car, Vehicle, asin, compilable, inlined, sqrt
-from ev_sim.plant.planar import memory
+from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.given import BodyConstants
-from ev_sim.plant.planar.memory import Contacts, Row, Step
+from ev_sim.plant.planar.planar_state import Contacts, Row, Step
 from ev_sim.profiles.profile import number_until
 from ev_sim.surfaces import RoadParameters, Segments, TyreOnRoad, interpolate, left_and_right, segment_at, tyre_on_road
 from ev_sim.tyres.contact_patch import SLIP_VECTOR, STILL, WEIGHTED, sensitivity, slip_vector, uncoupled, weighted
@@ -65,8 +65,8 @@ def find_road(y: Row, body: BodyConstants, step: Step, road: RoadTables, first: 
         _look_under(y, body, step, road.left, 2 * axle, first)
         _look_under(y, body, step, road.right, 2 * axle + 1, first)
     slope, before = road.slope, 0 if first else int(step.slope_segment)
-    rise, segment = interpolate(slope.distance, slope.grade, y[memory.BODY_DISTANCE], before)
-    side_rise, _ = interpolate(slope.distance, slope.side_slope, y[memory.BODY_DISTANCE], segment)
+    rise, segment = interpolate(slope.distance, slope.grade, y[state.BODY_DISTANCE], before)
+    side_rise, _ = interpolate(slope.distance, slope.side_slope, y[state.BODY_DISTANCE], segment)
     step.slope_segment = float(segment)
     step.gravity_x, step.gravity_y, step.gravity_z = gravity_on(rise, side_rise)
 
@@ -89,7 +89,7 @@ def gravity_at(slope: Slope, distance: float) -> tuple[float, float, float]:
 @inlined
 def _look_under(y: Row, body: BodyConstants, step: Step, track: Track, i: int, first: bool) -> None:
     """Set the tyre of wheel i from its track, where it has come to another segment."""
-    distance = y[memory.DISTANCE + i] + body.wheel_x[i]
+    distance = y[state.DISTANCE + i] + body.wheel_x[i]
     if first:
         step.radius[i] = body.wheel_radius[i]
         found = max(number_until(track.start, distance) - 1, 0)
@@ -123,11 +123,11 @@ def look(y: Row, car: Car, body: BodyConstants, step: Step, starts: bool) -> Non
     point(y, car, step)
     at = step.contact
     for i in range(4):
-        turning = y[memory.WHEEL_SPEED + i]
+        turning = y[state.WHEEL_SPEED + i]
         at.wheel_speed[i] = turning if starts or step.motion[i] * turning >= 0.0 else 0.0
     for i in range(4):
-        ground_x = y[memory.VX] - body.wheel_y[i] * y[memory.YAW_RATE]
-        ground_y = y[memory.VY] + body.wheel_x[i] * y[memory.YAW_RATE]
+        ground_x = y[state.VX] - body.wheel_y[i] * y[state.YAW_RATE]
+        ground_y = y[state.VY] + body.wheel_x[i] * y[state.YAW_RATE]
         along = ground_x * at.cosine[i] + ground_y * at.sine[i]
         across = ground_y * at.cosine[i] - ground_x * at.sine[i]
         at.along[i], at.speed[i] = along, sqrt(along * along + across * across)
@@ -157,7 +157,7 @@ def point(y: Row, car: Car, step: Step) -> None:
     for axle in range(2):
         compliance = suspension.rear_compliance_steer if axle else -suspension.front_compliance_steer
         left = 2 * axle
-        held = car.tyre.lateral_stiffness * (y[memory.DEFLECTION_Y + left] + y[memory.DEFLECTION_Y + left + 1])
+        held = car.tyre.lateral_stiffness * (y[state.DEFLECTION_Y + left] + y[state.DEFLECTION_Y + left + 1])
         t = compliance * held  # a small angle, and its tangent
         short = 1.0 / sqrt(1.0 + t * t)
         for i in range(left, left + 2):
@@ -175,7 +175,7 @@ def _one_curve(y: Row, car: Car, step: Step, i: int) -> None:
     transport = max(abs(at.rim[i]), at.speed[i], STILL)
     carried = step.load[i] * sensitivity(tyre, step.load[i])
     along, across = slip_vector(
-        tyre, on_road, at.slip_x[i], at.slip_y[i], transport, y[memory.SLIP_X + i], y[memory.SLIP_Y + i]
+        tyre, on_road, at.slip_x[i], at.slip_y[i], transport, y[state.SLIP_X + i], y[state.SLIP_Y + i]
     )
     limit = carried * largest(tyre.curve, on_road.friction, on_road)
     at.secant_x[i], at.secant_y[i] = carried * along, carried * across
@@ -203,7 +203,7 @@ def _magic_formula(y: Row, body: BodyConstants, step: Step, i: int, plain: bool)
     at = step.contact
     transport = max(abs(at.rim[i]), at.speed[i], STILL)
     loaded = at_load(body.mf, i, step.load[i], at.grip[i], at.stiffness[i], plain)
-    slid_x, slid_y = y[memory.SLIP_X + i], y[memory.SLIP_Y + i]
+    slid_x, slid_y = y[state.SLIP_X + i], y[state.SLIP_Y + i]
     at.secant_x[i], at.secant_y[i] = weighted(
         body.mf, i, loaded, at.slip_x[i], at.slip_y[i], at.along[i], transport, slid_x, slid_y, plain
     )
@@ -218,7 +218,7 @@ def _two_curves(y: Row, car: Car, body: BodyConstants, step: Step, i: int) -> No
     transport_x = max(abs(at.rim[i]), abs(at.along[i]), STILL)
     transport_y = max(at.speed[i], STILL)
     along, across = uncoupled(
-        tyre, on_road, at.slip_x[i], at.slip_y[i], transport_x, transport_y, y[memory.SLIP_X + i], y[memory.SLIP_Y + i]
+        tyre, on_road, at.slip_x[i], at.slip_y[i], transport_x, transport_y, y[state.SLIP_X + i], y[state.SLIP_Y + i]
     )
     limit = carried * largest(tyre.curve, on_road.friction, on_road)
     at.transport_x[i], at.transport_y[i] = transport_x, transport_y
@@ -253,8 +253,8 @@ def slips(y: Row, car: Car, body: BodyConstants, at: Contacts, i: int) -> tuple[
     In steady driving they are the slip ratio and the sine of the slip angle (with the sign of their force); at rest,
     where kinematic slip is 0/0, they stay meaningful and continuous.
     """
-    spring_x = car.tyre.longitudinal_stiffness * y[memory.DEFLECTION_X + i] + body.damping_x * at.slip_x[i]
-    spring_y = car.tyre.lateral_stiffness * y[memory.DEFLECTION_Y + i] + body.damping_y * at.slip_y[i]
+    spring_x = car.tyre.longitudinal_stiffness * y[state.DEFLECTION_X + i] + body.damping_x * at.slip_x[i]
+    spring_y = car.tyre.lateral_stiffness * y[state.DEFLECTION_Y + i] + body.damping_y * at.slip_y[i]
     slip_x = spring_x / (at.secant_x[i] + at.transport_x[i] * body.damping_x)
     slip_y = spring_y / (at.secant_y[i] + at.transport_y[i] * body.damping_y)
     scale_x, scale_y = within_friction(car, at, i, at.secant_x[i] * slip_x, at.secant_y[i] * slip_y)

@@ -20,7 +20,7 @@ from ev_sim.drives.electrical_side import (
 )
 from ev_sim.drives.synchronous_motor import voltage_limited_torque, weakening_loss
 from ev_sim.plant.planar.given import TORQUE_CONTROLLED, PlanarParameters
-from ev_sim.plant.planar.memory import PlanarState, Step
+from ev_sim.plant.planar.planar_state import PlanarState, Step
 
 
 class Electrical(NamedTuple):

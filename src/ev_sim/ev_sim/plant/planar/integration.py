@@ -13,7 +13,7 @@ from ev_core.vehicle.car import car_numbers
 from ev_sim.plant.planar.body import rates, steer
 from ev_sim.plant.planar.contact import RoadTables, find_road, road_tables
 from ev_sim.plant.planar.given import BodyConstants, PlanarParameters, body_constants
-from ev_sim.plant.planar.memory import INTEGRATED_SIZE, WHEEL_SPEED, Row, Stages, Step
+from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE, WHEEL_SPEED, Row, Stages, Step
 
 
 @inlined

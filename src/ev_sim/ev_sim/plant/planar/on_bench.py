@@ -17,8 +17,8 @@ from ev_sim.plant.guard import accepted
 from ev_sim.plant.planar.drive_torques import Lags, behind_gear
 from ev_sim.plant.planar.energy import PowerConstants, source_voltage
 from ev_sim.plant.planar.given import PlanarParameters
-from ev_sim.plant.planar.memory import STAGES, STEP, VX, WHEEL_SPEED, PlanarState, Step
 from ev_sim.plant.planar.planar import PLANAR, advance
+from ev_sim.plant.planar.planar_state import STAGES, STEP, VX, WHEEL_SPEED, PlanarState, Step
 from ev_sim.plant.planar.prepare import PlanarConstants
 from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, seen, wheels_from
 from ev_sim.plant.planar.start import begin

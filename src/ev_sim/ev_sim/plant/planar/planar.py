@@ -19,7 +19,7 @@ from ev_sim.plant.planar.drive_torques import Lags, apply_drives
 from ev_sim.plant.planar.energy import PowerConstants, account
 from ev_sim.plant.planar.given import IMPOSED, PlanarParameters, load_files
 from ev_sim.plant.planar.integration import integrate
-from ev_sim.plant.planar.memory import (
+from ev_sim.plant.planar.planar_state import (
     HEADING,
     STAGES,
     STEP,

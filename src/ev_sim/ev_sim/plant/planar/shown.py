@@ -18,13 +18,13 @@ from ev_msgs_py.contract.signals import (
 from ev_sim.drives.couplings import shaft_speeds
 from ev_sim.drives.electrical_side import coolant_outlet_temperature, current_at_power
 from ev_sim.drives.synchronous_motor import phase_values
-from ev_sim.plant.planar import memory
+from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.body import rates, steer
 from ev_sim.plant.planar.car_faults import deflate
 from ev_sim.plant.planar.contact import find_road, slips
 from ev_sim.plant.planar.energy import PowerConstants, drive_loss, source_voltage, terminal_voltage
 from ev_sim.plant.planar.given import PlanarParameters
-from ev_sim.plant.planar.memory import STAGES, STEP, PlanarState, Stages, Step
+from ev_sim.plant.planar.planar_state import STAGES, STEP, PlanarState, Stages, Step
 from ev_sim.plant.planar.prepare import PlanarConstants
 
 Seen = tuple[WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose, BatteryCondition, TireForces]
@@ -49,7 +49,7 @@ def seen(
         deflate(s.faults, p, car, c.body, step)
     steer(car, step, s.road_wheel_angle, s.rear_angle)
     rates(y, stages[0].k1, p, car, c.body, step, True)
-    shaft_speeds(car, y[memory.WHEEL_SPEED : memory.WHEEL_SPEED + 4], step.shaft)
+    shaft_speeds(car, y[state.WHEEL_SPEED : state.WHEEL_SPEED + 4], step.shaft)
     slip_x, slip_y = step.asked, step.target  # memory that nothing else needs here
     for i in range(4):
         step.shaft[i] = step.shaft[i] * car.driven[i] * car.gear[i]
@@ -58,13 +58,11 @@ def seen(
         slip_y[i] = -asin(min(max(sine, -1.0), 1.0))
     tyre = step.tyre
     return (
-        WheelStates(
-            wheels_from(y, memory.WHEEL_ANGLE), wheels_from(y, memory.WHEEL_SPEED), wheels_from(s.mean_drive, 0)
-        ),
+        WheelStates(wheels_from(y, state.WHEEL_ANGLE), wheels_from(y, state.WHEEL_SPEED), wheels_from(s.mean_drive, 0)),
         MotorStates(wheels_from(step.shaft, 0), wheels_from(step.motor, 0)),
-        InertialMeasurement(y[memory.YAW_RATE], step.acceleration_x, step.acceleration_y),
-        BodyVelocity(y[memory.VX], y[memory.VY], y[memory.YAW_RATE]),
-        BodyPose(s.x, s.y, sin(y[memory.HEADING] / 2), cos(y[memory.HEADING] / 2)),
+        InertialMeasurement(y[state.YAW_RATE], step.acceleration_x, step.acceleration_y),
+        BodyVelocity(y[state.VX], y[state.VY], y[state.YAW_RATE]),
+        BodyPose(s.x, s.y, sin(y[state.HEADING] / 2), cos(y[state.HEADING] / 2)),
         battery_condition(s, c.power),
         TireForces(
             wheels_from(step.force_x, 0),
@@ -112,7 +110,7 @@ def _with_electrics(
     wheels, motors, imu, velocity, pose, battery, tires = outputs(p, car, c, s)
     step, motor, thermal, cells = steps[0], car.motor, car.motor.thermal, car.battery.cells
     step.voltage = terminal_voltage(s, c.power)
-    shaft_speeds(car, s.motion[memory.WHEEL_SPEED : memory.WHEEL_SPEED + 4], step.shaft)
+    shaft_speeds(car, s.motion[state.WHEEL_SPEED : state.WHEEL_SPEED + 4], step.shaft)
     # Memory that nothing else needs here.
     current, voltage, power = step.asked, step.target, step.motor
     winding, inverter, inlet, outlet, flow = step.load, step.force_x, step.force_y, step.turned, step.mean_speed

@@ -15,8 +15,8 @@ from ev_core.methods.law import LawObject
 from ev_msgs_py.can.frames import TICK, bench_frames
 from ev_msgs_py.can.payload import NO_FRAME, joined, words
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, SetPointFrames
+from ev_sim.inverter.circuit_station import ChannelStation, InverterStation
 from ev_sim.inverter.on_channel import MOTION
-from ev_sim.inverter.station import ChannelStation, InverterStation
 from ev_sim.test_bench.bus_faults import BusFault, on_the_way, present, put_in
 from ev_sim.test_bench.can_circuit import FEEDBACK_WORDS, SET_POINT_WORDS, CanConstants, Line, make_cycle
 from ev_sim.test_bench.circuit import begin_period, end_period

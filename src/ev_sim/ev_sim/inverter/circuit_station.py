@@ -13,8 +13,8 @@ from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.frames import SENT, TICK, BenchFrames, DeviceFrames, bench_frames, is_due
 from ev_sim.inverter.device import Circuit, Inverter
 from ev_sim.inverter.inverter import advance_inverter
+from ev_sim.inverter.inverter_parameters import CircuitParameters
 from ev_sim.inverter.on_channel import grow_older, made, receive_set_point, ticks_between
-from ev_sim.inverter.parameters import CircuitParameters
 
 
 @compilable
