@@ -7,19 +7,13 @@ from math import inf
 
 from ev_control.estimation.wheel_dynamics import Filtered, WheelMotion, filter_share, follow, mass_share, road_torque
 from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, traction_control
-from ev_control.shared.acceleration_criterion import (
-    AccelerationCriterionParameters,
-    Accelerations,
-    GainedSpeedParameters,
-    gains_on_car,
-    has_gained,
-)
+from ev_control.shared import acceleration_criterion as criterion
 from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part
 from ev_core.vehicle.drive_train import has_own_motors
 
 
 @dataclass(frozen=True, slots=True)
-class AccelerationRatioParameters(AccelerationCriterionParameters):
+class AccelerationRatioParameters(criterion.AccelerationCriterionParameters):
     """The ratio that separates slip from grip, and how the limit moves."""
 
     fall: float = parameter(8000.0, unit="N m/s", low=1.0, high=1e6, about="fall of the limit while the wheel slips")
@@ -32,7 +26,7 @@ class AccelerationRatioParameters(AccelerationCriterionParameters):
 class RatioWheel(LimitedWheel):
     """What the law knows of a wheel."""
 
-    accelerations: Accelerations = part(Accelerations)
+    accelerations: criterion.Accelerations = part(criterion.Accelerations)
 
 
 @traction_control("acceleration_ratio", AccelerationRatioParameters, RatioWheel)
@@ -49,7 +43,7 @@ def acceleration_ratio(
     that grows, not slip: a wheel that spins at a steady speed is left to spin, and the slip that built up before the
     limit fell stays.
     """
-    if gains_on_car(p, car, w.accelerations, period, motion):
+    if criterion.gains_on_car(p, car, w.accelerations, period, motion):
         return min(w.limit, wanted) - p.fall * period
     raised = w.limit + p.rise * period
     return raised if raised < wanted else inf
@@ -60,7 +54,7 @@ WHILE_GAINING, ALWAYS = range(len(LIMITS))
 
 
 @dataclass(frozen=True, slots=True)
-class TransmissibleParameters(GainedSpeedParameters):
+class TransmissibleParameters(criterion.GainedSpeedParameters):
     """The relaxation factor, and when the limit counts; the source gives none of them."""
 
     limits: str = parameter(
@@ -139,7 +133,7 @@ def maximum_transmissible_torque(
     road = follow(w.road, road_torque(car, motion), share)
     tread = follow(w.tread_acceleration, radius * motion.acceleration, share)
     body = follow(w.body_acceleration, motion.body_acceleration, share)
-    slips = has_gained(p, car, w, period, motion)
+    slips = criterion.has_gained(p, car, w, period, motion)
     ratio = car.driven_wheel_inertia[motion.place] / (p.relaxation * mass_share(car) * (radius * radius))
     transmissible = (ratio + 1.0) / car.motor.gear_efficiency * max(road, 0.0)
     if p.limits == ALWAYS:

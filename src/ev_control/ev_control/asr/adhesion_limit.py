@@ -4,13 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.friction_estimate import (
-    FrictionDiagramParameters,
-    FrictionLearningParameters,
-    expected_friction,
-    friction_at_peak,
-    learnt_friction,
-)
+from ev_control.estimation import friction_estimate
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_angle_observer import SlipAngleObserverParameters, SlipAngleObserverState, slip_angle_of
 from ev_control.estimation.wheel_dynamics import share_at_rest, start_again, wheel_load
@@ -21,7 +15,7 @@ from ev_core.law import Car, compilable, entry, group, parameter, part, tan
 
 
 @dataclass(frozen=True, slots=True)
-class AdhesionLimitParameters(FrictionLearningParameters):
+class AdhesionLimitParameters(friction_estimate.FrictionLearningParameters):
     """How the friction of the road is learnt, and how much of it is used."""
 
     use: float = parameter(
@@ -64,7 +58,7 @@ def adhesion_limit(
     lever = load * car.wheel_radius
     used = road_torque(car, motion) / lever if lever > 0.0 else 0.0  # without any load there is nothing to use
     used = follow(w.used, used, filter_share(period, p.filter_time))
-    w.friction = learnt_friction(p, w.friction, used, slip_of(motion, p.slowest), period)
+    w.friction = friction_estimate.learnt_friction(p, w.friction, used, slip_of(motion, p.slowest), period)
     return p.use * w.friction * lever / car.motor.gear_efficiency
 
 
@@ -88,7 +82,7 @@ class ExpectedSignalParameters:
     use: float = parameter(0.95, unit="1", low=0.1, high=1.0, about="share of the expected peak that is used")
     slowest: float = slowest_wheel()
     at_rest: float = share_at_rest(0.3)
-    diagram: FrictionDiagramParameters = group(FrictionDiagramParameters)
+    diagram: friction_estimate.FrictionDiagramParameters = group(friction_estimate.FrictionDiagramParameters)
     observer: SlipAngleObserverParameters = group(SlipAngleObserverParameters)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
     limp: LimpModeParameters = group(LimpModeParameters)
@@ -137,10 +131,12 @@ def expected_signal(
     lateral = tan(min(max(angle, -1.0), 1.0))
     if slip > p.least_slip:
         # What the diagram makes of a unit of the largest friction: small slips correct as fast as large ones.
-        share_of_peak = max(expected_friction(p.diagram, w.friction, slip, lateral) / w.friction, p.least_slip)
+        share_of_peak = max(
+            friction_estimate.expected_friction(p.diagram, w.friction, slip, lateral) / w.friction, p.least_slip
+        )
         gap = used / share_of_peak - w.friction
         w.friction = min(max(w.friction + min(p.rate * period, 1.0) * gap, p.least_friction), p.largest_friction)
     else:
         w.friction = min(w.friction + p.rise * period, p.largest_friction)
-    peak = friction_at_peak(p.diagram, w.friction, lateral)
+    peak = friction_estimate.friction_at_peak(p.diagram, w.friction, lateral)
     return p.use * peak * lever / car.motor.gear_efficiency

@@ -5,16 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
+from ev_control.estimation import slip_curve_fit
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
-from ev_control.estimation.slip_curve_fit import (
-    SlipCurveFit,
-    SlipCurveParameters,
-    add_sample,
-    fits,
-    fitted_curve,
-    is_full,
-    slope,
-)
 from ev_control.estimation.slip_peak import SlipPeakParameters, SlipPeakState, peak_is_passed, watch_slip
 from ev_control.estimation.wheel_dynamics import share_at_rest
 from ev_control.law import Filtered, WheelMotion, filter_share, follow, road_torque, share_at, slip_of, until_served
@@ -137,7 +129,7 @@ def aim(p: LeastSquaresParameters, w: LeastSquaresWheel, period: float, motion: 
 
 
 @dataclass(frozen=True, slots=True)
-class LiteralFitParameters(SlipCurveParameters):
+class LiteralFitParameters(slip_curve_fit.SlipCurveParameters):
     """The length of the window, which the source leaves open."""
 
     samples: int = parameter(25, unit="1", low=2, high=1000, about="samples in the window of the fit, n")
@@ -149,7 +141,7 @@ class LiteralFitParameters(SlipCurveParameters):
 class LiteralFitWheel(LimitedWheel):
     """What the law knows of a wheel."""
 
-    fit: SlipCurveFit = part(SlipCurveFit)
+    fit: slip_curve_fit.SlipCurveFit = part(slip_curve_fit.SlipCurveFit)
     previous: float = entry(unit="N m", about="torque of the previous step")
 
 
@@ -171,9 +163,13 @@ def least_squares_literal(
     held = inf
     if 0.0 < slip <= 1.0:
         torque = motion.torque / (car.motor.nominal_torque * car.gear_ratio)
-        add_sample(w.fit, p.samples, 0.0, slip, torque, p.template)
-        curve = fitted_curve(w.fit)
-        if is_full(w.fit) and fits(p, w.fit, curve) and slope(w.fit, curve, slip) < 0.0:
+        slip_curve_fit.add_sample(w.fit, p.samples, 0.0, slip, torque, p.template)
+        curve = slip_curve_fit.fitted_curve(w.fit)
+        if (
+            slip_curve_fit.is_full(w.fit)
+            and slip_curve_fit.fits(p, w.fit, curve)
+            and slip_curve_fit.slope(w.fit, curve, slip) < 0.0
+        ):
             held = w.previous
     w.previous = min(wanted, held)
     return held

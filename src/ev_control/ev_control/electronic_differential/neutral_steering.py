@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ev_control.estimation import slip_angle_observer
 from ev_control.estimation.plausible import is_plausible
-from ev_control.estimation.slip_angle_observer import (
-    SlipAngleObserverParameters,
-    SlipAngleObserverState,
-    axle_slip_angles,
-    observed_slip_angles,
-)
 from ev_control.law import BrakeSplitParameters, split_brake
 from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
 from ev_core.law import ALL_WHEELS_DRIVEN, Car, Wheels, compilable, entry, group, hypot, parameter, part
@@ -139,7 +134,7 @@ class AxleRedistributionParameters(NeutralSteerParameters):
     speed_deadband: float = parameter(
         0.1, unit="rad/s", low=0.0, high=10.0, about="difference of the rear wheel speeds that changes the slower one"
     )
-    observer: SlipAngleObserverParameters = group(SlipAngleObserverParameters)
+    observer: slip_angle_observer.SlipAngleObserverParameters = group(slip_angle_observer.SlipAngleObserverParameters)
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
@@ -151,7 +146,7 @@ class AxleRedistributionState:
     cos_phi: float = entry(1.0, unit="1", about="cosine of the angle of the acceleration to the travel, held")
     acceleration: float = entry(unit="m/s^2", about="magnitude of the acceleration, j")
     slower: float = entry(unit="1", about="slower rear wheel: 1 left, -1 right, 0 while none has been the slower one")
-    observer: SlipAngleObserverState = part(SlipAngleObserverState)
+    observer: slip_angle_observer.SlipAngleObserverState = part(slip_angle_observer.SlipAngleObserverState)
 
 
 def first_branch(p: AxleRedistributionParameters) -> AxleRedistributionState:
@@ -189,10 +184,14 @@ def axle_redistribution(
     delta, torque, speed = column.road_wheel_angle, driver.drive_torque, wheels.velocity
     ahead = -1.0 if (speed[0] + speed[1]) + (speed[2] + speed[3]) < 0.0 else 1.0
     if p.source == TRUTH:
-        angles = axle_slip_angles(car, body.longitudinal, body.lateral, body.yaw_rate, delta, p.observer.slowest)
+        angles = slip_angle_observer.axle_slip_angles(
+            car, body.longitudinal, body.lateral, body.yaw_rate, delta, p.observer.slowest
+        )
         follow(p, s, abs(angles.front) - abs(angles.rear), ahead, wheels, imu)
     elif is_plausible(column, wheels, imu):
-        angles = observed_slip_angles(p.observer, car, s.observer, period, driver, column, wheels, imu)
+        angles = slip_angle_observer.observed_slip_angles(
+            p.observer, car, s.observer, period, driver, column, wheels, imu
+        )
         follow(p, s, abs(angles.front) - abs(angles.rear), ahead, wheels, imu)
     brakes = ahead * torque < 0.0 or driver.brake_torque > 0.0 if p.braking == COMMAND else s.cos_phi <= 0.0
     h = 0.0

@@ -5,12 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_control.estimation.friction_estimate import (
-    FrictionEstimateParameters,
-    FrictionEstimateState,
-    estimated_friction,
-    unknown_road,
-)
+from ev_control.estimation import friction_estimate
 from ev_control.estimation.reference_speed import free_wheels_for
 from ev_control.estimation.wheel_dynamics import wheel_loads
 from ev_control.law import BrakeSplitParameters, split, split_brake
@@ -100,7 +95,7 @@ class AdhesionShareParameters:
     error_factor: float = parameter(
         1.0, unit="1", low=0.1, high=10.0, about="friction that the law believes in over that"
     )
-    estimate: FrictionEstimateParameters = group(FrictionEstimateParameters)
+    estimate: friction_estimate.FrictionEstimateParameters = group(friction_estimate.FrictionEstimateParameters)
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
     allocation: AllocationParameters = group(AllocationParameters)
 
@@ -109,12 +104,12 @@ class AdhesionShareParameters:
 class AdhesionShareState:
     """What lasts between steps."""
 
-    estimate: FrictionEstimateState = part(FrictionEstimateState)
+    estimate: friction_estimate.FrictionEstimateState = part(friction_estimate.FrictionEstimateState)
 
 
 def begin(p: AdhesionShareParameters) -> AdhesionShareState:
     """The state that knows nothing of the road."""
-    return AdhesionShareState(unknown_road(p.estimate))
+    return AdhesionShareState(friction_estimate.unknown_road(p.estimate))
 
 
 @differential(
@@ -149,7 +144,9 @@ def adhesion_share(
         friction, load = tires.friction_coefficient, tires.load
     else:
         load = wheel_loads(car, imu)
-        friction = estimated_friction(p.estimate, car, s.estimate, period, total, load, column, wheels, imu)
+        friction = friction_estimate.estimated_friction(
+            p.estimate, car, s.estimate, period, total, load, column, wheels, imu
+        )
     front_left = p.error_factor * grip(car, 0, total, friction[0], load[0], wheels.velocity[0])
     front_right = p.error_factor * grip(car, 1, total, friction[1], load[1], wheels.velocity[1])
     rear_left = p.error_factor * grip(car, 2, total, friction[2], load[2], wheels.velocity[2])

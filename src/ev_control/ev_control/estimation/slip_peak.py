@@ -4,15 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.slip_curve_fit import (
-    SlipCurveFit,
-    SlipCurveParameters,
-    add_sample,
-    fitted_peak,
-    is_full,
-    mean_slip,
-    slip_variance,
-)
+from ev_control.estimation import slip_curve_fit
 from ev_control.estimation.wheel_dynamics import slowest_wheel, start_again
 from ev_core.law import Car, WheelStates, compilable, entry, group, parameter, part
 
@@ -20,7 +12,7 @@ FEWEST_SAMPLES = 8  # four for each coefficient
 
 
 @dataclass(frozen=True, slots=True)
-class SlipPeakParameters(SlipCurveParameters):
+class SlipPeakParameters(slip_curve_fit.SlipCurveParameters):
     """The window of the fit, and when it counts; the source gives none of them."""
 
     window: float = parameter(
@@ -46,7 +38,7 @@ class SlipPeakParameters(SlipCurveParameters):
 class SlipPeakState:
     """What lasts between steps."""
 
-    fit: SlipCurveFit = part(SlipCurveFit)
+    fit: slip_curve_fit.SlipCurveFit = part(slip_curve_fit.SlipCurveFit)
     slip: float = entry(unit="1", about="last slip")
     falling: float = entry(unit="1", about="steps in a row in which the curve falls")
     peak: float = entry(unit="1", about="slip of the peak at the last hit")
@@ -60,7 +52,7 @@ def watch_slip(p: SlipPeakParameters, s: SlipPeakState, period: float, slip: flo
     curve.
     """
     samples = float(max(round(p.window / period), FEWEST_SAMPLES))
-    add_sample(s.fit, samples, p.offset, (slip + s.slip) / 2.0, torque, p.template)
+    slip_curve_fit.add_sample(s.fit, samples, p.offset, (slip + s.slip) / 2.0, torque, p.template)
     s.slip = slip
 
 
@@ -72,11 +64,11 @@ def peak_is_passed(p: SlipPeakParameters, s: SlipPeakState, noise: float) -> boo
     mean.
     """
     least_spread = p.spread * noise
-    counts = s.slip > p.least_slip and is_full(s.fit) and s.slip > mean_slip(s.fit)
-    if not counts or slip_variance(s.fit) <= least_spread * least_spread:
+    counts = s.slip > p.least_slip and slip_curve_fit.is_full(s.fit) and s.slip > slip_curve_fit.mean_slip(s.fit)
+    if not counts or slip_curve_fit.slip_variance(s.fit) <= least_spread * least_spread:
         s.falling = 0.0
         return False
-    peak = fitted_peak(p, s.fit)
+    peak = slip_curve_fit.fitted_peak(p, s.fit)
     s.falling = s.falling + 1.0 if peak <= s.slip else 0.0
     if peak > s.slip or s.falling < p.hits:
         return False

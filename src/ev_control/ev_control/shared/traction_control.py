@@ -10,13 +10,8 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any, NamedTuple, TypeVar
 
+from ev_control.estimation import reference_speed
 from ev_control.estimation.plausible import is_plausible
-from ev_control.estimation.reference_speed import (
-    ReferenceSpeedParameters,
-    ReferenceSpeedState,
-    free_wheels_for,
-    rolling_speeds,
-)
 from ev_control.estimation.wheel_dynamics import WheelMotion, start_again
 from ev_control.shared.limp_mode import LostMotors, limp_mode_for, without_yaw
 from ev_core.law import NO_WHEELS, Car, Need, Wheels, WheelSpeedCommand, compilable, copysign, method
@@ -50,7 +45,7 @@ class LimitedWheel:
 class TractionControlState:
     """What every traction control knows of the car."""
 
-    reference: ReferenceSpeedState = part(ReferenceSpeedState)
+    reference: reference_speed.ReferenceSpeedState = part(reference_speed.ReferenceSpeedState)
     velocity: list[float] = per_wheel(unit="rad/s", about="last wheel speeds")
     measured: float = entry(unit="1", about="whether there are last wheel speeds")
     direction: list[float] = per_wheel(unit="1", about="sign of the request that is watched; 0 where it just passes")
@@ -70,7 +65,7 @@ class Measured(NamedTuple):
 def watch(
     limit_of: Callable[..., float],
     forget: Callable[..., None],
-    reference: ReferenceSpeedParameters,
+    reference: reference_speed.ReferenceSpeedParameters,
     p: Any,
     car: Car,
     s: Any,
@@ -98,7 +93,9 @@ def watch(
     is_braked = request.brake != NO_WHEELS
     asked = sign((drive[0] + drive[1]) + (drive[2] + drive[3]))
     direction = -sign(known.reference.speed) if is_braked else asked
-    rolling = rolling_speeds(reference, car, known.reference, period, velocity, column.road_wheel_angle, imu, direction)
+    rolling = reference_speed.rolling_speeds(
+        reference, car, known.reference, period, velocity, column.road_wheel_angle, imu, direction
+    )
     for i in range(4):
         if car.driven[i] == 0.0:
             continue
@@ -235,7 +232,7 @@ def traction_control(
     """
     home_of = HOMES[reference]
     how: dict[str, Any] = {"writes": (WheelTorqueCommand,)}
-    lacks: tuple[Need, ...] = (*needs, free_wheels_for(reference))
+    lacks: tuple[Need, ...] = (*needs, reference_speed.free_wheels_for(reference))
     answer: Callable[..., Any] = limited
     if speed_mode:
         answer = set_points

@@ -8,16 +8,8 @@ from typing import Any, NamedTuple
 from ev_core.elementary import atan2, copysign
 from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
+from ev_sim.driver import pedals
 from ev_sim.driver.path import Path, PathParameters, RoadEdgeState, edge_notes, nearest, path_of, point_at, watch_edge
-from ev_sim.driver.pedals import (
-    UNBOUNDED,
-    FeetParameters,
-    FeetProfiles,
-    FeetState,
-    driver_method,
-    feet_profiles,
-    work_pedals,
-)
 from ev_sim.driver.profile_driver import AngleControlParameters, AngleControlState, turn_to_angle
 
 
@@ -117,7 +109,7 @@ def keep_lane(
 
 
 @dataclass(frozen=True, slots=True)
-class PathFollowerParameters(FeetParameters, LaneKeepingParameters):
+class PathFollowerParameters(pedals.FeetParameters, LaneKeepingParameters):
     """The path, how far ahead the driver looks, and hands and feet."""
 
 
@@ -125,20 +117,20 @@ class PathFollowerParameters(FeetParameters, LaneKeepingParameters):
 class PathFollowerState:
     """What feet and hands remember."""
 
-    feet: FeetState = part(FeetState)
+    feet: pedals.FeetState = part(pedals.FeetState)
     hands: LaneKeepingState = part(LaneKeepingState)
 
 
 class FollowedPath(NamedTuple):
     """What the feet follow, and the path."""
 
-    feet: FeetProfiles
+    feet: pedals.FeetProfiles
     path: Path
 
 
 def followed_path(parameters: PathFollowerParameters, vehicle: Vehicle, period: float) -> FollowedPath:
     """The course that the parameters describe; ParameterError if they name a profile file that has not been read."""
-    return FollowedPath(feet_profiles(parameters, vehicle, period), path_of(parameters.path))
+    return FollowedPath(pedals.feet_profiles(parameters, vehicle, period), path_of(parameters.path))
 
 
 def road_notes(p: LaneKeepingParameters, s: Any) -> tuple[str, ...]:
@@ -146,7 +138,7 @@ def road_notes(p: LaneKeepingParameters, s: Any) -> tuple[str, ...]:
     return edge_notes(s.hands.edge, p.path.width)
 
 
-@driver_method(
+@pedals.driver_method(
     "path_follower", PathFollowerParameters, state=PathFollowerState, prepare=followed_path, notes=road_notes
 )
 @compilable
@@ -163,5 +155,5 @@ def path_follower(
 ) -> DriverCommand:
     """Steer along a path by pure pursuit through the hand torque, forwards and in reverse."""
     speed = speed_along_path(body)
-    drive, brake = work_pedals(p, car, c.feet, s.feet, period, now.time, speed, UNBOUNDED)
+    drive, brake = pedals.work_pedals(p, car, c.feet, s.feet, period, now.time, speed, pedals.UNBOUNDED)
     return DriverCommand(drive, brake, keep_lane(p, car, c.path, s.hands, period, now.time, pose, speed, column))

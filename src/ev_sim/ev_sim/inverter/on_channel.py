@@ -2,37 +2,9 @@
 
 from __future__ import annotations
 
-from ev_core.bus.checking import (
-    OK_SOME_LOST,
-    REPEATED,
-    TOLERANCES,
-    WRONG_CRC,
-    WRONG_SEQUENCE,
-    check,
-    is_valid,
-    no_new_data,
-)
+from ev_core.bus import checking
 from ev_core.law import compilable, sqrt
-from ev_msgs_py.can.drive_states import (
-    ENABLE_OPERATION,
-    FAULT_RESET,
-    INTERNAL_LIMIT,
-    REMOTE,
-    STATE_BITS,
-    VOLTAGE_ENABLED,
-    WARNING,
-)
-from ev_msgs_py.can.frames import (
-    COMMAND_TIMEOUT,
-    RPM,
-    SENT,
-    WRONG_COUNTER,
-    WRONG_CRC_FAULT,
-    BenchFrames,
-    DeviceFrames,
-    SetPointLayout,
-    guarded,
-)
+from ev_msgs_py.can import drive_states, frames
 from ev_msgs_py.can.payload import extracted, inserted
 from ev_msgs_py.can.protection import last_counter, next_counter
 from ev_sim.inverter.device import Inverter
@@ -41,39 +13,39 @@ from ev_sim.inverter.power_stage import coolant_outlet, inverter_temperature, wi
 
 
 @compilable
-def receive_set_point(layout: SetPointLayout, own: DeviceFrames, s: Inverter, payload: int) -> int:
+def receive_set_point(layout: frames.SetPointLayout, own: frames.DeviceFrames, s: Inverter, payload: int) -> int:
     """Judge a set-point frame, and take its content over if it is valid; the status of the check."""
     s.supervision.heard = 1.0
-    status = check(TOLERANCES, s.check, payload, int(layout.length), int(own.set_point_data_id))
-    if is_valid(status):
+    status = checking.check(checking.TOLERANCES, s.check, payload, int(layout.length), int(own.set_point_data_id))
+    if checking.is_valid(status):
         _take_over(layout, s, payload)
         s.supervision.age = s.supervision.wrong_crc = s.supervision.wrong_counter = 0.0
-        if status == OK_SOME_LOST:
+        if status == checking.OK_SOME_LOST:
             s.supervision.lost_age = 0.0
         return status
-    if status == WRONG_CRC:
+    if status == checking.WRONG_CRC:
         s.supervision.wrong_crc += 1.0
         s.supervision.refused_age = 0.0
-    elif status in (REPEATED, WRONG_SEQUENCE):
+    elif status in (checking.REPEATED, checking.WRONG_SEQUENCE):
         s.supervision.wrong_counter += 1.0
         s.supervision.refused_age = 0.0
     return status
 
 
 @compilable
-def _take_over(layout: SetPointLayout, s: Inverter, payload: int) -> None:
+def _take_over(layout: frames.SetPointLayout, s: Inverter, payload: int) -> None:
     """A reset counts where its bit rises, without a torque set-point and with operation disabled."""
     before = int(s.command.controlword)
     control = int(extracted(payload, layout.controlword))
     torque = extracted(payload, layout.torque)
-    risen = control & FAULT_RESET != 0 and before & FAULT_RESET == 0
-    if risen and torque == 0.0 and control & ENABLE_OPERATION == 0:
+    risen = control & drive_states.FAULT_RESET != 0 and before & drive_states.FAULT_RESET == 0
+    if risen and torque == 0.0 and control & drive_states.ENABLE_OPERATION == 0:
         s.command.reset = 1.0
     s.command.controlword = float(control)
     s.command.mode = extracted(payload, layout.mode)
     s.command.direction = extracted(payload, layout.direction)
     s.command.torque = torque
-    s.command.speed = RPM * extracted(payload, layout.speed)
+    s.command.speed = frames.RPM * extracted(payload, layout.speed)
     s.command.torque_limit = extracted(payload, layout.torque_limit)
 
 
@@ -81,7 +53,7 @@ def _take_over(layout: SetPointLayout, s: Inverter, payload: int) -> None:
 def begin_cycle(s: Inverter) -> None:
     """Note for the check that no frame has come since the last cycle."""
     if s.supervision.heard == 0.0:
-        no_new_data(s.check)
+        checking.no_new_data(s.check)
     s.supervision.heard = 0.0
 
 
@@ -109,16 +81,16 @@ def missing_set_point(s: Inverter, timeout: float, period: float) -> int:
     if s.supervision.age < timeout - 0.5 * period:
         return 0
     if s.supervision.wrong_crc > 0.0:
-        return WRONG_CRC_FAULT
-    return WRONG_COUNTER if s.supervision.wrong_counter > 0.0 else COMMAND_TIMEOUT
+        return frames.WRONG_CRC_FAULT
+    return frames.WRONG_COUNTER if s.supervision.wrong_counter > 0.0 else frames.COMMAND_TIMEOUT
 
 
-MOTION, ELECTRICAL, TEMPERATURES, FAULTS = range(len(SENT))
+MOTION, ELECTRICAL, TEMPERATURES, FAULTS = range(len(frames.SENT))
 _WRONG = 0xFF  # what a corrupted checksum is changed by
 
 
 @compilable
-def ticks_between(f: BenchFrames, kind: int) -> float:
+def ticks_between(f: frames.BenchFrames, kind: int) -> float:
     """Cycles of 1 ms between two frames of a kind."""
     if kind == MOTION:
         return f.motion.ticks
@@ -128,7 +100,9 @@ def ticks_between(f: BenchFrames, kind: int) -> float:
 
 
 @compilable
-def made(f: BenchFrames, own: DeviceFrames, p: InverterParameters, s: Inverter, kind: int, speed: float) -> int:
+def made(
+    f: frames.BenchFrames, own: frames.DeviceFrames, p: InverterParameters, s: Inverter, kind: int, speed: float
+) -> int:
     """The payload of the next frame of a kind at a shaft speed [rad/s]; its counter goes on."""
     frozen = s.injected.frozen_counter != 0.0
     counter = int(s.counters[kind])
@@ -137,37 +111,37 @@ def made(f: BenchFrames, own: DeviceFrames, p: InverterParameters, s: Inverter, 
         s.counters[kind] = float(next_counter(counter))
     data_id = own.data_ids[kind]
     if kind == MOTION:
-        payload = guarded(f.motion, _motion(f, s, speed), data_id, used)
+        payload = frames.guarded(f.motion, _motion(f, s, speed), data_id, used)
     elif kind == ELECTRICAL:
-        payload = guarded(f.electrical, _electrical(f, s), data_id, used)
+        payload = frames.guarded(f.electrical, _electrical(f, s), data_id, used)
     elif kind == TEMPERATURES:
-        payload = guarded(f.temperatures, _temperatures(f, p, s), data_id, used)
+        payload = frames.guarded(f.temperatures, _temperatures(f, p, s), data_id, used)
     else:
-        payload = guarded(f.faults, _faults(f, s), data_id, used)
+        payload = frames.guarded(f.faults, _faults(f, s), data_id, used)
     return payload ^ _WRONG if s.injected.wrong_crc != 0.0 else payload
 
 
 @compilable
 def statusword(s: Inverter) -> int:
     """Bits 0 to 11 of the statusword."""
-    word = STATE_BITS[int(s.state)] | (REMOTE if s.remote != 0.0 else 0)
+    word = drive_states.STATE_BITS[int(s.state)] | (drive_states.REMOTE if s.remote != 0.0 else 0)
     if s.dc_link.contactor != 0.0:
-        word |= VOLTAGE_ENABLED
+        word |= drive_states.VOLTAGE_ENABLED
     if s.warnings != 0.0:
-        word |= WARNING
-    return word | (INTERNAL_LIMIT if s.limited != 0.0 else 0)
+        word |= drive_states.WARNING
+    return word | (drive_states.INTERNAL_LIMIT if s.limited != 0.0 else 0)
 
 
 @compilable
-def _motion(f: BenchFrames, s: Inverter, speed: float) -> int:
+def _motion(f: frames.BenchFrames, s: Inverter, speed: float) -> int:
     payload = inserted(0, f.motion.command_check, s.check.status)
     payload = inserted(payload, f.motion.torque, s.torque)
-    payload = inserted(payload, f.motion.speed, speed / RPM)
+    payload = inserted(payload, f.motion.speed, speed / frames.RPM)
     return inserted(payload, f.motion.statusword, float(statusword(s)))
 
 
 @compilable
-def _electrical(f: BenchFrames, s: Inverter) -> int:
+def _electrical(f: frames.BenchFrames, s: Inverter) -> int:
     payload = inserted(0, f.electrical.dc_voltage, s.dc_link.voltage + s.injected.voltage_rise)
     payload = inserted(payload, f.electrical.dc_current, s.dc_current)
     payload = inserted(payload, f.electrical.phase_current, s.phase_current + s.injected.current_rise)
@@ -175,7 +149,7 @@ def _electrical(f: BenchFrames, s: Inverter) -> int:
 
 
 @compilable
-def _temperatures(f: BenchFrames, p: InverterParameters, s: Inverter) -> int:
+def _temperatures(f: frames.BenchFrames, p: InverterParameters, s: Inverter) -> int:
     """The rotor is not modelled by itself: its temperature is that of the winding."""
     winding = winding_temperature(p.thermal, s)
     payload = inserted(0, f.temperatures.winding, winding)
@@ -187,7 +161,7 @@ def _temperatures(f: BenchFrames, p: InverterParameters, s: Inverter) -> int:
 
 
 @compilable
-def _faults(f: BenchFrames, s: Inverter) -> int:
+def _faults(f: frames.BenchFrames, s: Inverter) -> int:
     payload = inserted(0, f.faults.error_code, s.error_code)
     payload = inserted(payload, f.faults.faults, s.faults)
     return inserted(payload, f.faults.warnings, s.warnings)

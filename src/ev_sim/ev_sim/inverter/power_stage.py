@@ -4,27 +4,10 @@ from __future__ import annotations
 
 from ev_core.law import compilable, exp
 from ev_core.vehicle.motor import SPEED_FADE, ThermalParameters
+from ev_msgs_py.can import frames
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE, READY_TO_SWITCH_ON, SWITCH_ON, SWITCHED_ON
-from ev_msgs_py.can.frames import (
-    DC_LINK_LOSS,
-    DC_OVER_VOLTAGE,
-    INVERTER_TEMPERATURE,
-    PRECHARGE_TIMEOUT,
-    SPEED_MODE,
-    TORQUE_MODE,
-    WINDING_TEMPERATURE,
-)
+from ev_sim.drives import synchronous_motor
 from ev_sim.drives.electrical_side import coolant_outlet_temperature, derating_share, heated, loss_power
-from ev_sim.drives.synchronous_motor import (
-    current_limited_torque,
-    induced_voltage,
-    is_weakened,
-    limited_torque,
-    phase_values,
-    speed_control,
-    voltage_limited_torque,
-    weakening_loss,
-)
 from ev_sim.inverter.device import Inverter
 from ev_sim.inverter.inverter_parameters import DcLinkParameters, InverterParameters, Machine
 
@@ -64,13 +47,13 @@ def dc_link_faults(p: DcLinkParameters, s: Inverter) -> int:
     bits = 0
     if SWITCHED_ON <= state <= QUICK_STOP_ACTIVE:
         if s.dc_link.contactor == 0.0 or voltage < p.least_share * p.supply_voltage:
-            bits |= DC_LINK_LOSS
+            bits |= frames.DC_LINK_LOSS
     elif s.injected.supply_lost != 0.0:
-        bits |= DC_LINK_LOSS
+        bits |= frames.DC_LINK_LOSS
     if voltage > p.highest_share * p.supply_voltage:
-        bits |= DC_OVER_VOLTAGE
+        bits |= frames.DC_OVER_VOLTAGE
     if s.dc_link.charging_time > p.precharge_timeout:
-        bits |= PRECHARGE_TIMEOUT
+        bits |= frames.PRECHARGE_TIMEOUT
     return bits
 
 
@@ -116,8 +99,8 @@ def derating(p: ThermalParameters, s: Inverter) -> float:
 @compilable
 def temperature_faults(p: ThermalParameters, s: Inverter) -> int:
     """The bits of what is too hot."""
-    bits = WINDING_TEMPERATURE if winding_temperature(p, s) > p.winding_limit else 0
-    return bits | (INVERTER_TEMPERATURE if inverter_temperature(p, s) > p.inverter_limit else 0)
+    bits = frames.WINDING_TEMPERATURE if winding_temperature(p, s) > p.winding_limit else 0
+    return bits | (frames.INVERTER_TEMPERATURE if inverter_temperature(p, s) > p.inverter_limit else 0)
 
 
 _COLD = 0.0  # heat of `limited_torque`: derating is by our own temperatures
@@ -142,9 +125,9 @@ def largest_torque(p: InverterParameters, s: Inverter, speed: float) -> float:
     """The torque [N m] that set-point, machine, temperatures and voltage allow; an inverter asks once in a cycle."""
     most = min(s.command.torque_limit, p.machine.peak_torque) * derating(p.thermal, s)
     winding, voltage = p.machine.winding, s.dc_link.voltage
-    if is_weakened(winding, voltage, speed):
-        return min(most, voltage_limited_torque(winding, voltage, speed))
-    return min(most, current_limited_torque(winding))
+    if synchronous_motor.is_weakened(winding, voltage, speed):
+        return min(most, synchronous_motor.voltage_limited_torque(winding, voltage, speed))
+    return min(most, synchronous_motor.current_limited_torque(winding))
 
 
 @compilable
@@ -162,7 +145,7 @@ def follow_reference(
         reference = 0.0
         if state == OPERATION_ENABLED:
             asked = _asked(p, s, speed, period, most)
-            reference = limited_torque(p.machine, min(max(asked, -most), most), speed, _COLD)
+            reference = synchronous_motor.limited_torque(p.machine, min(max(asked, -most), most), speed, _COLD)
             s.limited = 1.0 if abs(asked - reference) > _HALF_STEP else 0.0
         s.torque += share * (reference - s.torque)
 
@@ -171,11 +154,13 @@ def follow_reference(
 def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most: float) -> float:
     """The torque [N m] that the set-point asks for, forwards positive."""
     sense = -1.0 if s.direction != 0.0 else 1.0
-    if int(s.command.mode) == TORQUE_MODE:
+    if int(s.command.mode) == frames.TORQUE_MODE:
         return _below_speed_limit(p, sense * s.command.torque, speed, abs(s.command.speed))
-    if int(s.command.mode) == SPEED_MODE and p.offers_speed_mode != 0.0:
+    if int(s.command.mode) == frames.SPEED_MODE and p.offers_speed_mode != 0.0:
         error, before = sense * s.command.speed - speed, s.speed_integral
-        asked, s.speed_integral = speed_control(p.speed_gain, p.speed_integral_time, before, error, period, -most, most)
+        asked, s.speed_integral = synchronous_motor.speed_control(
+            p.speed_gain, p.speed_integral_time, before, error, period, -most, most
+        )
         return asked
     return 0.0
 
@@ -195,9 +180,9 @@ def advance_electrical(p: InverterParameters, s: Inverter, speed: float) -> None
     Once in a cycle is enough, at its end: sensors, faults and the heat of field weakening ask for them no oftener.
     """
     s.phase_current = s.dc_current = s.weakening_loss = 0.0
-    s.phase_voltage = induced_voltage(p.machine.winding, speed)
+    s.phase_voltage = synchronous_motor.induced_voltage(p.machine.winding, speed)
     if int(s.state) in (OPERATION_ENABLED, QUICK_STOP_ACTIVE) and s.dc_link.voltage > 1.0:
-        s.phase_current, s.phase_voltage = phase_values(p.machine, s.torque, s.dc_link.voltage, speed)
-        s.weakening_loss = weakening_loss(p.machine, s.torque, s.dc_link.voltage, speed)
+        s.phase_current, s.phase_voltage = synchronous_motor.phase_values(p.machine, s.torque, s.dc_link.voltage, speed)
+        s.weakening_loss = synchronous_motor.weakening_loss(p.machine, s.torque, s.dc_link.voltage, speed)
         power = s.torque * speed + loss_power(p.machine, s.torque, speed) + s.weakening_loss
         s.dc_current = power / s.dc_link.voltage

@@ -12,6 +12,7 @@ from ev_core.vehicle.drive_train import has_own_motors
 from ev_msgs_py.contract.optional_signals import RearSteeringState, WheelSpeedCommand
 from ev_sim.drives.synchronous_motor import SpeedModeParameters, speed_control_without_windup
 from ev_sim.plant.guard import accepted, guarded_steering, guarded_torques
+from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.body import steer
 from ev_sim.plant.planar.car_faults import deflate, delay_commands, find_faults
 from ev_sim.plant.planar.contact import find_road
@@ -19,18 +20,6 @@ from ev_sim.plant.planar.drive_torques import Lags, apply_drives
 from ev_sim.plant.planar.energy import PowerConstants, account
 from ev_sim.plant.planar.given import IMPOSED, PlanarParameters, load_files
 from ev_sim.plant.planar.integration import integrate
-from ev_sim.plant.planar.planar_state import (
-    HEADING,
-    STAGES,
-    STEP,
-    VX,
-    VY,
-    WHEEL_ANGLE,
-    WHEEL_SPEED,
-    PlanarState,
-    Stages,
-    Step,
-)
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
 from ev_sim.plant.planar.shown import ELECTRICAL_SIGNALS, PLANAR_SIGNALS, electrical_outputs, outputs
 from ev_sim.plant.planar.start import begin, keep_noted, notes
@@ -38,7 +27,7 @@ from ev_sim.profiles.profile import value_at
 
 # What all methods of this plant have, but for what they give themselves.
 PLANAR: dict[str, Any] = {
-    "state": PlanarState,
+    "state": state.PlanarState,
     "prepare": prepare,
     "start": begin,
     "outputs": outputs,
@@ -56,7 +45,7 @@ def planar(
     p: PlanarParameters,
     car: Car,
     c: PlanarConstants,
-    s: PlanarState,
+    s: state.PlanarState,
     period: float,
     command: WheelTorqueCommand,
     column: SteeringColumnState,
@@ -73,7 +62,7 @@ def advance(
     p: PlanarParameters,
     car: Car,
     c: PlanarConstants,
-    s: PlanarState,
+    s: state.PlanarState,
     period: float,
     command: WheelTorqueCommand,
     column: SteeringColumnState,
@@ -88,8 +77,8 @@ def advance(
     s.periods += 1.0
     s.imposed_acceleration = 0.0
     if p.speed == IMPOSED:
-        s.imposed_acceleration = (value_at(c.imposed, s.periods * period) - s.motion[VX]) / period
-    _run(p, car, c, s, torques, angle, rate, apply, book, working_memory(STEP), working_memory(STAGES))
+        s.imposed_acceleration = (value_at(c.imposed, s.periods * period) - s.motion[state.VX]) / period
+    _run(p, car, c, s, torques, angle, rate, apply, book, working_memory(state.STEP), working_memory(state.STAGES))
     s.road_wheel_angle = angle + rate * (c.steps * c.h)
     keep_noted(s, car, c.road)
 
@@ -105,7 +94,7 @@ def planar_electrical(
     p: PlanarParameters,
     car: Car,
     c: PlanarConstants,
-    s: PlanarState,
+    s: state.PlanarState,
     period: float,
     command: WheelTorqueCommand,
     column: SteeringColumnState,
@@ -122,14 +111,14 @@ def _run(
     p: PlanarParameters,
     car: Car,
     c: PlanarConstants,
-    s: PlanarState,
+    s: state.PlanarState,
     torques: WheelTorqueCommand,
     angle: float,
     rate: float,
     apply: Callable[..., None],
     book: Callable[..., None],
-    steps: list[Step],
-    stages: list[Stages],
+    steps: list[state.Step],
+    stages: list[state.Stages],
 ) -> None:
     """All steps of a period, from a road-wheel angle [rad] that goes on at its rate [rad/s]."""
     step, h, y = steps[0], c.h, s.motion
@@ -147,16 +136,16 @@ def _run(
         time = (n + 0.5) * h
         steer(car, step, angle + rate * time, s.rear_angle + s.rear_rate * time)
         apply(s, p, car, c.power, c.lags, step, h)
-        vx, vy, heading = y[VX], y[VY], y[HEADING]
+        vx, vy, heading = y[state.VX], y[state.VY], y[state.HEADING]
         for i in range(4):
-            step.turned[i] = -y[WHEEL_ANGLE + i]
+            step.turned[i] = -y[state.WHEEL_ANGLE + i]
         integrate(y, p, car, c.body, step, stages[0], h)
         for i in range(4):
-            step.turned[i] += y[WHEEL_ANGLE + i]
+            step.turned[i] += y[state.WHEEL_ANGLE + i]
             s.mean_drive[i] += step.drive[i] / c.steps
         # The position feeds nothing back, so the trapezoidal rule over the step is enough.
-        mean_x, mean_y = 0.5 * (vx + y[VX]), 0.5 * (vy + y[VY])
-        middle = 0.5 * (heading + y[HEADING])
+        mean_x, mean_y = 0.5 * (vx + y[state.VX]), 0.5 * (vy + y[state.VY])
+        middle = 0.5 * (heading + y[state.HEADING])
         cosine, sine = cos(middle), sin(middle)
         s.x += h * (mean_x * cosine - mean_y * sine)
         s.y += h * (mean_y * cosine + mean_x * sine)
@@ -169,7 +158,7 @@ def planar_rear_steering(
     p: PlanarParameters,
     car: Car,
     c: PlanarConstants,
-    s: PlanarState,
+    s: state.PlanarState,
     period: float,
     command: WheelTorqueCommand,
     column: SteeringColumnState,
@@ -194,7 +183,7 @@ class PlanarSpeedModeParameters(PlanarParameters):
 
 
 @dataclass(slots=True)
-class SpeedModeState(PlanarState):
+class SpeedModeState(state.PlanarState):
     """The same, and what the speed controls keep."""
 
     set_point: list[float] = per_wheel(unit="rad/s", about="of the wheel speed that was accepted last")
@@ -244,7 +233,13 @@ def planar_speed_mode(
 
 @inlined
 def _apply(
-    s: SpeedModeState, p: PlanarSpeedModeParameters, car: Car, power: PowerConstants, lags: Lags, step: Step, h: float
+    s: SpeedModeState,
+    p: PlanarSpeedModeParameters,
+    car: Car,
+    power: PowerConstants,
+    lags: Lags,
+    step: state.Step,
+    h: float,
 ) -> None:
     """Set the torques of a step of h [s] as in torque mode, by the torque that each speed control asks for."""
     command, control = step.drive_command, p.speed_control
@@ -255,7 +250,7 @@ def _apply(
         if s.set_point[i] * command[i] >= car.motor.maximum_speed / gear * abs(command[i]):
             s.speed_integral[i] = command[i] / gear
             continue
-        error = gear * (s.set_point[i] - s.motion[WHEEL_SPEED + i])
+        error = gear * (s.set_point[i] - s.motion[state.WHEEL_SPEED + i])
         asked, s.speed_integral[i] = speed_control_without_windup(
             control.gain, control.integral_time, s.speed_integral[i], error, h, least, most
         )
