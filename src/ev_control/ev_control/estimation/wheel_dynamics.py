@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import linecache
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, is_dataclass
 from math import inf
@@ -16,10 +17,14 @@ def start_again(record: type) -> Callable[[Any], None]:
 
     Its text is made from the declaration, because compiled code reaches the fields of a record only by their names.
     """
-    name, space = f"start_again_{record.__name__}", {"inf": inf, "__name__": __name__}
-    exec("\n    ".join([f"def {name}(s):", *_assignments("s", record())]), space)
-    again: Callable[[Any], None] = space[name]  # type: ignore[assignment]
-    return compilable(again)
+    name = f"start_again_{record.__name__}"
+    lines = [f"def {name}(s):\n", *(f"    {line}\n" for line in _assignments("s", record()))]
+    file = f"<{name}>"
+    space: dict[str, Any] = {"inf": inf, "__name__": __name__}
+    linecache.cache[file] = (len(lines), None, lines, file)  # for debuggers and whatever reads a function's text
+    exec(compile("".join(lines), file, "exec"), space)
+    again: Callable[[Any], None] = compilable(space[name])
+    return again
 
 
 def _assignments(place: str, start: Any) -> Iterator[str]:
