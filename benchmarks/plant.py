@@ -29,9 +29,9 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.analysis.__main__ import load_vehicle
-from ev_sim.plant.planar.equations import Equations
-from ev_sim.plant.planar.parameters import PlanarParameters
-from ev_sim.plant.planar.state import INTEGRATED_SIZE
+from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.integration import Equations
+from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE
 
 STEP = 1e-3  # [s]
 SPEED = 15.0  # [m/s]

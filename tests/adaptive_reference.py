@@ -22,13 +22,13 @@ from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.topics import TOPICS
-from ev_sim.plant.commands import GuardState, guarded_steering, guarded_torques
+from ev_sim.plant.guard import GuardState, guarded_steering, guarded_torques
 from ev_sim.plant.planar.body import rates, steer
 from ev_sim.plant.planar.contact import find_road
 from ev_sim.plant.planar.drive_torques import Lags, apply_drives
 from ev_sim.plant.planar.energy import account
+from ev_sim.plant.planar.planar_state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, Step, index
 from ev_sim.plant.planar.prepare import prepare
-from ev_sim.plant.planar.state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, Step, index
 from ev_sim.recording.recording import Recording
 
 SIZE = index("drives.front_left.torque")  # what comes before is advanced by differential equations

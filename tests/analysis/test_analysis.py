@@ -29,8 +29,8 @@ from ev_sim.measures.understeer import (
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.plant.planar.parameters import PlanarParameters
-from ev_sim.plant.planar.state import VY, YAW_RATE
+from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.planar_state import VY, YAW_RATE
 
 CAR = SideSlipModel(wheelbase=2.7, mass=2400.0, yaw_inertia=4200.0, axle_cornering_stiffness=120e3, speed=7.0)
 GE_NI = Vehicle(

@@ -9,7 +9,7 @@ import pytest
 from ev_core.parameters.values import build
 from ev_core.vehicle.battery import Battery, Cells
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.drives.battery import cell_power_limits, current_at_power, relaxed, temperature_share
+from ev_sim.drives.electrical_side import cell_power_limits, current_at_power, relaxed, temperature_share
 
 CORNERS = (0.0, 10.0, 45.0, 60.0)
 

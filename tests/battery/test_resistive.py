@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ev_sim.drives.battery import current_at_power, open_circuit_voltage
+from ev_sim.drives.electrical_side import current_at_power, open_circuit_voltage
 
 
 def test_battery_current_and_voltage():

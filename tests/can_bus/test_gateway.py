@@ -28,8 +28,8 @@ from ev_msgs_py.can.drive_states import (
 from ev_msgs_py.can.frames import DEVICES, SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.protection import checksum, counter_of, next_counter
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.inverter.parameters import CircuitParameters
-from ev_sim.inverter.station import CircuitStation
+from ev_sim.inverter.circuit_station import CircuitStation
+from ev_sim.inverter.inverter_parameters import CircuitParameters
 
 RPM = math.pi / 30.0
 

@@ -24,7 +24,7 @@ from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_sim.running import real_bus
 from ev_sim.scenarios.scenario import Overrides, load_scenario
-from ev_sim.test_bench.on_bus import BenchOnBus, meters_of
+from ev_sim.test_bench.bench_on_bus import BenchOnBus, meters_of
 
 TICKS = 5  # of 1 ms in a control period
 TRIP, RESET = 0.2, 0.3  # [s]

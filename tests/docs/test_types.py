@@ -23,7 +23,7 @@ def test_mypy_finds_nothing():
 
 def test_a_wrong_type_in_a_law_is_found(tmp_path: Path):
     """The rules see through `@method` and `@compilable`: a law of equal_torque that answers with a number."""
-    law = ROOT / "src/ev_control/ev_control/electronic_differential/equal_torque.py"
+    law = ROOT / "src/ev_control/ev_control/electronic_differential/mechanical.py"
     wrong = tmp_path / "wrong.py"
     wrong.write_text(law.read_text().replace("return split(p.brake, car, driver, 0.0)", "return driver.drive_torque"))
     command = [sys.executable, "-m", "mypy", "--config-file", str(ROOT / "setup.cfg"), str(wrong)]

@@ -12,8 +12,8 @@ from plant.planar.car import STRAIGHT, X, Y, command, plant
 from ev_core.methods.law import namespace
 from ev_core.vehicle.car import car_numbers
 from ev_core.vehicle.description import Vehicle
-from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
-from ev_sim.plant.planar.state import VX
+from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, follow_speed
+from ev_sim.plant.planar.planar_state import VX
 from ev_sim.recording.offline import run_offline
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_sim.driver.speed_control import limited_pid
+from ev_sim.driver.pedals import limited_pid
 
 PERIOD = 0.01
 

@@ -11,7 +11,16 @@ from driver.preview_drives import drives, from_circle
 from scipy.linalg import expm, solve_discrete_are
 
 from ev_core.vehicle.description import Vehicle
-from ev_sim.driver.preview.gains import HEADING, LATERAL, SPEEDS, STATES, STEP, PreviewParameters, _model, preview_gains
+from ev_sim.driver.preview_gains import (
+    GAIN_SPEEDS,
+    HEADING,
+    LATERAL,
+    STATES,
+    STEP,
+    PreviewParameters,
+    _model,
+    preview_gains,
+)
 
 CONFIG = Path(__file__).parents[2] / "config"
 CARS = sorted(path.stem for path in (CONFIG / "vehicles").glob("*.yaml"))
@@ -86,7 +95,7 @@ def test_left_and_right_are_alike_to_the_bit(speed):
 def test_gains_are_those_of_the_textbook():
     """Against the algebraic Riccati equation and the matrix exponential of scipy, at all speeds both ways."""
     p, car = PreviewParameters(), Vehicle()
-    speeds = np.array([*SPEEDS, *(-speed for speed in SPEEDS)])
+    speeds = np.array([*GAIN_SPEEDS, *(-speed for speed in GAIN_SPEEDS)])
     gains, (a, b) = preview_gains(p, car), _model(p, car, speeds)
     points = int(gains.points)
     assert points == 40

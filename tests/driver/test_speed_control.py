@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ev_core.methods.law import namespace
 from ev_core.vehicle.car import car_numbers
 from ev_msgs_py.contract.signals import DriverCommand, Instant
-from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
+from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, follow_speed
 
 LIMITS, NUMBERS = SpeedControlParameters(), namespace(car_numbers(CAR))
 HELD = 2.0 * 1400.0 * 9.81 * 0.294  # N m, of the brake while it holds

@@ -10,7 +10,7 @@ from ev_core.methods.register import create
 from ev_core.parameters.values import build
 from ev_msgs_py.contract.signals import DriverCommand, Instant
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.driver.speed_control import SpeedControlParameters
+from ev_sim.driver.pedals import SpeedControlParameters
 from ev_sim.profiles.profile import profile_of, value_at
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_core.vehicle.motor import Motor
-from ev_sim.drives.losses import loss_power, map_loss_power, map_loss_powers
+from ev_sim.drives.electrical_side import loss_power, map_loss_power, map_loss_powers
 
 
 def test_losses_and_efficiency_map_agree():

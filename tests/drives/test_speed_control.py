@@ -13,7 +13,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.optional_signals import WheelSpeedCommand
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_sim.drives.controlled_motor import speed_control, speed_control_without_windup
+from ev_sim.drives.synchronous_motor import speed_control, speed_control_without_windup
 
 STRAIGHT = SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0)
 PERIOD = 0.01

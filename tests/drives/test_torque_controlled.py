@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ev_core.vehicle.motor import Motor
-from ev_sim.drives.controlled_motor import limited_torque
+from ev_sim.drives.synchronous_motor import limited_torque
 
 LIMITED = Motor(
     peak_torque=300.0,

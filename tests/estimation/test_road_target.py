@@ -10,7 +10,7 @@ import pytest
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Overrides, load_scenario
-from ev_sim.surfaces.table import SURFACES
+from ev_sim.surfaces import SURFACES
 from ev_sim.tyres.curve import peak_slip
 
 

@@ -5,8 +5,12 @@ from __future__ import annotations
 import pytest
 from traction import CAR, PERIOD, car_of, numbers_of
 
-from ev_control.estimation.side_force import SideForceParameters, SideForceState, share_left
-from ev_control.estimation.slip_angle_observer import SlipAngleObserverParameters
+from ev_control.estimation.slip_angle_observer import (
+    SideForceParameters,
+    SideForceState,
+    SlipAngleObserverParameters,
+    share_left,
+)
 from ev_control.estimation.wheel_dynamics import WheelMotion
 
 KINEMATIC = SlipAngleObserverParameters(kinematic_share=1.0)

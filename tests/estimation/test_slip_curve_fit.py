@@ -10,18 +10,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 from traction import numbers_of
 
-from ev_control.estimation.slip_curve import SlipCurve, SlipCurveParameters, fitted_curve, fitted_peak, slope
 from ev_control.estimation.slip_curve_fit import (
     CAPACITY,
     SQUARE,
+    FittedCurve,
     SlipCurveFit,
+    SlipCurveParameters,
     add_sample,
-    forget_samples,
+    fitted_curve,
+    fitted_peak,
     is_full,
     mean_slip,
     slip_variance,
+    slope,
 )
-from ev_sim.surfaces.table import SURFACES
+from ev_control.estimation.wheel_dynamics import start_again
+from ev_sim.surfaces import SURFACES
 
 SIZE, OFFSET = 25.0, 1e-4
 DEFAULT = numbers_of(SlipCurveParameters())
@@ -104,7 +108,7 @@ def test_forgotten_samples_are_gone():
     fit = SlipCurveFit()
     for n in range(30):
         add_sample(fit, SIZE, OFFSET, 0.01 * n, 0.5)
-    forget_samples(fit)
+    start_again(SlipCurveFit)(fit)
     add_sample(fit, SIZE, OFFSET, 0.2, 0.7)
     assert sums(fit) == pytest.approx(sums_of([(0.2, 0.7)]), rel=1e-15)
     assert not is_full(fit)
@@ -127,7 +131,7 @@ def test_mean_and_variance_by_hand():
 
 def test_samples_that_do_not_differ_have_no_curve():
     fit = fitted(np.full(60, 0.05), lambda x: 0.3)
-    assert fitted_curve(fit) == SlipCurve(0.0, 0.0)
+    assert fitted_curve(fit) == FittedCurve(0.0, 0.0)
     assert fitted_peak(DEFAULT, fit) == math.inf
 
 

@@ -7,8 +7,8 @@ import pytest
 from launches import driven
 from traction import CAR, PERIOD, car_of, numbers_of
 
-from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState, forget_slip, observed_slip
-from ev_control.estimation.wheel_dynamics import WheelMotion
+from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState, observed_slip
+from ev_control.estimation.wheel_dynamics import WheelMotion, start_again
 
 STRAIGHT = (1.0, 0.0, 0.0, 0.0)  # ahead; speed, yaw rate and road-wheel angle, which the observers do not look at
 
@@ -108,5 +108,5 @@ def test_estimates_stay_within_nothing_and_all(kind):
 def test_a_forgotten_slip_is_none():
     p, s = numbers_of(SlipObserverParameters(observer="disturbance")), SlipObserverState()
     observed_slip(p, car_of(CAR), s, PERIOD, motion(20.0, 10.0, 500.0))
-    forget_slip(s)
+    start_again(SlipObserverState)(s)
     assert s == SlipObserverState()

@@ -8,7 +8,8 @@ from itertools import pairwise
 import pytest
 from traction import PERIOD, numbers_of
 
-from ev_control.estimation.slip_peak import SlipPeakParameters, SlipPeakState, forget_peak, peak_is_passed, watch_slip
+from ev_control.estimation.slip_peak import SlipPeakParameters, SlipPeakState, peak_is_passed, watch_slip
+from ev_control.estimation.wheel_dynamics import start_again
 
 PEAK = 1.0 / 16.0 - 1e-4  # of -4 x + 2 sqrt(x + 1e-4)
 
@@ -73,7 +74,7 @@ def test_slip_that_returns_below_the_mean_of_the_window_is_no_reason():
 
 def test_forgotten_is_as_at_the_start():
     p, (_, s) = numbers_of(SlipPeakParameters()), passes(RISING)
-    forget_peak(s)
+    start_again(SlipPeakState)(s)
     assert (s.slip, s.falling, s.peak, s.fit.taken) == (0.0, 0.0, 0.0, 0.0)
     watch_slip(p, s, PERIOD, 0.1, 0.3)
     assert not peak_is_passed(p, s, 1e-4)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from traction import car_of
 
-from ev_control.estimation.plausible import load_at_rest, wheel_load, wheel_loads
+from ev_control.estimation.wheel_dynamics import load_at_rest, wheel_load, wheel_loads
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import InertialMeasurement
 

@@ -124,8 +124,8 @@ def test_a_puncture_pulls_to_its_side_and_ends():
 
 
 def test_a_soft_tyre_has_a_smaller_slope_and_the_same_peak():
-    from ev_sim.plant.planar.state import TyreRecord
-    from ev_sim.tyres.curve import CURVES, Coefficients, friction, soften
+    from ev_sim.plant.planar.planar_state import TyreRecord
+    from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, soften
 
     for curve, c in enumerate(
         [(1.0, 17.0, 0.5, 0.0), (1.0, 0.1, 0.0, 0.0), (0.8, 0.05, 0.4, 0.0), (10.0, 1.6, 1.0, 0.5), (20.0, 0, 0, 0)]
@@ -135,7 +135,7 @@ def test_a_soft_tyre_has_a_smaller_slope_and_the_same_peak():
         after = Coefficients(tyre.c0, tyre.c1, tyre.c2, tyre.c3)
         for slip in (0.01, 0.2, 1.0):
             want = friction(curve, 0.3 * slip, Coefficients(*c))
-            assert friction(curve, slip, after) == pytest.approx(want, rel=1e-12), CURVES[curve]
+            assert friction(curve, slip, after) == pytest.approx(want, rel=1e-12), FRICTION_CURVES[curve]
 
 
 def test_a_stuck_hall_sensor_costs_a_third_of_the_torque():

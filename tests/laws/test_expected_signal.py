@@ -8,14 +8,14 @@ import math
 import pytest
 from traction import CAR, PERIOD, Control, numbers_of, spinning_at
 
-from ev_control.estimation.expected_friction import (
+from ev_control.estimation.friction_estimate import (
     FrictionDiagramParameters,
     expected_friction,
     friction_at_peak,
     peak_slip,
 )
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.surfaces.table import SURFACES
+from ev_sim.surfaces import SURFACES
 
 DIAGRAM = numbers_of(FrictionDiagramParameters())
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from launches import HELD_SURFACES, full_throttle, slip_of
 from traction import PERIOD, Control, spinning_at
 
-from ev_control.asr.fuzzy import RULES, change_by_rules, degrees
+from ev_control.asr.slip_control import RULES, change_by_rules, degrees
 
 
 def test_degrees_add_up_to_one():

@@ -10,7 +10,7 @@ import pytest
 from launches import HELD_SURFACES, NOISE, PEAK_SLIP, Channels, driven, friction_use, is_limited, launch, slip_of
 from traction import INERTIA, PERIOD, Control, spinning_at
 
-from ev_control.shared.least_squares_parameters import LeastSquaresParameters
+from ev_control.asr.least_squares import LeastSquaresParameters
 from ev_core.parameters.data_file import find_file
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError

@@ -17,8 +17,8 @@ from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.drives.losses import loss_power
-from ev_sim.plant.planar.state import index
+from ev_sim.drives.electrical_side import loss_power
+from ev_sim.plant.planar.planar_state import index
 from ev_sim.scenarios.parameter_file import ParameterFile
 
 ROOT = Path(__file__).parents[2]

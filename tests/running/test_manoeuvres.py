@@ -13,8 +13,8 @@ from plant.planar.car import kinetic_energy
 
 from ev_core.vehicle.description import Vehicle
 from ev_sim.measures.motion import lateral_acceleration_on_path
+from ev_sim.plant.planar.planar_state import index
 from ev_sim.plant.planar.prepare import number_of_steps
-from ev_sim.plant.planar.state import index
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import report_for

@@ -140,7 +140,7 @@ def test_a_misspelt_role_is_named(offered, capsys):
 
 def test_no_number_says_when(monkeypatch):
     """A law of one's own that divides zero by zero after a while."""
-    from ev_control.electronic_differential import equal_torque as law
+    from ev_control.electronic_differential import mechanical as law
     from ev_core.lockstep.finding import find_method
 
     factory = find_method("electronic_differential", "equal_torque").factory

@@ -15,8 +15,8 @@ from ev_core.bus.model import BusModelParameters
 from ev_core.lockstep.configuration import configure
 from ev_core.sensors.random_numbers import seeded
 from ev_sim.learning.environment import Environment
-from ev_sim.surfaces.road import RoadParameters, left_and_right
-from ev_sim.test_bench.parameters import CanCircuitsParameters
+from ev_sim.surfaces import RoadParameters, left_and_right
+from ev_sim.test_bench.described import CanCircuitsParameters
 
 ROAD = RoadParameters(pattern="random")
 SEEDS = st.integers(0, 2**31 - 1)

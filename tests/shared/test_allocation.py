@@ -21,7 +21,7 @@ from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.drives.controlled_motor import limited_torque
+from ev_sim.drives.synchronous_motor import limited_torque
 
 TOLERANCE = 1e-9  # [N m], rounding of sums of torques up to 1e4 N m
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.wheel_dynamics import Filtered, filter_share, follow, forget_filtered
 
 
 def test_the_first_number_passes():

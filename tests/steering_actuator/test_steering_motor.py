@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_sim.steering.actuator import SteeringMotorParameters, SteeringMotorState, servo, turn
+from ev_sim.steering.actuated import SteeringMotorParameters, SteeringMotorState, servo, turn
 
 P = SteeringMotorParameters()
 PERIOD = 0.01

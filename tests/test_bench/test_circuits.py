@@ -16,11 +16,10 @@ from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.drives.field_weakening import weakening_loss
-from ev_sim.drives.losses import loss_power
+from ev_sim.drives.electrical_side import loss_power
+from ev_sim.drives.synchronous_motor import weakening_loss
 from ev_sim.test_bench.circuit import turn
-from ev_sim.test_bench.parameters import ShaftParameters
-from ev_sim.test_bench.state import CircuitState
+from ev_sim.test_bench.described import CircuitState, ShaftParameters
 
 BATTERY, LOW = (BatteryCondition(voltage, 0.0, 30.0, 60.0, 0.5) for voltage in (400.0, 40.0))
 GEAR = 2.65  # of the default vehicle

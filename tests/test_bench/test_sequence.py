@@ -8,14 +8,14 @@ from ros_graph import NAMESPACE, ros_domain
 from std_srvs.srv import Trigger
 
 from ev_sim.nodes.test_bench import TestBenchNode
-from ev_sim.test_bench.sequence import SERVICES, STEPS, Sequence, Stage, begun
+from ev_sim.test_bench.sequence import SEQUENCE_STEPS, SERVICES, Sequence, Stage, begun
 
 
 def test_six_steps_in_this_order_and_no_other():
     """Each step that is not due is refused, and nothing changes then."""
     sequence = Sequence()
-    for due in STEPS:
-        for step in STEPS:
+    for due in SEQUENCE_STEPS:
+        for step in SEQUENCE_STEPS:
             if step != due:
                 with pytest.raises(ValueError, match=f"{step} is refused, allowed is {due}"):
                     sequence.after(step, cooling=True)

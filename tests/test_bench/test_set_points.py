@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ev_sim.test_bench.circuit import follow, send
-from ev_sim.test_bench.state import SetPointState
+from ev_sim.test_bench.described import SetPointState
 
 STEPS = 4  # of a control period
 

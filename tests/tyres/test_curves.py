@@ -11,11 +11,10 @@ import pytest
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.tyre import Tyre
-from ev_sim.surfaces.table import SURFACES, tyre_on_road
-from ev_sim.tyres.carcass import force_and_rate
-from ev_sim.tyres.combined import slip_vector, uncoupled
+from ev_sim.surfaces import SURFACES, tyre_on_road
+from ev_sim.tyres.contact_patch import force_and_rate, slip_vector, uncoupled
 from ev_sim.tyres.curve import (
-    CURVES,
+    FRICTION_CURVES,
     Coefficients,
     burckhardt,
     friction,
@@ -33,7 +32,7 @@ TYRES = {
     "magic_formula": (10.0, 1.6, 0.9, 0.5),
     "linear": (20.0, 0.0, 0.0, 0.0),
 }
-SIMPLE = [curve for curve in CURVES if curve != "mf_tyre"]
+SIMPLE = [curve for curve in FRICTION_CURVES if curve != "mf_tyre"]
 
 
 @pytest.mark.parametrize(
@@ -77,7 +76,7 @@ def on_road(curve: str, surface: str) -> Coefficients:
 def test_secant_is_finite_and_never_negative(curve):
     for surface in SURFACES:
         c = on_road(curve, surface)
-        values = [secant(CURVES.index(curve), slip, c) for slip in (0.0, 1e-12, 1e-3, 0.1, 1.0, 2.0, 3.0)]
+        values = [secant(FRICTION_CURVES.index(curve), slip, c) for slip in (0.0, 1e-12, 1e-3, 0.1, 1.0, 2.0, 3.0)]
         assert all(math.isfinite(value) and value >= 0.0 for value in values)
 
 
@@ -119,6 +118,6 @@ def test_peak_is_the_highest_of_all_points_of_the_grid(curve):
     """As a search through all 10001 of them finds it, on every surface."""
     for surface in SURFACES:
         c = on_road(curve, surface)
-        use = [friction(CURVES.index(curve), n * 1e-4, c) for n in range(10001)]
+        use = [friction(FRICTION_CURVES.index(curve), n * 1e-4, c) for n in range(10001)]
         assert peak(curve, tuple(c)) == max(use)
         assert peak_slip(curve, tuple(c)) == use.index(max(use)) * 1e-4

@@ -1,5 +1,5 @@
 /* Power steering by the torque difference of two front drives (Shchur 2019, eq 4): the law of
- * ev_control/electronic_differential/power_steering.py in C, operation by operation, so with the same bits.
+ * ev_control/electronic_differential/steering_by_drives.py in C, operation by operation, so with the same bits.
  */
 #include <math.h>
 #include <stddef.h>

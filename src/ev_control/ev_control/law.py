@@ -12,25 +12,36 @@
 - first-order filters: `Filtered`, `filter_share`, `follow`, `forget_filtered`
 """
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters
 from ev_control.estimation.slip_observers import observed_slip
-from ev_control.estimation.wheel_dynamics import WheelMotion, road_torque, share_at, slip_of, slowest_wheel
+from ev_control.estimation.wheel_dynamics import (
+    Filtered,
+    WheelMotion,
+    filter_share,
+    follow,
+    forget_filtered,
+    road_torque,
+    share_at,
+    slip_of,
+    slowest_wheel,
+)
 from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
 from ev_control.shared.limp_mode import LimpModeParameters
-from ev_control.shared.slip_regulator import (
+from ev_control.shared.torque_split import BrakeSplitParameters, split, split_brake
+from ev_control.shared.traction_control import LimitedWheel, traction_control
+from ev_control.shared.wheel_regulation import (
     RegulatedWheel,
     SlipRegulatorParameters,
+    SlipThresholdParameters,
+    SpeedSetPointParameters,
+    SpeedSetPointWheel,
     forget_regulation,
+    forget_set_point,
+    moved,
     stays_out,
     until_served,
     weighed,
 )
-from ev_control.shared.slip_thresholds import SlipThresholdParameters
-from ev_control.shared.speed_mode import SpeedSetPointParameters, SpeedSetPointWheel, forget_set_point, moved
-from ev_control.shared.torque_split import BrakeSplitParameters, split, split_brake
-from ev_control.shared.traction_control import LimitedWheel
-from ev_control.shared.traction_method import traction_control
 
 __all__ = [
     "AllocationParameters",

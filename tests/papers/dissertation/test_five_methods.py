@@ -13,7 +13,7 @@ from ev_papers.dissertation.measures.urban_cases import METHODS, case, case_name
 from ev_papers.dissertation.studies.five_methods import judged_quantity
 from ev_sim.commands.run_scenario import main
 from ev_sim.study.workers import drive_cases
-from ev_sim.surfaces.table import SURFACES
+from ev_sim.surfaces import SURFACES
 
 pytestmark = pytest.mark.slow
 

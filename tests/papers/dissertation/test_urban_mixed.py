@@ -18,13 +18,13 @@ from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.measures import traction_windows as cycle
 from ev_papers.dissertation.measures.motors_and_cells import electrical_metrics
 from ev_papers.dissertation.measures.slip_curve import first_passed_peak
-from ev_sim.drives.losses import loss_power
+from ev_sim.drives.electrical_side import loss_power
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.surfaces_under import share_of, surfaces_under
 from ev_sim.profiles.cycle_windows import MODES, TRACTION
 from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import report_for
-from ev_sim.surfaces.road import RoadParameters, left_and_right
+from ev_sim.surfaces import RoadParameters, left_and_right
 
 ROOT = Path(__file__).parents[3]
 DRIVERS = ("tracking", "pulse", "imposed_speed")

@@ -9,7 +9,7 @@ from judging import verdict_from, verdict_on
 
 from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.studies import printed
-from ev_sim.surfaces import table
+from ev_sim import surfaces
 from ev_sim.verdicts.all_verdicts import declarations
 from ev_sim.verdicts.need import Need, StudyNeed
 from ev_sim.verdicts.verdict import Verdict
@@ -57,8 +57,8 @@ def test_another_parameter_is_noticed(id: str, changed):
 )
 def test_another_surface_is_noticed(id: str, surface: dict, monkeypatch):
     assert verdict_on(id).judgement in EXPECTED
-    changed = dataclasses.replace(table.SURFACES["wet_asphalt_1"], **surface)
-    monkeypatch.setitem(table.SURFACES, "wet_asphalt_1", changed)
+    changed = dataclasses.replace(surfaces.SURFACES["wet_asphalt_1"], **surface)
+    monkeypatch.setitem(surfaces.SURFACES, "wet_asphalt_1", changed)
     assert verdict_on(id).judgement == "not reproduced"
 
 

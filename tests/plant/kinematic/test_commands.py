@@ -8,7 +8,7 @@ from plant.kinematic.car import COAST, Car
 from ev_core.parameters.record import names
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_sim.plant.kinematic.state import KinematicPlantState
+from ev_sim.plant.kinematic import KinematicPlantState
 
 
 def brake_of(**wheels):

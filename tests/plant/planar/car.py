@@ -14,9 +14,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_sim.plant.planar.constants import body_constants
-from ev_sim.plant.planar.parameters import PlanarParameters
-from ev_sim.plant.planar.state import DEFLECTION_X, DEFLECTION_Y, VX, VY, WHEEL_SPEED, YAW_RATE, index
+from ev_sim.plant.planar.given import PlanarParameters, body_constants
+from ev_sim.plant.planar.planar_state import DEFLECTION_X, DEFLECTION_Y, VX, VY, WHEEL_SPEED, YAW_RATE, index
 
 PLANAR = find_method("plant", "planar")
 STRONG = Motor(peak_torque=2000.0, nominal_torque=2000.0, peak_power=1e6, generator_torque=2000.0, generator_power=1e6)

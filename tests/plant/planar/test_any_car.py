@@ -12,7 +12,7 @@ from ev_core.vehicle.driveline import Driveline
 from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import TireForces
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.plant.planar.state import VX, VY, index
+from ev_sim.plant.planar.planar_state import VX, VY, index
 
 
 def test_any_car_under_any_command_stays_finite():

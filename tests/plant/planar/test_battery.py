@@ -10,7 +10,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import BatteryCondition, TireForces
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.plant.planar.state import index
+from ev_sim.plant.planar.planar_state import index
 
 
 def test_battery_limits_hold():

@@ -16,8 +16,8 @@ from ev_msgs_py.contract.optional_signals import CellCondition, MotorElectrics, 
 from ev_msgs_py.contract.signals import BatteryCondition, MotorStates
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.drives.field_weakening import voltage_limited_torque
-from ev_sim.plant.planar.state import index
+from ev_sim.drives.synchronous_motor import voltage_limited_torque
+from ev_sim.plant.planar.planar_state import index
 
 GEAR = 7.4
 FAST = 40.0  # m/s: the shaft turns with about 1000 rad/s

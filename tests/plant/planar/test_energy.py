@@ -10,7 +10,7 @@ from plant.planar.car import CAR, command, elastic_energy, kinetic_energy, plant
 from plant.planar.manoeuvres import MANOEUVRES
 
 from ev_core.vehicle.tyre import Tyre
-from ev_sim.plant.planar.state import VX, VY, WHEEL_SPEED, YAW_RATE, index
+from ev_sim.plant.planar.planar_state import VX, VY, WHEEL_SPEED, YAW_RATE, index
 
 
 def test_energy_never_grows():

@@ -9,7 +9,7 @@ import pytest
 from plant.planar.car import CAR, FOUR_MOTORS, STRAIGHT, X, command, on, outputs, plant, steered
 
 from ev_msgs_py.contract.signals import TireForces
-from ev_sim.plant.planar.state import VX
+from ev_sim.plant.planar.planar_state import VX
 
 FALLS = (("dry_asphalt", "ice"), ("wet_asphalt_1", "packed_snow_1"), ("packed_snow_1", "ice"))
 INPUTS = {

@@ -7,7 +7,7 @@ from plant.planar.car import CAR, STRAIGHT, command, outputs, plant
 from plant.planar.manoeuvres import MANOEUVRES
 
 from ev_msgs_py.contract.signals import InertialMeasurement, TireForces
-from ev_sim.plant.planar.state import VX, VY, YAW_RATE, index
+from ev_sim.plant.planar.planar_state import VX, VY, YAW_RATE, index
 from ev_sim.profiles.profile import profile_of, value_at
 
 

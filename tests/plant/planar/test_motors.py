@@ -13,7 +13,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import WheelStates
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.plant.planar.state import index
+from ev_sim.plant.planar.planar_state import index
 
 
 def test_torque_lag_is_first_order():

@@ -12,8 +12,8 @@ from plant.planar.car import CAR, STRAIGHT, X, command, on, plant
 from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.plant.planar.state import VX, WHEEL_SPEED, index
-from ev_sim.surfaces.table import SURFACES
+from ev_sim.plant.planar.planar_state import VX, WHEEL_SPEED, index
+from ev_sim.surfaces import SURFACES
 
 SURPLUS = 1.1  # the torque of the ramp's end over what the slope needs
 RAMP, TOTAL = 3.0, 7.0  # [s]

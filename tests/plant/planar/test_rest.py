@@ -9,7 +9,7 @@ import pytest
 from plant.planar.car import CAR, STRAIGHT, X, Y, command, on, outputs, plant, steered
 
 from ev_msgs_py.contract.signals import InertialMeasurement, TireForces
-from ev_sim.plant.planar.state import VX, WHEEL_SPEED
+from ev_sim.plant.planar.planar_state import VX, WHEEL_SPEED
 
 
 @pytest.mark.parametrize(

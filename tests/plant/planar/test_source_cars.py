@@ -13,8 +13,8 @@ from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import BodyVelocity, InertialMeasurement, TireForces, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.plant.planar.equations import Equations
-from ev_sim.plant.planar.state import DRAG_WORK, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED
+from ev_sim.plant.planar.integration import Equations
+from ev_sim.plant.planar.planar_state import DRAG_WORK, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED
 
 REAR_DRIVEN = dataclasses.replace(CAR, driven_wheels=("rear_left", "rear_right"))
 LINE = Tyre(

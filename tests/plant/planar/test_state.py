@@ -11,7 +11,7 @@ from plant.planar.car import CAR, FOUR_MOTORS, command, plant, steered
 from ev_core.parameters.record import names
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import Driveline
-from ev_sim.plant.planar.state import INTEGRATED, PlanarState, index
+from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, PlanarState, index
 
 IMPOSED_SPEED = {"imposed_speed__time": (0.0, 1.0), "imposed_speed__speed": (5.0, 9.0), "initial_speed": 5.0}
 RANDOM = {"road__pattern": "random", "road__random_shortest": 0.5, "road__random_longest": 2.0, "initial_speed": 15.0}
@@ -67,5 +67,5 @@ def test_every_number_has_a_name():
     """Those of the integrator come first, in its order."""
     given = names(PlanarState())
     assert len(given) == len(set(given)) == len(plant().state)
-    assert given[: len(INTEGRATED)] == [place.name for place in INTEGRATED]
+    assert given[: len(INTEGRATED_PLACES)] == [place.name for place in INTEGRATED_PLACES]
     assert given[index("motor_heat")] == "motor_heat.front_left"

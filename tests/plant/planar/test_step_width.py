@@ -14,9 +14,9 @@ from scipy.integrate import solve_ivp
 from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import TireForces
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.plant.planar.equations import Equations
+from ev_sim.plant.planar.integration import Equations
+from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, YAW_RATE
 from ev_sim.plant.planar.prepare import number_of_steps
-from ev_sim.plant.planar.state import INTEGRATED, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, YAW_RATE
 
 
 @pytest.mark.parametrize("name", MANOEUVRES)
@@ -52,7 +52,7 @@ def test_against_an_adaptive_solver(surface):
         equations.advance(ours, 1e-3)
     scale = np.maximum(np.abs(exact), 1e-3 * np.abs(exact).max())
     worst = int(np.argmax(np.abs(ours - exact) / scale))
-    assert np.abs(ours - exact)[worst] < 1e-3 * scale[worst], INTEGRATED[worst].name
+    assert np.abs(ours - exact)[worst] < 1e-3 * scale[worst], INTEGRATED_PLACES[worst].name
 
 
 def test_the_same_run_gives_the_same_bits():

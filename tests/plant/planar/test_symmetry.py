@@ -8,7 +8,7 @@ import numpy as np
 from plant.planar.car import FOUR_MOTORS, command, plant, steered
 
 from ev_core.parameters.record import names
-from ev_sim.plant.planar.state import PlanarState
+from ev_sim.plant.planar.planar_state import PlanarState
 
 NAMES = names(PlanarState())
 SWAPPED = {"left": "right", "right": "left"}

@@ -16,8 +16,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.files import with_files
 from ev_msgs_py.contract.signals import TireForces, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_sim.plant.planar.parameters import PlanarParameters
-from ev_sim.plant.planar.state import index
+from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.planar_state import index
 
 CONFIG = Path(__file__).parents[3] / "config"
 VEHICLES = sorted((CONFIG / "vehicles").glob("*.yaml"))

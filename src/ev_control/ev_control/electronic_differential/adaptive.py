@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.law import AllocationParameters, allocated, filter_share, own_motors_to_allocate
-from ev_control.shared.torque_split import BrakeSplitParameters, split
-from ev_core.law import Car, compilable, each_driven, group, method, parameter, per_wheel
-from ev_msgs_py.contract.signals import DriverCommand, WheelStates, WheelTorqueRequest
+from ev_control.estimation.wheel_dynamics import filter_share
+from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
+from ev_control.shared.torque_split import differential
+from ev_core.law import Car, DriverCommand, WheelStates, WheelTorqueRequest, compilable, each_driven, per_wheel
+from ev_core.parameters.declaration import group, parameter
 from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_LEFT, REAR_RIGHT, Wheels
 
 
@@ -18,14 +19,10 @@ class AdaptiveParameters:
     redistribute: bool = parameter(
         False,
         about="offer what one wheel is refused to the other wheel of its axle, instead of dropping it",
-        source="assumption where it is on: the dissertation (sections 2.4, 2.7.5, 3.1) says nothing of it",
+        source="assumption where it is on: the dissertation (sections 2.4, 2.7.5, 3.1) has nothing of it",
     )
     filter_time: float = parameter(
-        0.05,
-        unit="s",
-        low=0.0,
-        high=10.0,
-        about="time constant with which a refusal is noticed; much longer than the drives need to follow",
+        0.05, unit="s", low=0.0, high=10.0, about="time constant of noticing a refusal, much longer than the drives'"
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
     allocation: AllocationParameters = group(AllocationParameters)
@@ -39,14 +36,7 @@ class AdaptiveState:
     refused: list[float] = per_wheel(unit="N m", about="how much of it was refused")
 
 
-@method(
-    "electronic_differential",
-    "adaptive",
-    AdaptiveParameters,
-    state=AdaptiveState,
-    needs=(each_driven, own_motors_to_allocate),
-    mirrored=True,
-)
+@differential("adaptive", AdaptiveParameters, state=AdaptiveState, needs=(each_driven, own_motors_to_allocate))
 @compilable
 def adaptive(
     p: AdaptiveParameters, car: Car, s: AdaptiveState, period: float, driver: DriverCommand, wheels: WheelStates
@@ -55,7 +45,7 @@ def adaptive(
 
     Dissertation, sections 2.4 and 3.1: the base is equal torques, and the ASR holds each wheel at the limit of its grip
     on its own. What it refuses is dropped, as nothing in the source offers it to the other wheel; the request is then
-    that of `equal_torque`. How the "asymmetric regulation" of section 2.4 is formed is not said: here by the ASR.
+    that of `equal_torque`. How the "asymmetric regulation" of section 2.4 is formed is open: here by the ASR.
 
     With `redistribute` the rest of a refused share R_i = M_share - M_i, with the torque M_i that acts on the wheel, is
     added to the request of the other wheel of the axle, whose own ASR decides what it takes. So the wheels get no more

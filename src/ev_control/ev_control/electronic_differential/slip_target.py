@@ -5,16 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.estimation.reference_speed import free_wheel_speed
-from ev_control.estimation.road_target import RoadTargetParameters, RoadTargetState, forget_road, target_by_road
-from ev_control.shared.axle_redistribution import SOURCES, TRUTH
-from ev_control.shared.switching_control import SwitchingControlParameters, corrected, slip_ratio
-from ev_control.shared.torque_split import BrakeSplitParameters, split
-from ev_core.methods.register import method
-from ev_core.parameters.declaration import group, parameter
-from ev_core.parameters.record import entry, part
-from ev_core.vehicle.car import Car, speed_along_path
-from ev_core.vehicle.layout import REAR_WHEELS_DRIVEN, only_driven
-from ev_msgs_py.compilable import compilable
+from ev_control.estimation.slip_peak import RoadTargetParameters, RoadTargetState, forget_road, target_by_road
+from ev_control.law import BrakeSplitParameters, split
+from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
+from ev_core.elementary import copysign
+from ev_core.law import REAR_WHEELS_DRIVEN, Car, Wheels, compilable, entry, only_driven, part, speed_along_path
+from ev_core.parameters.declaration import group, parameter, setting
 from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
@@ -23,7 +19,75 @@ from ev_msgs_py.contract.signals import (
     WheelStates,
     WheelTorqueRequest,
 )
-from ev_msgs_py.contract.wheels import Wheels
+
+
+@compilable
+def slip_ratio(wheel_speed: float, ground_speed: float, slowest: float) -> float:
+    """Slip ratio [1], positive in traction: (w R - V)/(w R) driving, (w R - V)/V braking (Ge & Ni 2005).
+
+    `wheel_speed` is w R and `ground_speed` the velocity V of the wheel's centre along the wheel [m/s]; the divisor is
+    the larger of both magnitudes, and at least `slowest` [m/s], above zero, so that a car at rest has no slip.
+    """
+    return (wheel_speed - ground_speed) / max(abs(wheel_speed), abs(ground_speed), slowest)
+
+
+CONTROL_READINGS = ("rate", "offset", "increment")
+RATE, OFFSET, INCREMENT = range(len(CONTROL_READINGS))
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchingControlParameters:
+    """Gains and boundary layer, and what the control changes, which the source's damaged scan leaves open."""
+
+    reading: str = parameter(
+        "rate",
+        choices=CONTROL_READINGS,
+        about="what the switching control changes: the torque per second (rate), the torque itself (offset), or the "
+        "torque per control period (increment)",
+        source="Ge & Ni 2005; the scan leaves it open",
+    )
+    k_inner: float = parameter(
+        50.0,
+        unit="N m",
+        low=0.0,
+        high=10000.0,
+        about="switching gain of the inner wheel, k_L of a left turn, and of both straight ahead; for the reading rate "
+        "per second",
+        source="Ge & Ni 2005",
+    )
+    k_outer: float = parameter(
+        100.0,
+        unit="N m",
+        low=0.0,
+        high=10000.0,
+        about="switching gain of the outer wheel, k_R of a left turn; for the reading rate per second",
+        source="Ge & Ni 2005",
+    )
+    boundary_layer: bool = setting(True, about="whether the control is linear within the boundary layer")
+    layer_width: float = parameter(
+        0.001, unit="1", low=1e-6, high=1.0, about="half width of the boundary layer, phi", source="Ge & Ni 2005"
+    )
+    largest_correction: float = parameter(
+        0.5, unit="1", low=0.0, high=1.0, about="limit of a wheel's change over its share: no torque without the pedal"
+    )
+
+
+@compilable
+def corrected(
+    p: SwitchingControlParameters, period: float, correction: float, outer: bool, error: float, limit: float
+) -> float:
+    """The next correction c of a wheel [N m] by its slip error D [1], within the limit [N m].
+
+    s = k sat(D/phi), or k sgn(D) without boundary layer: dc/dt = s (reading rate), c = s (offset), or c grows by s in
+    each control period (increment). Ge & Ni (2005), whose printed k = D/phi drops the gain.
+    """
+    gain = p.k_outer if outer else p.k_inner
+    if p.boundary_layer == 1.0:
+        switched = min(max(error / p.layer_width, -1.0), 1.0)
+    else:
+        switched = copysign(1.0, error) if error != 0.0 else 0.0
+    change = gain * (period if p.reading == RATE else 1.0) * switched
+    return min(max(change if p.reading == OFFSET else correction + change, -limit), limit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +96,7 @@ class SlipTargetParameters(SwitchingControlParameters):
 
     source: str = parameter(
         "truth",
-        choices=SOURCES,
+        choices=KNOWN_BY,
         about="body velocity: as the twist topic gives it, or from the free front wheels and the yaw rate sensor",
         source="Ge & Ni 2005 use the true one",
     )
@@ -61,13 +125,11 @@ class SlipTargetState:
     road: RoadTargetState = part(RoadTargetState)
 
 
-@method(
-    "electronic_differential",
+@differential(
     "slip_target",
     SlipTargetParameters,
     state=SlipTargetState,
     needs=(REAR_WHEELS_DRIVEN, only_driven("rear_left", "rear_right")),
-    mirrored=True,
 )
 @compilable
 def slip_target(

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
-from ev_core.law import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN, Car, Vehicle, compilable, group, method, parameter
+from ev_control.shared.torque_split import differential
+from ev_core.law import FRONT_WHEELS_DRIVEN, REAR_WHEELS_DRIVEN, Car, Vehicle, Wheels, compilable, group, parameter
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
-from ev_msgs_py.contract.wheels import Wheels
 
-AXLES = ("automatic", "front", "rear")
-AUTOMATIC, FRONT, REAR = range(len(AXLES))
+CORRECTED_AXLES = ("automatic", "front", "rear")
+AUTOMATIC, FRONT, REAR = range(len(CORRECTED_AXLES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +19,7 @@ class SteeringCorrectionParameters:
 
     axle: str = parameter(
         "automatic",
-        choices=AXLES,
+        choices=CORRECTED_AXLES,
         about="axle whose torques differ; automatic: front if both its wheels are driven, each on its own, else rear",
         source="Tatar & Chudzik: front of front and all-wheel drive, rear of rear drive",
     )
@@ -31,11 +31,7 @@ class SteeringCorrectionParameters:
         about="change of each wheel's torque over its equal share, per road-wheel angle; the default is 50 % at pi/10",
     )
     largest_correction: float = parameter(
-        1.0,
-        unit="1",
-        low=0.0,
-        high=1.0,
-        about="limit of the change over the equal share; 1 takes all torque from the inner wheel",
+        1.0, unit="1", low=0.0, high=1.0, about="limit of that change; 1 takes all torque from the inner wheel"
     )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
     allocation: AllocationParameters = group(AllocationParameters)
@@ -48,12 +44,8 @@ def corrected_axle_driven(parameters: SteeringCorrectionParameters, vehicle: Veh
     return front_lacks if is_front else REAR_WHEELS_DRIVEN(parameters, vehicle)
 
 
-@method(
-    "electronic_differential",
-    "steering_correction",
-    SteeringCorrectionParameters,
-    needs=(corrected_axle_driven, own_motors_to_allocate),
-    mirrored=True,
+@differential(
+    "steering_correction", SteeringCorrectionParameters, needs=(corrected_axle_driven, own_motors_to_allocate)
 )
 @compilable
 def steering_correction(

@@ -1,14 +1,18 @@
-"""Friction of the road under each driven wheel, learnt while it slips."""
+"""Friction of the road under each driven wheel, learnt while it slips, and stored diagrams of it over slip.
+
+The dissertation (section 1.4) names stored phi-s diagrams and gives none. Here they are one family: the resultant slip
+s_r = sqrt(s^2 + tan(alpha)^2) uses mu = mu_max 2 x/(1 + x^2), x = s_r/s_p, up to its peak at s_p and mu_max beyond, in
+the direction of the slip vector. s_p = first + growth mu_max follows the peaks of Burckhardt's curves.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.first_order_filter import filter_share
 from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
-from ev_control.estimation.wheel_dynamics import slowest_wheel
-from ev_core.law import Car, Wheels, compilable, entry, group, parameter, part, per_wheel
+from ev_control.estimation.wheel_dynamics import filter_share, slowest_wheel
+from ev_core.law import Car, Wheels, compilable, entry, group, parameter, part, per_wheel, sqrt
 from ev_msgs_py.contract.signals import InertialMeasurement, SteeringColumnState, WheelStates
 
 
@@ -18,19 +22,11 @@ class FrictionLearningParameters:
 
     largest_friction: float = parameter(1.2, unit="1", low=0.01, high=3.0, about="friction at the start and at most")
     learning_slip: float = parameter(
-        0.15,
-        unit="1",
-        low=0.01,
-        high=1.0,
-        about="slip from which on the friction in use is taken for the friction of the road",
+        0.15, unit="1", low=0.01, high=1.0, about="slip from which on the friction in use is taken for the road's"
     )
     filter_time: float = parameter(0.02, unit="s", low=0.0, high=1.0, about="time constant of the friction in use")
     rise: float = parameter(
-        0.3,
-        unit="1/s",
-        low=0.0,
-        high=100.0,
-        about="rise of the estimate without slip, which finds out when the road gets better",
+        0.3, unit="1/s", low=0.0, high=100.0, about="rise of the estimate without slip, to find a better road"
     )
     slowest: float = slowest_wheel()
 
@@ -106,3 +102,44 @@ def estimated_friction(
     s.velocity[:] = velocity
     s.known = 1.0
     return Wheels(s.friction[0], s.friction[1], s.friction[2], s.friction[3])
+
+
+@dataclass(frozen=True, slots=True)
+class FrictionDiagramParameters:
+    """Where the peak of a diagram lies."""
+
+    first: float = parameter(
+        0.045,
+        unit="1",
+        low=1e-3,
+        high=1.0,
+        about="slip of the peak on a road without friction; with the growth it is within 0.01 of Burckhardt's peaks on "
+        "snow and wet asphalt",
+    )
+    growth: float = parameter(0.11, unit="1", low=0.0, high=1.0, about="growth of that slip with mu_max")
+
+
+@compilable
+def peak_slip(p: FrictionDiagramParameters, largest: float) -> float:
+    """Resultant slip of the peak [1] on a road with this largest friction coefficient [1]."""
+    return p.first + p.growth * largest
+
+
+@compilable
+def expected_friction(p: FrictionDiagramParameters, largest: float, slip: float, lateral: float) -> float:
+    """Longitudinal friction [1] at a slip and a lateral slip tan(alpha) [1]; phi_y is the same with both exchanged."""
+    resultant = sqrt(slip * slip + lateral * lateral)
+    if resultant == 0.0:
+        return 0.0
+    x = min(resultant / peak_slip(p, largest), 1.0)
+    return largest * (2.0 * x / (1.0 + x * x)) * slip / resultant
+
+
+@compilable
+def friction_at_peak(p: FrictionDiagramParameters, largest: float, lateral: float) -> float:
+    """Longitudinal friction [1] at the peak of the resultant slip, beside a lateral slip [1]; zero beyond.
+
+    More slip would turn the rest of the friction along as well, and leave nothing across.
+    """
+    use = lateral / peak_slip(p, largest)
+    return largest * sqrt(max(1.0 - use * use, 0.0))

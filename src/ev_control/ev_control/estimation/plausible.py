@@ -1,49 +1,20 @@
-"""Wheel loads of a rigid car from its accelerations, and what no road vehicle does, so that no sensor is believed."""
+"""What no road vehicle does, so that no sensor is believed, and which wheel speeds can be.
+
+A sensor that is dead, stuck, wrong or mixed up shows beside the speed of the car. A driven wheel cannot turn slower
+than it rolls, nor a braked one faster; a wheel without a motor that nobody brakes rolls; and no wheel turns at one
+speed, to the bit, while the others and the accelerometer show that the car changes its own. What a sensor gives beyond
+that, by more than tyres and bends explain, is left out at once, and the sensor counts as lost where that lasts. A
+driven wheel that turns faster may be slipping: there a sensor that reads too much cannot be told from a wheel that
+spins, and is not found. A wheel in the air, which nothing slows down in the model, is taken for stuck. An assumption of
+this project, no source has it.
+"""
 
 from __future__ import annotations
 
-from ev_core.law import GRAVITY, Car, InertialMeasurement, SteeringColumnState, WheelStates, compilable
-from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT, Wheels
+from dataclasses import dataclass
 
-
-@compilable
-def wheel_load(car: Car, wheel: int, longitudinal_acceleration: float, lateral_acceleration: float) -> float:
-    """Load of a wheel [N] by its place in Wheels and the accelerations of the car to its front and left [m/s^2].
-
-    F_z = m (g b/L -+ h a_x/L)/2 -+ k h m a_y/t, with the front (b: rear) arm of the centre of mass. Dissertation,
-    eqs 2.28 to 2.31, for a centre of mass in the car's middle; k is the axle's share of the roll moment. Never below a
-    tenth of the load at rest, where the car would be on three wheels.
-    """
-    half_mass = car.mass / 2.0
-    along = half_mass * car.pitch_height / car.wheelbase * longitudinal_acceleration
-    front = wheel in (FRONT_LEFT, FRONT_RIGHT)
-    roll, track = (car.front_roll_share, car.front_track) if front else (1.0 - car.front_roll_share, car.rear_track)
-    across = 2.0 * half_mass * car.roll_height * roll / track * lateral_acceleration
-    at_rest = load_at_rest(car, wheel)
-    load = at_rest - along if front else at_rest + along
-    load = load - across if wheel in (FRONT_LEFT, REAR_LEFT) else load + across
-    return max(load, 0.1 * at_rest)
-
-
-@compilable
-def load_at_rest(car: Car, wheel: int) -> float:
-    """Load of a wheel of the car at rest [N]."""
-    front = car.centre_of_mass_to_rear_axle / car.wheelbase
-    share = front if wheel in (FRONT_LEFT, FRONT_RIGHT) else 1.0 - front
-    return car.mass / 2.0 * GRAVITY * share
-
-
-@compilable
-def wheel_loads(car: Car, imu: InertialMeasurement) -> Wheels:
-    """Loads of all wheels [N]."""
-    a_x, a_y = imu.longitudinal_acceleration, imu.lateral_acceleration
-    return Wheels(
-        wheel_load(car, FRONT_LEFT, a_x, a_y),
-        wheel_load(car, FRONT_RIGHT, a_x, a_y),
-        wheel_load(car, REAR_LEFT, a_x, a_y),
-        wheel_load(car, REAR_RIGHT, a_x, a_y),
-    )
-
+from ev_core.law import Car, InertialMeasurement, SteeringColumnState, Wheels, WheelStates, compilable, entry, per_wheel
+from ev_core.parameters.declaration import setting
 
 # Beyond these a number is no measurement of a road vehicle: 3 km/s at the tyre, a hundred motors, a collision.
 LARGEST_SPEED = 1e4  # [rad/s]
@@ -70,3 +41,99 @@ def is_plausible(column: SteeringColumnState, wheels: WheelStates, imu: Inertial
 def sum_of_squares(of: Wheels) -> float:
     """Left and right first, so that a mirrored car gets the same number."""
     return (of[0] * of[0] + of[1] * of[1]) + (of[2] * of[2] + of[3] * of[3])
+
+
+@dataclass(frozen=True, slots=True)
+class WheelTrustParameters:
+    """When a wheel speed is no longer believed; all of it is assumed."""
+
+    watch: bool = setting(False, about="whether wheel speeds that cannot be are left out; else all are believed")
+    tolerance: float = setting(
+        0.3, unit="m/s", low=0.01, high=100.0, about="deviation from the speed of the car that is allowed"
+    )
+    share: float = setting(0.1, unit="1", low=0.0, high=1.0, about="of the speed of the car, allowed besides")
+    time: float = setting(0.1, unit="s", low=0.0, high=10.0, about="of deviation until a sensor counts as lost")
+    recovery: float = setting(
+        1.0, unit="s", low=0.01, high=100.0, about="of agreement until a lost one is believed again"
+    )
+
+
+@dataclass(slots=True)
+class WheelTrustState:
+    """What is known of the four sensors."""
+
+    doubt: list[float] = per_wheel(unit="1", about="grows to 1 by deviation, falls by agreement")
+    lost: list[float] = per_wheel(unit="1", about="1 while the sensor counts as lost")
+    left_out: list[float] = per_wheel(unit="1", about="1 where it is left out in this step")
+    velocity: list[float] = per_wheel(unit="rad/s", about="last wheel speeds")
+    others: list[float] = per_wheel(unit="rad/s", about="sum of the other speeds when it last changed")
+    gained: list[float] = per_wheel(unit="m/s", about="by the accelerometer since it last changed, not at rest")
+    known: float = entry(unit="1", about="whether there is a speed of the car to compare with")
+
+
+@compilable
+def judge_wheels(
+    p: WheelTrustParameters,
+    car: Car,
+    s: WheelTrustState,
+    period: float,
+    velocity: Wheels,
+    by_wheel: Wheels,
+    expected: float,
+    gained: float,
+    direction: float,
+) -> None:
+    """Say which wheels are left out, by what each means for the speed of the car if it rolls and what is expected.
+
+    Wheel speeds [rad/s], speeds and what the car has `gained` in the period [m/s], `direction` the sign of
+    what the drives are asked for, against the travel where
+    the car is braked. Where nothing is left that could be believed, all of it begins anew: the expectation is wrong.
+    """
+    allowed = p.tolerance + p.share * abs(expected)
+    rolls = direction * expected >= 0.0
+    for i in range(4):
+        gap = by_wheel[i] - expected
+        strays = gap * direction < -allowed or (rolls and car.driven[i] == 0.0 and abs(gap) > allowed)
+        cannot_be = is_stuck(p, car, s, velocity, gained, i) or strays
+        if cannot_be:
+            s.doubt[i] = min(s.doubt[i] + period / max(p.time, period), 1.0)
+        else:
+            s.doubt[i] = max(s.doubt[i] - period / p.recovery, 0.0)
+        if s.doubt[i] == 1.0:
+            s.lost[i] = 1.0
+        elif s.doubt[i] == 0.0:
+            s.lost[i] = 0.0
+        s.left_out[i] = 1.0 if cannot_be else s.lost[i]
+    s.velocity[:] = velocity
+    if believed(s) == 0.0 and s.lost[0] + s.lost[1] + s.lost[2] + s.lost[3] == 4.0:
+        forget_trust(s)
+
+
+@compilable
+def is_stuck(p: WheelTrustParameters, car: Car, s: WheelTrustState, velocity: Wheels, gained: float, i: int) -> bool:
+    """Whether a wheel, not at rest, keeps its speed while the car changes its own by more than is allowed.
+
+    Both the mean of the other wheels and the accelerometer must show it, each from then until now: noise does not add
+    up, and neither wheels that spin nor an accelerometer's offset alone make it.
+    """
+    others = ((velocity[0] + velocity[1]) + (velocity[2] + velocity[3])) - velocity[i]
+    if velocity[i] != s.velocity[i] or velocity[i] == 0.0:
+        s.others[i], s.gained[i] = others, 0.0
+        return False
+    s.gained[i] += gained
+    change = (others - s.others[i]) / 3.0 * car.wheel_radius
+    return min(abs(change), abs(s.gained[i])) > p.tolerance
+
+
+@compilable
+def believed(s: WheelTrustState) -> float:
+    """The number of wheels that are not left out [1]."""
+    return 4.0 - (s.left_out[0] + s.left_out[1] + s.left_out[2] + s.left_out[3])
+
+
+@compilable
+def forget_trust(s: WheelTrustState) -> None:
+    """Believe every sensor again."""
+    for i in range(4):
+        s.doubt[i] = s.lost[i] = s.left_out[i] = s.gained[i] = 0.0
+    s.known = 0.0

@@ -7,9 +7,9 @@ from math import inf
 from operator import attrgetter
 from typing import Any
 
-from ev_control.estimation.trusted_wheels import WheelTrustParameters, WheelTrustState, believed, judge_wheels
-from ev_core.law import Car, InertialMeasurement, Need, Vehicle, compilable, cos, entry, group, parameter, part, sin
-from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
+from ev_control.estimation.plausible import WheelTrustParameters, WheelTrustState, believed, judge_wheels
+from ev_core.law import WHEEL_NAMES, Car, InertialMeasurement, Need, Vehicle, Wheels, compilable, cos, entry, part, sin
+from ev_core.parameters.declaration import group, parameter
 
 
 @compilable
@@ -45,11 +45,7 @@ class ReferenceSpeedParameters:
         20.0, unit="1/s", low=0.0, high=1000.0, about="correction of the observer by a wheel that cannot be slipping"
     )
     slipping_rate: float = parameter(
-        0.5,
-        unit="1/s",
-        low=0.0,
-        high=1000.0,
-        about="correction of the observer by wheels that may be slipping; bounds what a sensor's offset adds up to",
+        0.5, unit="1/s", low=0.0, high=1000.0, about="correction by wheels that may slip; bounds what offsets add up to"
     )
     trust: WheelTrustParameters = group(WheelTrustParameters)
 
@@ -90,7 +86,7 @@ def rolling_speeds(
     u + r t/2 along the car (track t, yaw rate r), and steered ones at (u -+ r t/2) cos(delta) + L r sin(delta) along
     themselves. `free_wheels` turns this round and takes the mean of the wheels without a motor, which roll as long as
     nobody brakes; `observer` see `observed_speed`, which also takes over where no wheel without a motor is believed any
-    more (`trust.watch`). The first speed is what all wheels together say, since a car may begin, or its controller be
+    more (`trust.watch`). The first speed is the mean of all wheels, since a car may begin, or its controller be
     restarted, on the move. `velocity` are wheel speeds [rad/s], the angle is that of the road
     wheels [rad], within -pi/2..pi/2, `direction` the sign of what the drives are asked for.
     """
@@ -144,12 +140,7 @@ def mean_of_free_wheels(car: Car, s: ReferenceSpeedState, by_wheel: Wheels) -> f
 
 @compilable
 def observed_speed(
-    p: ReferenceSpeedParameters,
-    s: ReferenceSpeedState,
-    period: float,
-    by_wheel: Wheels,
-    gained: float,
-    direction: float,
+    p: ReferenceSpeedParameters, s: ReferenceSpeedState, period: float, by_wheel: Wheels, gained: float, ahead: float
 ) -> float:
     """Speed of the car by what it has gained in the period, corrected by what each wheel would mean if it rolled [m/s].
 
@@ -164,9 +155,9 @@ def observed_speed(
     for i in range(4):
         if s.trust.left_out[i] == 0.0:
             slowest, fastest = min(slowest, by_wheel[i]), max(fastest, by_wheel[i])
-    if direction == 0.0:
+    if ahead == 0.0:
         gap = (slowest + fastest) / 2.0 - u  # wheels without torque roll
         return u + gap * min(p.gripping_rate * period, 1.0)
-    gap = (slowest if direction > 0.0 else fastest) - u
-    rate = p.gripping_rate if gap * direction < 0.0 else p.slipping_rate
+    gap = (slowest if ahead > 0.0 else fastest) - u
+    rate = p.gripping_rate if gap * ahead < 0.0 else p.slipping_rate
     return u + gap * min(rate * period, 1.0)

@@ -1,17 +1,17 @@
-"""Least squares of the curve y = A x + B g(x) over the last samples (dissertation, eq 2.36).
+"""Least squares of the curve y = A x + B g(x) over the last samples, its slope and its peak (dissertation, eq 2.36).
 
-g(x) = sqrt(x) in the equations; x^2 in the text, which names the template of the patent EP0630786A1.
-
-Sums whose rounding errors are added up as well, so that hardly anything of them is left.
-A sum is the pair of its value and of what rounding has lost of it; `EMPTY_SUM` is where it begins.
+g(x) is sqrt(x) in the equations, and x^2 in the text, which names the template of the patent EP0630786A1. The rounding
+errors of the sums are added up as well, so that hardly anything of them is left: a sum is the pair of its value and of
+what rounding has lost of it, and begins at `EMPTY_SUM`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from math import inf
+from typing import Any, NamedTuple
 
-from ev_core.law import compilable, entry, series, sqrt
+from ev_core.law import compilable, entry, parameter, series, sqrt
 
 EMPTY_SUM = (0.0, 0.0)
 
@@ -58,12 +58,6 @@ class SlipCurveFit:
     sum_root_y: float = entry(unit="1", about="here and below the root stands for g(x)")
     sum_roots: float = entry(unit="1", about="of g^2, where that is not x + offset")
     sum_yy: float = entry(unit="1")
-
-
-@compilable
-def forget_samples(fit: SlipCurveFit) -> None:
-    """Begin anew; the sums follow with the first sample."""
-    fit.taken = fit.size = 0.0
 
 
 @compilable
@@ -146,3 +140,79 @@ def slip_variance(fit: SlipCurveFit) -> float:
     """Mean squared deviation of the slip [1] of a full window."""
     mean = fit.sum_x / fit.size
     return fit.sum_xx / fit.size - mean * mean
+
+
+@dataclass(frozen=True, slots=True)
+class SlipCurveParameters:
+    """The template of the curve, and how well it has to fit."""
+
+    template: str = parameter(
+        "root",
+        choices=TEMPLATES,
+        about="root: A x + B sqrt(x); square: A x + B x^2",
+        source="dissertation, eq 2.36: root; the text beside it, after the patent EP0630786A1: square",
+    )
+    largest_error: float = parameter(
+        0.0,
+        unit="1",
+        low=0.0,
+        high=1e6,
+        about="largest sum of squared errors F of a fit that counts; 0 asks for none, because F grows with the "
+        "window and with noise",
+        source="dissertation, section 2.4: F <= 0.001; not used by default: assumption",
+    )
+
+
+class FittedCurve(NamedTuple):
+    """The coefficients of y = A x + B g(x) [1]; both zero where the samples do not tell them apart."""
+
+    a: float
+    b: float
+
+
+@compilable
+def fitted_curve(fit: SlipCurveFit) -> FittedCurve:
+    """The curve of the least squared error."""
+    sum_of_roots = fit.sum_roots if fit.template == SQUARE else fit.sum_x + samples_in(fit) * fit.offset
+    determinant = fit.sum_xx * sum_of_roots - fit.sum_x_root * fit.sum_x_root
+    if determinant <= 1e-9 * fit.sum_xx * sum_of_roots:
+        return FittedCurve(0.0, 0.0)
+    a = (fit.sum_xy * sum_of_roots - fit.sum_root_y * fit.sum_x_root) / determinant
+    b = (fit.sum_xx * fit.sum_root_y - fit.sum_x_root * fit.sum_xy) / determinant
+    return FittedCurve(a, b)
+
+
+@compilable
+def fits(p: SlipCurveParameters, fit: SlipCurveFit, curve: FittedCurve) -> bool:
+    """Whether the squared errors of its best curve sum up to no more than is allowed."""
+    error = fit.sum_yy - curve.a * fit.sum_xy - curve.b * fit.sum_root_y
+    return p.largest_error == 0.0 or error <= p.largest_error
+
+
+@compilable
+def slope(fit: SlipCurveFit, curve: FittedCurve, x: float) -> float:
+    """dy/dx of a curve at a slip [1], above zero for the root without offset."""
+    if fit.template == SQUARE:
+        return curve.a + 2.0 * curve.b * x
+    return curve.a + curve.b / (2.0 * sqrt(x + fit.offset))
+
+
+@compilable
+def fitted_peak(p: SlipCurveParameters, fit: SlipCurveFit) -> float:
+    """Slip at which the fitted curve turns down, (B/(2 A))^2 or -A/(2 B) [1]; infinite where it rises throughout.
+
+    It is infinite as well where the curve does not fit, or the samples do not tell its coefficients apart.
+    """
+    curve = fitted_curve(fit)
+    if not fits(p, fit, curve):
+        return inf
+    if fit.template == SQUARE:
+        if curve.b >= 0.0:
+            return inf if curve.a >= 0.0 else 0.0
+        return max(curve.a / (-2.0 * curve.b), 0.0)
+    if curve.a >= 0.0:
+        return inf
+    if curve.b <= 0.0:
+        return 0.0
+    z = curve.b / (2.0 * curve.a)
+    return max(z * z - fit.offset, 0.0)

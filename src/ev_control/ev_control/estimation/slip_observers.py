@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.estimation.wheel_dynamics import WheelMotion, mass_share, slip_of, slowest_wheel
+from ev_control.estimation.wheel_dynamics import (
+    Filtered,
+    WheelMotion,
+    filter_share,
+    follow,
+    mass_share,
+    slip_of,
+    slowest_wheel,
+)
 from ev_core.law import Car, compilable, entry, parameter, part
 
 OBSERVERS = ("reference_speed", "derivative", "corrected_derivative", "disturbance")
@@ -35,18 +42,10 @@ class SlipObserverParameters:
         0.05, unit="s", low=0.0, high=1.0, about="disturbance: time constant of torque and acceleration",
     )  # fmt: skip
     least_acceleration: float = parameter(
-        3.0,
-        unit="rad/s^2",
-        low=0.1,
-        high=1000.0,
-        about="disturbance: wheel acceleration below which eq 1.10, which divides by it, says nothing",
+        3.0, unit="rad/s^2", low=0.1, high=1000.0, about="disturbance: acceleration below which eq 1.10 gives no slip"
     )
     forget_time: float = parameter(
-        0.3,
-        unit="s",
-        low=0.0,
-        high=100.0,
-        about="disturbance: time constant of forgetting the slip where eq 1.10 says nothing",
+        0.3, unit="s", low=0.0, high=100.0, about="disturbance: time constant of forgetting where eq 1.10 gives no slip"
     )
 
 
@@ -57,14 +56,6 @@ class SlipObserverState:
     slip: float = entry(unit="1", about="estimated slip")
     torque: Filtered = part(Filtered)  # [N m]
     acceleration: Filtered = part(Filtered)  # [rad/s^2]
-
-
-@compilable
-def forget_slip(s: SlipObserverState) -> None:
-    """Begin anew, without slip."""
-    s.slip = 0.0
-    forget_filtered(s.torque)
-    forget_filtered(s.acceleration)
 
 
 @compilable
@@ -80,7 +71,7 @@ def observed_slip(
       k = 1/(r w) all of the acceleration is the measured one, and only the error of the beginning stays.
     - `disturbance` takes l = -d/(r^2 M w') with the torque d = T - (J + r^2 M) w' that a wheel which grips would leave
       unexplained (eq 1.10, printed with l' on the left, but a slip stands on the right). It holds for a steady slip,
-      says nothing where w' passes zero or the wheel is slower than `slowest`; there the slip is slowly forgotten, else
+      and not where w' passes zero or the wheel is slower than `slowest`; there the slip is slowly forgotten, else
       a control that has taken all torque from a wheel would wait for ever.
 
     All start from no slip when the torque sets in, and stay within 0..1. Below `slowest` [rad/s] the equations are

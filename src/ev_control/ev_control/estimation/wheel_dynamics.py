@@ -1,10 +1,69 @@
-"""The spinning wheel as traction control sees it: its motion, its slip, and the torque that the road takes from it."""
+"""The wheel as traction control sees it: motion, slip, load, torque of the road; and filters of what is measured."""
 
 from __future__ import annotations
 
+import linecache
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from math import inf
 from typing import Any, NamedTuple
 
-from ev_core.law import Car, compilable, parameter
+from ev_core.law import GRAVITY, Car, InertialMeasurement, compilable, entry, parameter
+from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, REAR_LEFT, REAR_RIGHT, Wheels
+
+
+def start_again(record: type) -> Callable[[Any], None]:
+    """A compilable function that puts every number of a declared record back to its start value.
+
+    Its text is made from the declaration, because compiled code reaches the fields of a record only by their names.
+    """
+    name = f"start_again_{record.__name__}"
+    lines = [f"def {name}(s):\n", *(f"    {line}\n" for line in _assignments("s", record()))]
+    file = f"<{name}>"
+    space: dict[str, Any] = {"inf": inf, "__name__": __name__}
+    linecache.cache[file] = (len(lines), None, lines, file)  # for debuggers and whatever reads a function's text
+    exec(compile("".join(lines), file, "exec"), space)
+    again: Callable[[Any], None] = compilable(space[name])
+    return again
+
+
+def _assignments(place: str, start: Any) -> Iterator[str]:
+    for field in fields(start):
+        name, value = f"{place}.{field.name}", getattr(start, field.name)
+        if is_dataclass(value):
+            yield from _assignments(name, value)
+        elif isinstance(value, list):
+            yield f"for n in range({len(value)}): {name}[n] = {value[0]!r}"
+        else:
+            yield f"{name} = {value!r}"
+
+
+@dataclass(slots=True)
+class Filtered:
+    """A number behind a first-order filter, in its own unit."""
+
+    value: float = entry(unit="its own", about="filtered number")
+    known: float = entry(unit="1", about="whether there has been a number; the first one passes")
+
+
+@compilable
+def filter_share(period: float, time_constant: float) -> float:
+    """Share of the gap that a first-order filter closes in one period, by implicit Euler [1]."""
+    return period / (period + time_constant)
+
+
+@compilable
+def follow(s: Filtered, value: float, share: float) -> float:
+    """The filtered number, a share of the gap nearer to this one."""
+    if s.known == 0.0:
+        s.known = 1.0
+        s.value = value
+    else:
+        s.value += share * (value - s.value)
+    return s.value
+
+
+forget_filtered = start_again(Filtered)  # the next number then passes as the first one
 
 
 class WheelMotion(NamedTuple):
@@ -27,11 +86,7 @@ class WheelMotion(NamedTuple):
 def slowest_wheel() -> Any:
     """The parameter `slowest` of those that take a slip by `slip_of`."""
     return parameter(
-        3.0,
-        unit="rad/s",
-        low=0.1,
-        high=100.0,
-        about="wheel speed below which slip is counted against this speed, so that rest is no slip",
+        3.0, unit="rad/s", low=0.1, high=100.0, about="least wheel speed that slip is counted against: rest is no slip"
     )
 
 
@@ -69,3 +124,42 @@ def road_torque(car: Car, motion: WheelMotion) -> float:
 def mass_share(car: Car) -> float:
     """The part of the car's mass that one driven wheel has to move [kg]; the source's M is that of a single wheel."""
     return car.mass / max(car.number_driven, 1.0)
+
+
+@compilable
+def wheel_load(car: Car, wheel: int, longitudinal_acceleration: float, lateral_acceleration: float) -> float:
+    """Load of a wheel [N] by its place in Wheels and the accelerations of the car to its front and left [m/s^2].
+
+    F_z = m (g b/L -+ h a_x/L)/2 -+ k h m a_y/t, with the front (b: rear) arm of the centre of mass. Dissertation,
+    eqs 2.28 to 2.31, for a centre of mass in the car's middle; k is the axle's share of the roll moment. Never below a
+    tenth of the load at rest, where the car would be on three wheels.
+    """
+    half_mass = car.mass / 2.0
+    along = half_mass * car.pitch_height / car.wheelbase * longitudinal_acceleration
+    front = wheel in (FRONT_LEFT, FRONT_RIGHT)
+    roll, track = (car.front_roll_share, car.front_track) if front else (1.0 - car.front_roll_share, car.rear_track)
+    across = 2.0 * half_mass * car.roll_height * roll / track * lateral_acceleration
+    at_rest = load_at_rest(car, wheel)
+    load = at_rest - along if front else at_rest + along
+    load = load - across if wheel in (FRONT_LEFT, REAR_LEFT) else load + across
+    return max(load, 0.1 * at_rest)
+
+
+@compilable
+def load_at_rest(car: Car, wheel: int) -> float:
+    """Load of a wheel of the car at rest [N]."""
+    front = car.centre_of_mass_to_rear_axle / car.wheelbase
+    share = front if wheel in (FRONT_LEFT, FRONT_RIGHT) else 1.0 - front
+    return car.mass / 2.0 * GRAVITY * share
+
+
+@compilable
+def wheel_loads(car: Car, imu: InertialMeasurement) -> Wheels:
+    """Loads of all wheels [N]."""
+    a_x, a_y = imu.longitudinal_acceleration, imu.lateral_acceleration
+    return Wheels(
+        wheel_load(car, FRONT_LEFT, a_x, a_y),
+        wheel_load(car, FRONT_RIGHT, a_x, a_y),
+        wheel_load(car, REAR_LEFT, a_x, a_y),
+        wheel_load(car, REAR_RIGHT, a_x, a_y),
+    )

@@ -1,15 +1,11 @@
 """Registers the electronic differentials."""
 
-import ev_control.electronic_differential.adaptive
-import ev_control.electronic_differential.adhesion_share
-import ev_control.electronic_differential.axle_redistribution
-import ev_control.electronic_differential.drive_by_wire
-import ev_control.electronic_differential.equal_torque
-import ev_control.electronic_differential.limited_slip
-import ev_control.electronic_differential.limited_slip_variable
-import ev_control.electronic_differential.load_proportional
-import ev_control.electronic_differential.open_differential
-import ev_control.electronic_differential.power_steering
-import ev_control.electronic_differential.slip_target
-import ev_control.electronic_differential.steer_by_wire
-import ev_control.electronic_differential.steering_correction  # noqa: F401
+from ev_control.electronic_differential import (  # noqa: F401
+    adaptive,
+    mechanical,
+    neutral_steering,
+    slip_target,
+    steering_by_drives,
+    steering_correction,
+    torque_shares,
+)

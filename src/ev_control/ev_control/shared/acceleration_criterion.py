@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
-from ev_control.estimation.wheel_dynamics import WheelMotion
+from ev_control.estimation.wheel_dynamics import Filtered, WheelMotion, filter_share, follow
 from ev_core.law import Car, compilable, entry, parameter, part
 
 
@@ -23,18 +22,10 @@ class GainedSpeedParameters:
         "the load at a slip of 0.03",
     )
     least_gain: float = parameter(
-        0.3,
-        unit="rad/s",
-        low=0.0,
-        high=100.0,
-        about="what it may gain at any speed: noise, and a carcass that winds up at rest",
+        0.3, unit="rad/s", low=0.0, high=100.0, about="allowed gain at any speed: noise, a carcass that winds up"
     )
     memory: float = parameter(
-        1.0,
-        unit="s",
-        low=0.01,
-        high=100.0,
-        about="time constant with which the gained speed is forgotten, so that no offset adds up",
+        1.0, unit="s", low=0.01, high=100.0, about="time constant of forgetting the gained speed: no offset adds up"
     )
 
 
@@ -49,7 +40,7 @@ def has_gained(p: Any, car: Car, w: Any, period: float, motion: WheelMotion) -> 
 
 @dataclass(frozen=True, slots=True)
 class AccelerationCriterionParameters(GainedSpeedParameters):
-    """The ratio that tells slip from grip."""
+    """The ratio that separates slip from grip."""
 
     threshold: float = parameter(
         0.16,
@@ -73,14 +64,6 @@ class Accelerations:
     wheel: Filtered = part(Filtered)  # [rad/s^2]
     body: Filtered = part(Filtered)  # of the car [m/s^2]
     gained: float = entry(unit="rad/s", about="speed that the wheel has gained on the car lately")
-
-
-@compilable
-def forget_accelerations(s: Accelerations) -> None:
-    """Begin anew."""
-    forget_filtered(s.wheel)
-    forget_filtered(s.body)
-    s.gained = 0.0
 
 
 @compilable

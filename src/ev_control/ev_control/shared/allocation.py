@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ev_core.law import Car, Vehicle, WheelStates, WheelTorqueRequest, compilable, copysign, isfinite, parameter
+from ev_core.elementary import copysign, isfinite
+from ev_core.law import NO_WHEELS, Car, Vehicle, Wheels, WheelStates, WheelTorqueRequest, compilable, parameter
 from ev_core.vehicle.drive_train import has_own_motors
 from ev_core.vehicle.motor import driving_torque, generating_torque
-from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 
 KEEPS = ("asked", "sum", "difference")
 ASKED, SUM, DIFFERENCE = range(len(KEEPS))
@@ -27,14 +27,10 @@ class AllocationParameters:
         choices=KEEPS,
         about="what stays where motors or battery cannot give all: asked: the request, each motor cuts its own part; "
         "sum: other wheels give what one cannot; difference: that of each axle, and the sum yields",
-        source="assumption: the sources say nothing of limits",
+        source="assumption: the sources have no limits",
     )
     efficiency: float = parameter(
-        0.9,
-        unit="1",
-        low=0.1,
-        high=1.0,
-        about="mechanical power of the motors over the electrical one, counted on while the battery is discharged",
+        0.9, unit="1", low=0.1, high=1.0, about="motors' mechanical over electrical power while the battery discharges"
     )
 
 
@@ -45,7 +41,7 @@ class Range(NamedTuple):
     most: float
 
 
-class Axle(NamedTuple):
+class AxleTorques(NamedTuple):
     """What concerns the wheels of an axle: torques [N m]."""
 
     left: float
@@ -89,7 +85,10 @@ def allocated(
             least = Wheels(front_alone.left, front_alone.right, rear_alone.left, rear_alone.right)
     else:
         a, b, c, d = of_sign(a, asked[0]), of_sign(b, asked[1]), of_sign(c, asked[2]), of_sign(d, asked[3])
-        front, rear = Axle(within(a, asked[0]), within(b, asked[1])), Axle(within(c, asked[2]), within(d, asked[3]))
+        front, rear = (
+            AxleTorques(within(a, asked[0]), within(b, asked[1])),
+            AxleTorques(within(c, asked[2]), within(d, asked[3])),
+        )
         front = filled(front, (asked[0] + asked[1]) - (front.left + front.right), a, b)
         rear = filled(rear, (asked[2] + asked[3]) - (rear.left + rear.right), c, d)
         # What is missing now is missing on one axle, which is full.
@@ -125,13 +124,13 @@ def of_sign(can: Range, asked: float) -> Range:
 
 
 @compilable
-def with_difference(asked_left: float, asked_right: float, left: Range, right: Range) -> Axle:
+def with_difference(asked_left: float, asked_right: float, left: Range, right: Range) -> AxleTorques:
     """Torques with the asked difference, and of the sums between none and the asked one that which is nearest to it.
 
     Where no such sum leaves room for the difference, it is the largest one with its sign.
     """
     if within(left, asked_left) == asked_left and within(right, asked_right) == asked_right:
-        return Axle(asked_left, asked_right)
+        return AxleTorques(asked_left, asked_right)
     mean, half = (asked_left + asked_right) / 2.0, (asked_right - asked_left) / 2.0
     lower, upper = (left, right) if half >= 0.0 else (right, left)
     room = min((upper.most - lower.least) / 2.0, max(mean, 0.0) - lower.least, upper.most - min(mean, 0.0))
@@ -139,7 +138,7 @@ def with_difference(asked_left: float, asked_right: float, left: Range, right: R
 
 
 @compilable
-def with_less(torques: Axle, excess: float, left: Range, right: Range) -> Axle:
+def with_less(torques: AxleTorques, excess: float, left: Range, right: Range) -> AxleTorques:
     """The torques with a sum that is smaller by `excess` [N m], if it has that sign."""
     if (torques.left + torques.right) * excess <= 0.0:
         return torques
@@ -147,21 +146,21 @@ def with_less(torques: Axle, excess: float, left: Range, right: Range) -> Axle:
 
 
 @compilable
-def difference_alone(torques: Axle, left: Range, right: Range) -> Axle:
+def difference_alone(torques: AxleTorques, left: Range, right: Range) -> AxleTorques:
     """The difference of possible torques with as little of a sum as it can be had with."""
     return at_mean(0.0, (torques.right - torques.left) / 2.0, left, right)
 
 
 @compilable
-def at_mean(mean: float, half: float, left: Range, right: Range) -> Axle:
+def at_mean(mean: float, half: float, left: Range, right: Range) -> AxleTorques:
     """Torques whose half difference is `half` and whose mean is as near to `mean` as both wheels can [N m]."""
     least, most = max(left.least + half, right.least - half), min(left.most + half, right.most - half)
     mean = min(max(mean, least), most)
-    return Axle(mean - half, mean + half)
+    return AxleTorques(mean - half, mean + half)
 
 
 @compilable
-def filled(torques: Axle, missing: float, left: Range, right: Range) -> Axle:
+def filled(torques: AxleTorques, missing: float, left: Range, right: Range) -> AxleTorques:
     """The torques with what is `missing` [N m] added: half to each wheel, and to one what the other has no room for."""
     if missing == 0.0:
         return torques
@@ -172,7 +171,7 @@ def filled(torques: Axle, missing: float, left: Range, right: Range) -> Axle:
     more = abs(missing)
     to_left = min(left_room, max(more / 2.0, more - right_room))
     to_right = min(right_room, max(more / 2.0, more - left_room))
-    return Axle(torques.left + copysign(to_left, missing), torques.right + copysign(to_right, missing))
+    return AxleTorques(torques.left + copysign(to_left, missing), torques.right + copysign(to_right, missing))
 
 
 @compilable

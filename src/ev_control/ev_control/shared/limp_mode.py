@@ -1,4 +1,11 @@
-"""What a control of the wheels does where a motor does not give what it is told: its partner gives the same."""
+"""Which motors are lost, and what a control of the wheels does then: the partner of a lost motor gives the same.
+
+A lost motor is found beside what it was commanded, and beside what its partner of the axle gives. No motor reports
+that it is dead. It shows in the torque that acts, which the inverter derives from its currents. More than was commanded
+is never plausible. Less is: battery, voltage, power, heat and gear leave less, more than a controller knows of. But
+they are the same for both motors of an axle. So a motor is lost if it gives less than its partner shows to be
+possible. Where both give less, nothing is lost, and nothing turns the car.
+"""
 
 from __future__ import annotations
 
@@ -7,17 +14,170 @@ from math import inf
 from operator import attrgetter
 from typing import Any
 
-from ev_control.shared.torque_plausibility import (
-    PARTNERS,
-    PlausibilityParameters,
-    PlausibilityState,
-    expect,
-    measured,
-    watch_torques,
-)
-from ev_core.law import Car, Need, Vehicle, compilable, copysign, each_driven, equal_motors, group, setting
+from ev_control.estimation.plausible import LARGEST_TORQUE
+from ev_control.estimation.wheel_dynamics import filter_share
+from ev_core.law import NO_WHEELS, Car, Vehicle, Wheels, compilable, copysign, entry, group, per_wheel, setting
+from ev_core.vehicle.layout import Need, each_driven, equal_motors
+from ev_core.vehicle.motor import driving_torque, generating_torque
 from ev_msgs_py.contract.signals import WheelStates, WheelTorqueCommand, WheelTorqueRequest
-from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
+
+PARTNERS = (1, 0, 3, 2)  # the other wheel of the axle, in the order of Wheels
+NEARLY_FASTEST = 0.95  # share of the motor's maximum speed from which on no torque is expected of it
+
+
+@dataclass(frozen=True, slots=True)
+class LostMotorParameters:
+    """When a torque is not plausible; all of it is assumed."""
+
+    lag: float = setting(
+        0.0, unit="s", low=0.0, high=1.0, about="of bus and sensor to the measured torque, beside `motor.torque_lag`"
+    )
+    tolerance: float = setting(20.0, unit="N m", low=0.1, high=1e4, about="deviation at the wheel that is allowed")
+    share: float = setting(0.2, unit="1", low=0.0, high=1.0, about="of the expected torque, allowed besides")
+    power: float = setting(
+        0.7, unit="1", low=0.0, high=1.0, about="of a motor's peak power that a low voltage leaves of it"
+    )
+    time: float = setting(
+        0.02, unit="s", low=0.0, high=10.0, about="of twice the allowed deviation until a motor counts as lost"
+    )
+    keep_difference: bool = setting(
+        False,
+        about="whether drives steer the car: the difference asked of a lost motor and its partner is given also "
+        "where the partner's torque changes its sign by it",
+    )
+    recovery: float = setting(
+        0.5, unit="s", low=0.0, high=100.0, about="of torques as commanded, not about zero, until it counts as sound"
+    )
+
+
+@dataclass(slots=True)
+class LostMotors:
+    """What is known of the four motors."""
+
+    most: list[float] = per_wheel(unit="N m", about="torque at the wheel by the commands up to now, forwards at most")
+    least: list[float] = per_wheel(unit="N m", about="the same backwards, never positive")
+    told: list[float] = per_wheel(unit="N m", about="the same of a slow drive that nothing limits, of either sign")
+    deviates: list[float] = per_wheel(unit="s", about="for how long it has not been plausible, less how long it has")
+    agrees: list[float] = per_wheel(unit="s", about="for how long it has been plausible, since it was lost")
+    lost: list[float] = per_wheel(unit="1", about="1 while the motor counts as lost")
+    known: float = entry(unit="1", about="whether there has been a command")
+
+
+@compilable
+def watch_torques(p: LostMotorParameters, car: Car, s: LostMotors, period: float, wheels: WheelStates) -> None:
+    """Compare the torques of the last period with the commands, and with those of the partners.
+
+    A deviation counts by its size, at most twice what is allowed, and what is plausible takes back: so noise about the
+    allowed deviation does not add up. Nor is one look enough, unless `time` is 0, however long the period is. A motor
+    without a partner is not judged.
+    """
+    if s.known == 0.0:
+        return
+    look = min(period, p.time) if p.time > 0.0 else period
+    for i in range(4):
+        if car.driven[i] == 0.0 or car.driven[PARTNERS[i]] == 0.0:
+            continue
+        due = due_torque(p, car, s, wheels, i)
+        excess = deviation(p, s, wheels, i, due)
+        if s.lost[i] == 0.0:
+            s.deviates[i] = max(s.deviates[i] + look * min(excess - 1.0, 1.0), 0.0)
+            s.agrees[i] = 0.0
+        elif excess > 1.0:
+            s.agrees[i] = 0.0
+        elif due > p.tolerance + p.share * due:  # else a dead motor looks like a sound one
+            s.agrees[i] += period
+    for i in range(4):  # behind all judgements, so that left and right are alike
+        if s.deviates[i] > p.time:
+            s.lost[i], s.deviates[i] = 1.0, 0.0
+        elif s.agrees[i] > p.recovery:
+            s.lost[i] = 0.0
+
+
+@compilable
+def deviation(p: LostMotorParameters, s: LostMotors, wheels: WheelStates, i: int, due: float) -> float:
+    """How much more than was commanded, or less than is due [N m], a motor gives, over what is allowed [1].
+
+    A dead motor may show both: by drag or noise it gives a little of the other sign, and all that is due is missing.
+    """
+    gives, less, beyond = measured(wheels, i), 0.0, 0.0
+    if due > 0.0:
+        less = (due - copysign(1.0, s.told[i]) * gives) / (p.tolerance + p.share * due)
+    if gives > s.most[i]:
+        beyond = (gives - s.most[i]) / (p.tolerance + p.share * s.most[i])
+    elif gives < s.least[i]:
+        beyond = (s.least[i] - gives) / (p.tolerance - p.share * s.least[i])
+    return max(beyond, less)
+
+
+@compilable
+def due_torque(p: LostMotorParameters, car: Car, s: LostMotors, wheels: WheelStates, i: int) -> float:
+    """What motor i gives at least if it is sound [N m], counted positive in the direction of its command.
+
+    That is its command, within what it can for ever at its speed, in the share that its partner gives of its own.
+    Where the partner itself stays behind, no more than that is due: both may have met the same limit. Nothing is due
+    from a motor that is not lost beside a partner that is lost, or whose command is of the other kind; nor from any
+    motor before it must have left the other direction.
+    """
+    j, ahead = PARTNERS[i], copysign(1.0, s.told[i])
+    told, told_partner, gives = abs(s.told[i]), ahead * s.told[j], max(ahead * measured(wheels, j), 0.0)
+    outer, other = (s.most[i], -s.least[i]) if ahead > 0.0 else (-s.least[i], s.most[i])
+    outer_partner = s.most[j] if ahead > 0.0 else -s.least[j]  # of which it may still give more than its command now
+    outer *= car.motor.gear_efficiency * car.motor.gear_efficiency
+    outer_partner *= car.motor.gear_efficiency * car.motor.gear_efficiency
+    due, most = told, lasting_torque(p, car, wheels.velocity[i], ahead)
+    if s.lost[j] == 0.0 and told_partner > p.tolerance:
+        # A small torque shows little of a large one.
+        due = min(told, 2.0 * told_partner) * min(gives / max(outer_partner, told_partner), 1.0)
+        if gives + p.tolerance + p.share * told_partner < told_partner and s.lost[i] == 0.0:
+            most = min(most, gives)
+    elif s.lost[i] == 0.0:
+        return 0.0
+    reached = told / outer if outer > 0.0 else 0.0  # by the lag, of whatever it goes for
+    return max(min(due, reached * most) - other, 0.0)
+
+
+@compilable
+def lasting_torque(p: LostMotorParameters, car: Car, speed: float, ahead: float) -> float:
+    """What heat, a low voltage and the gear leave of a motor's torque at a wheel speed, in a direction [N m, rad/s]."""
+    motor, turns = car.motor, abs(speed) * car.gear_ratio
+    if turns > NEARLY_FASTEST * motor.maximum_speed:
+        return 0.0
+    lasting = min(motor.nominal_torque, motor.peak_torque)
+    if ahead * speed < 0.0:
+        return generating_torque(motor, lasting, p.power, turns) * car.gear_ratio * motor.gear_efficiency
+    return driving_torque(motor, lasting, p.power, turns) * car.gear_ratio * motor.gear_efficiency
+
+
+@compilable
+def measured(wheels: WheelStates, i: int) -> float:
+    """The torque of a motor [N m]; one that nobody can measure, as broken sensors show, counts as none."""
+    return wheels.effort[i] if abs(wheels.effort[i]) < LARGEST_TORQUE else 0.0
+
+
+@compilable
+def expect(
+    p: LostMotorParameters, car: Car, s: LostMotors, period: float, command: WheelTorqueCommand, wheels: WheelStates
+) -> None:
+    """Go on with the command: bounds widen at once, as of a quick drive, and close by the lag, as of a slow one.
+
+    Limits may leave anything between rest and the command, so the bounds close towards rest. All leave room for the
+    gear either way, and for what motors serve of the brake torque where brakes are blended.
+    """
+    lag, efficiency = car.motor.torque_lag + p.lag + period / 2.0, car.motor.gear_efficiency  # of means over periods
+    share = filter_share(period, lag)
+    for i in range(4):
+        drive = command.drive[i]
+        braked = drive - copysign(car.blend_brakes * command.brake[i], wheels.velocity[i])
+        low, high = min(drive, braked), max(drive, braked)
+        if s.known == 0.0:
+            s.most[i], s.least[i] = max(measured(wheels, i), 0.0), min(measured(wheels, i), 0.0)
+        forwards, backwards = max(high, 0.0) / efficiency, min(low, 0.0) / efficiency
+        s.most[i] = max(forwards, s.most[i] + share * (forwards - s.most[i]))
+        s.least[i] = min(backwards, s.least[i] + share * (backwards - s.least[i]))
+        goal = efficiency * (max(low, 0.0) + min(high, 0.0))
+        from_rest = s.told[i] if s.told[i] * goal > 0.0 else 0.0
+        s.told[i] = goal if abs(goal) < abs(from_rest) else from_rest + share * (goal - from_rest)
+    s.known = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +185,7 @@ class LimpModeParameters:
     """Whether lost motors are looked for, and when a motor counts as one."""
 
     watch: bool = setting(False, about="whether a lost motor is found by its torque, and its partner mirrors it")
-    plausibility: PlausibilityParameters = group(PlausibilityParameters)
+    plausibility: LostMotorParameters = group(LostMotorParameters)
 
 
 def limp_mode_for(group: str) -> Need:
@@ -42,9 +202,9 @@ def limp_mode_for(group: str) -> Need:
 
 @compilable
 def without_yaw(
-    p: PlausibilityParameters,
+    p: LostMotorParameters,
     car: Car,
-    s: PlausibilityState,
+    s: LostMotors,
     period: float,
     request: WheelTorqueRequest,
     limited: Wheels,
@@ -64,7 +224,7 @@ def without_yaw(
     `keep_difference` is for cars that their drives steer: where nobody brakes, the difference of the requests may be
     given whatever its sign is and however small the request, within traction control.
 
-    A lost motor is told what was asked of it, so that it shows when it comes back: its partner then gives the same at
+    A lost motor gets what was asked of it, so that it shows when it comes back: its partner then gives the same at
     once, and after `recovery` of torques that are not about zero it counts as sound.
     """
     watch_torques(p, car, s, period, wheels)
@@ -81,9 +241,9 @@ def without_yaw(
 
 @compilable
 def as_partner(
-    p: PlausibilityParameters,
+    p: LostMotorParameters,
     car: Car,
-    s: PlausibilityState,
+    s: LostMotors,
     request: WheelTorqueRequest,
     limited: Wheels,
     wheels: WheelStates,

@@ -7,29 +7,16 @@ the left (Shchur 2019, eqs 1 to 4).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
-from ev_core.law import NO_WHEELS, Car, DriverCommand, Wheels, WheelTorqueRequest, compilable, parameter
+from ev_core.law import NO_WHEELS, Car, DriverCommand, Wheels, WheelTorqueRequest, compilable, method, parameter
 
+# The method of an electronic differential: left and right are alike to all of them.
+differential = partial(method, "electronic_differential", mirrored=True)
 
-@compilable
-def locking_share(ratio: float) -> float:
-    """(K - 1)/(K + 1): locking torque over the torque of the axle [1], for a ratio K of at least 1."""
-    return (ratio - 1.0) / (ratio + 1.0)
-
-
-@compilable
-def locked(car: Car, drive: Wheels, front_share: float, rear_share: float) -> Wheels:
-    """The drive torques [N m] after locking of every axle of which both wheels are driven; the sums stay.
-
-    M_slow - M_fast = (K - 1)/(K + 1) |M_slow + M_fast|, so M_slow/M_fast = K in traction (dissertation, section 1.2:
-    K is the locking coefficient). The shares of the axles are (K - 1)/(K + 1) with the sign of w_left - w_right.
-    """
-    front, rear = 0.0, 0.0
-    if car.driven[0] == 1.0 and car.driven[1] == 1.0:
-        front = abs(drive[0] + drive[1]) / 2.0 * front_share
-    if car.driven[2] == 1.0 and car.driven[3] == 1.0:
-        rear = abs(drive[2] + drive[3]) / 2.0 * rear_share
-    return Wheels(drive[0] - front, drive[1] + front, drive[2] - rear, drive[3] + rear)
+# What no sensor of a car measures, a law takes from the plant or estimates.
+KNOWN_BY = ("truth", "estimated")
+TRUTH, ESTIMATED = range(len(KNOWN_BY))
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,9 +52,3 @@ def split_brake(brake: BrakeSplitParameters, driver: DriverCommand) -> Wheels:
     front = driver.brake_torque * brake.front_share / 2.0
     rear = driver.brake_torque / 2.0 - front
     return Wheels(front, front, rear, rear)
-
-
-@compilable
-def torque_difference_per_steering_moment(car: Car) -> float:
-    """Difference of the front wheel torques that turns the road wheels with 1 N m: 2 r_k/d (Shchur 2019, eq 3)."""
-    return 2.0 * car.wheel_radius / car.front_track

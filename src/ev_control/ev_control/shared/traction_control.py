@@ -1,18 +1,23 @@
-"""What all traction controls share: which wheels they limit, when they let torques pass, and what they measure."""
+"""A traction control as a method: what it does with one wheel is the law, the rest is the same for all of them.
+
+Here stands which wheels are limited, when torques pass, what is measured, and what the limits make of the request.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
+from ev_control.estimation import reference_speed
 from ev_control.estimation.plausible import is_plausible
-from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
-from ev_control.estimation.wheel_dynamics import WheelMotion
-from ev_control.shared.limp_mode import LimpModeParameters, without_yaw
-from ev_control.shared.torque_plausibility import PlausibilityState
-from ev_core.law import NO_WHEELS, Car, Wheels, compilable, copysign, entry, part, per_wheel
+from ev_control.estimation.wheel_dynamics import WheelMotion, start_again
+from ev_control.shared.limp_mode import LostMotors, limp_mode_for, without_yaw
+from ev_core.law import NO_WHEELS, Car, Need, Wheels, WheelSpeedCommand, compilable, copysign, method
+from ev_core.methods.law import named_after
+from ev_core.parameters.record import each_wheel, entry, part, per_wheel
+from ev_msgs_py.compilable import FUNCTIONS
 from ev_msgs_py.contract.signals import (
     InertialMeasurement,
     SteeringColumnState,
@@ -21,10 +26,12 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueRequest,
 )
 
-# Slower than this a car is about to pull away, perhaps on a hill: its drives, told ahead, do not brake it as it rolls
-# back, and a brake that is still pressed is about to be released.
+L = TypeVar("L", bound=Callable[..., float])
+
+# Slower than this a car is about to pull away, perhaps on a hill: its drives, commanded ahead, do not brake it as it
+# rolls back, and a brake that is still pressed is about to be released.
 PULLING_AWAY = 0.3  # [m/s]
-STANDING = 0.1  # tread of a wheel that its brake still holds; far above the noise of wheel speeds [m/s]
+HELD_SPEED = 0.1  # tread of a wheel that its brake still holds; far above the noise of wheel speeds [m/s]
 
 
 @dataclass(slots=True)
@@ -38,16 +45,17 @@ class LimitedWheel:
 class TractionControlState:
     """What every traction control knows of the car."""
 
-    reference: ReferenceSpeedState = part(ReferenceSpeedState)
+    reference: reference_speed.ReferenceSpeedState = part(reference_speed.ReferenceSpeedState)
     velocity: list[float] = per_wheel(unit="rad/s", about="last wheel speeds")
     measured: float = entry(unit="1", about="whether there are last wheel speeds")
     direction: list[float] = per_wheel(unit="1", about="sign of the request that is watched; 0 where it just passes")
-    motors: PlausibilityState = part(PlausibilityState)
+    motors: LostMotors = part(LostMotors)
 
 
 class Measured(NamedTuple):
-    """What a traction control measures."""
+    """What a traction control is asked for, and what it measures."""
 
+    request: WheelTorqueRequest
     column: SteeringColumnState
     wheels: WheelStates
     imu: InertialMeasurement
@@ -57,12 +65,11 @@ class Measured(NamedTuple):
 def watch(
     limit_of: Callable[..., float],
     forget: Callable[..., None],
-    reference: ReferenceSpeedParameters,
+    reference: reference_speed.ReferenceSpeedParameters,
     p: Any,
     car: Car,
     s: Any,
     period: float,
-    request: WheelTorqueRequest,
     measured: Measured,
 ) -> None:
     """Go on with the state by what was measured; the limits of the wheels are then those of this step.
@@ -78,7 +85,7 @@ def watch(
     `limit_of(p, car, wheel, period, motion, wanted)` goes on with the state of a wheel of which `wanted` [N m], above
     zero, is asked, and gives its largest torque [N m], or infinity. `forget(p, wheel)` puts it back to the start.
     """
-    column, wheels, imu = measured.column, measured.wheels, measured.imu
+    request, column, wheels, imu = measured
     known, drive, velocity, effort = s.control, request.drive, wheels.velocity, wheels.effort
     if not is_plausible(column, wheels, imu):
         known.measured = 0.0
@@ -86,7 +93,9 @@ def watch(
     is_braked = request.brake != NO_WHEELS
     asked = sign((drive[0] + drive[1]) + (drive[2] + drive[3]))
     direction = -sign(known.reference.speed) if is_braked else asked
-    rolling = rolling_speeds(reference, car, known.reference, period, velocity, column.road_wheel_angle, imu, direction)
+    rolling = reference_speed.rolling_speeds(
+        reference, car, known.reference, period, velocity, column.road_wheel_angle, imu, direction
+    )
     for i in range(4):
         if car.driven[i] == 0.0:
             continue
@@ -98,7 +107,7 @@ def watch(
         if ahead != known.direction[i]:
             known.direction[i] = ahead
             forget(p, wheel)
-        is_held = is_braked and ahead * velocity[i] * car.wheel_radius < STANDING
+        is_held = is_braked and ahead * velocity[i] * car.wheel_radius < HELD_SPEED
         if ahead != 0.0 and not is_held:
             before = known.velocity[i] if known.measured == 1.0 else velocity[i]
             motion = WheelMotion(
@@ -123,14 +132,12 @@ def watch(
 
 
 @compilable
-def limited(
-    limp: LimpModeParameters, car: Car, s: Any, period: float, request: WheelTorqueRequest, wheels: WheelStates
-) -> WheelTorqueCommand:
+def limited(home: Any, car: Car, s: Any, period: float, measured: Measured) -> WheelTorqueCommand:
     """The requested torques [N m], those of wheels with a limit not above it: never more, and never of the other sign.
 
-    With `limp.watch` the partner of a lost motor mirrors it, within its own limit.
+    With `limp.watch` of the parameters the partner of a lost motor mirrors it, within its own limit.
     """
-    drive = request.drive
+    limp, request, drive = home.limp, measured.request, measured.request.drive
     torques = Wheels(
         within(drive[0], s.wheels[0].limit),
         within(drive[1], s.wheels[1].limit),
@@ -138,8 +145,27 @@ def limited(
         within(drive[3], s.wheels[3].limit),
     )
     if limp.watch == 1.0:
-        return without_yaw(limp.plausibility, car, s.control.motors, period, request, torques, wheels)
+        return without_yaw(limp.plausibility, car, s.control.motors, period, request, torques, measured.wheels)
     return WheelTorqueCommand(torques, request.brake)
+
+
+@compilable
+def set_points(
+    _home: Any, car: Car, s: Any, _period: float, measured: Measured
+) -> tuple[WheelTorqueCommand, WheelSpeedCommand]:
+    """The requested torques [N m] as they are, and set-points [rad/s] in their direction: for slipping wheels a limit.
+
+    For all others it is the largest speed of the motor, out of reach, which leaves the torque to the request. The state
+    is as in `watch`.
+    """
+    drive, fastest = measured.request.drive, car.motor.maximum_speed
+    speeds = Wheels(
+        copysign(min(s.wheels[0].limit, fastest / car.gear[0]), drive[0]),
+        copysign(min(s.wheels[1].limit, fastest / car.gear[1]), drive[1]),
+        copysign(min(s.wheels[2].limit, fastest / car.gear[2]), drive[2]),
+        copysign(min(s.wheels[3].limit, fastest / car.gear[3]), drive[3]),
+    )
+    return WheelTorqueCommand(drive, measured.request.brake), WheelSpeedCommand(speeds)
 
 
 @compilable
@@ -167,3 +193,96 @@ def sign(number: float) -> float:
     if number > 0.0:
         return 1.0
     return -1.0 if number < 0.0 else 0.0
+
+
+@compilable
+def itself(p: Any) -> Any:
+    """Where the parameters of reference speed and limp mode are, of a law that has them itself."""
+    return p
+
+
+@compilable
+def its_regulator(p: Any) -> Any:
+    """Where those of a law are that regulates a slip."""
+    return p.regulator
+
+
+HOMES = {"reference": itself, "regulator.reference": its_regulator}
+
+
+def traction_control(
+    name: str,
+    parameters: type,
+    wheel: type,
+    forget: Callable[..., None] | None = None,
+    reference: str = "reference",
+    speed_mode: bool = False,
+    needs: tuple[Need, ...] = (),
+) -> Callable[[L], L]:
+    """Register the law of one wheel as a method of the asr, under its docstring.
+
+    The law is `(p, car, wheel, period, motion, wanted)` and gives the largest torque of the wheel [N m], as
+    `watch` says. `wheel` is the record of what it knows of a wheel, a LimitedWheel with more; it is put back to its
+    start by `forget(p, wheel)`, without one by its declaration. `reference` names the parameters of the reference
+    speed among its own, and `limp` beside them are those of the limp mode. The method runs compiled if law and
+    `forget` are compilable.
+
+    With `speed_mode` the law gives the largest speed of the wheel [rad/s] for drives in speed mode, as
+    `set_points` says, and has no limp mode. `needs` are what it asks of the vehicle besides.
+    """
+    home_of = HOMES[reference]
+    how: dict[str, Any] = {"writes": (WheelTorqueCommand,)}
+    lacks: tuple[Need, ...] = (*needs, reference_speed.free_wheels_for(reference))
+    answer: Callable[..., Any] = limited
+    if speed_mode:
+        answer = set_points
+        how = {"writes": (WheelTorqueCommand, WheelSpeedCommand), "requires": {"plant": "planar_speed_mode"}}
+    else:
+        lacks = (*lacks, limp_mode_for(f"{reference.rpartition('.')[0]}.limp".lstrip(".")))
+    begin = forget or _beginning(wheel)
+
+    def register(limit_of: L) -> L:
+        @dataclass(slots=True)
+        class State:
+            """What lasts between steps."""
+
+            control: TractionControlState = part(TractionControlState)
+            wheels: list[Any] = each_wheel(wheel)
+
+        def start(p: Any) -> State:
+            state = State()
+            for each in state.wheels:
+                begin(p, each)
+            return state
+
+        def law(
+            p: Any,
+            car: Car,
+            s: Any,
+            period: float,
+            request: WheelTorqueRequest,
+            column: SteeringColumnState,
+            wheels: WheelStates,
+            imu: InertialMeasurement,
+        ) -> Any:
+            home, measured = home_of(p), Measured(request, column, wheels, imu)
+            watch(limit_of, begin, home.reference, p, car, s, period, measured)
+            return answer(home, car, s, period, measured)
+
+        named_after(law, limit_of)
+        if limit_of in FUNCTIONS and begin in FUNCTIONS:
+            compilable(law)
+        method("asr", name, parameters, state=State, start=start, needs=lacks, mirrored=True, **how)(law)
+        return limit_of
+
+    return register
+
+
+def _beginning(wheel: type) -> Callable[..., None]:
+    again = start_again(wheel)
+
+    @compilable
+    def forget(p: Any, w: Any) -> None:
+        again(w)
+
+    return forget

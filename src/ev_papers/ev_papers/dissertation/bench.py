@@ -12,7 +12,7 @@ from ev_papers.dissertation.measures.traction_windows import traction
 from ev_papers.dissertation.runs import PART, parameter
 from ev_papers.dissertation.studies.bench_cases import IDEAL, apart
 from ev_sim.measures.samples import channel, run_named
-from ev_sim.test_bench.sequence import STEPS, Sequence
+from ev_sim.test_bench.sequence import SEQUENCE_STEPS, Sequence
 from ev_sim.verdicts.check import Measure, Number, Tolerance, absolute, between
 from ev_sim.verdicts.declaration import Declaration, judged, not_judgeable
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
@@ -41,8 +41,8 @@ def _refused(sequence: Sequence, step: str) -> bool:
 def _six_steps(*_driven: ScenarioRuns) -> float:
     """1 if the six steps lead back to the beginning and every other step is refused on the way."""
     sequence, in_order = Sequence(), True
-    for due in STEPS:
-        in_order = in_order and all(_refused(sequence, step) for step in STEPS if step != due)
+    for due in SEQUENCE_STEPS:
+        in_order = in_order and all(_refused(sequence, step) for step in SEQUENCE_STEPS if step != due)
         sequence = sequence.after(due, cooling=True)
     return float(in_order and sequence == Sequence())
 

@@ -11,7 +11,7 @@ from ev_core.vehicle.drive_train import wheel_inertia
 from ev_papers.dissertation.measures.circuits import CircuitSums, circuits
 from ev_papers.dissertation.measures.traction_windows import traction
 from ev_papers.dissertation.runs import MODEL, PART
-from ev_sim.drives.losses import loss_power
+from ev_sim.drives.electrical_side import loss_power
 from ev_sim.measures.samples import channel, run_named
 from ev_sim.verdicts.check import Number, absolute, relative
 from ev_sim.verdicts.declaration import Declaration, judged

@@ -8,8 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ev_papers.dissertation.runs import MODEL
-from ev_sim.surfaces.road import RoadParameters, left_and_right
-from ev_sim.surfaces.table import SURFACES, Surface
+from ev_sim.surfaces import SURFACES, RoadParameters, Surface, left_and_right
 from ev_sim.verdicts.check import Number, absolute, relative
 from ev_sim.verdicts.declaration import Declaration, judged
 from ev_sim.verdicts.need import ScenarioRuns
@@ -37,7 +36,7 @@ _PEAKS = {  # slip and friction, of tables and eq 2.15 by a scan over a million 
     "packed_snow_1": (0.0907, 0.4022),
     "packed_snow_2": (0.0600, 0.1900),
 }
-_GIVEN = "ev_sim/surfaces/table.py has what is printed"
+_GIVEN = "ev_sim/surfaces.py has what is printed"
 _EXACT = relative(0.0, "exact")
 _SEEDS = range(1, 11)
 

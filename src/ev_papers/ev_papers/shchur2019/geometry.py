@@ -8,7 +8,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_papers.shchur2019 import paper
 from ev_papers.shchur2019.assumptions import ACKERMANN, SIGN_OF_RADIUS
 from ev_papers.shchur2019.cycle import CYCLE
-from ev_sim.plant.kinematic.ackermann import front_wheel_angles, path_curvature, wheel_speed_ratios
+from ev_sim.plant.ackermann import front_wheel_angles, path_curvature, wheel_speed_ratios
 from ev_sim.verdicts.check import Number, relative
 from ev_sim.verdicts.declaration import Declaration, judged, no_verdict
 from ev_sim.verdicts.need import ScenarioRuns

@@ -35,7 +35,7 @@ from ev_sim.measures.understeer import (
 from ev_sim.recording.atomic import atomic_file
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import vehicle_file
-from ev_sim.surfaces.table import REFERENCE, SURFACES
+from ev_sim.surfaces import REFERENCE, SURFACES
 
 _PREFIX = "vehicle."
 _SPEEDS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0)  # [m/s] of the table

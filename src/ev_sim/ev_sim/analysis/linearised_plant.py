@@ -13,11 +13,10 @@ from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_sim.plant.planar.equations import Equations
-from ev_sim.plant.planar.parameters import PlanarParameters
-from ev_sim.plant.planar.state import INTEGRATED, INTEGRATED_SIZE, VX, VY, YAW_RATE, index
-from ev_sim.surfaces.road import RoadParameters
-from ev_sim.surfaces.table import REFERENCE
+from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.integration import Equations
+from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, YAW_RATE, index
+from ev_sim.surfaces import REFERENCE, RoadParameters
 
 OUTPUTS = ("lateral_velocity", "yaw_rate", "front_slip_angle", "rear_slip_angle")
 # What moves the car across and round; the longitudinal velocity is a parameter of the linear model.
@@ -94,7 +93,7 @@ def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
     middle, drive = state[:INTEGRATED_SIZE], state[_DRIVE]
     equations = Equations(_parameters(point, point.speed), vehicle)
     equations.look(middle)
-    places = [n for n, place in enumerate(INTEGRATED) if place.name.partition(".")[0] in _STATES]
+    places = [n for n, place in enumerate(INTEGRATED_PLACES) if place.name.partition(".")[0] in _STATES]
 
     def rates_at(change: np.ndarray, angle: float) -> np.ndarray:
         equations.hold(angle, drive)
@@ -118,7 +117,7 @@ def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
     d = (outputs_at(still, angle + _STEP) - outputs_at(still, angle - _STEP)) / (2 * _STEP)
     for n in (0, 1):  # lateral velocity and yaw rate
         a[n, n] -= acceleration / point.speed
-    states = tuple(INTEGRATED[n].name for n in places)
+    states = tuple(INTEGRATED_PLACES[n].name for n in places)
     return LinearisedPlant(StateSpace(a, b[:, None], c, d[:, None]), states, state, acceleration)
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ev_core.law import BodyPose, ParameterError, compilable, cos, entry, hypot, setting, sin
 
-SHAPES = WAYPOINTS, ARCS = "waypoints", "arcs"
+PATH_SHAPES = WAYPOINTS, ARCS = "waypoints", "arcs"
 _ARC_STEP = 0.5  # [m], chord of an arc; 3 mm from an arc of 10 m radius
 
 
@@ -17,19 +17,16 @@ _ARC_STEP = 0.5  # [m], chord of an arc; 3 mm from an arc of 10 m radius
 class PathParameters:
     """A path in odom from its first point on; beyond both ends it goes on straight."""
 
-    shape: str = setting("waypoints", choices=SHAPES, about="straight lines between waypoints, or arcs from a start")
+    shape: str = setting(
+        "waypoints", choices=PATH_SHAPES, about="straight lines between waypoints, or arcs from a start"
+    )
     x: tuple[float, ...] = setting((0.0, 1.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two")
     y: tuple[float, ...] = setting(
         (0.0, 0.0), unit="m", low=-1e6, high=1e6, about="waypoints, at least two", lateral=True
     )
     length: tuple[float, ...] = setting((1.0,), unit="m", low=0.1, high=1e5, about="lengths of the arcs")
     curvature: tuple[float, ...] = setting(
-        (0.0,),
-        unit="1/m",
-        low=-1.0,
-        high=1.0,
-        about="curvatures of the arcs, left positive, 0 is straight",
-        lateral=True,
+        (0.0,), unit="1/m", low=-1.0, high=1.0, about="curvatures of the arcs, left positive, 0: straight", lateral=True
     )
     start_x: float = setting(0.0, unit="m", low=-1e6, high=1e6, about="where the first arc begins")
     start_y: float = setting(0.0, unit="m", low=-1e6, high=1e6, about="where the first arc begins", lateral=True)
@@ -37,11 +34,7 @@ class PathParameters:
         0.0, unit="rad", low=-10.0, high=10.0, about="direction of the first arc", lateral=True
     )
     width: float = setting(
-        7.0,
-        unit="m",
-        low=0.5,
-        high=1e4,
-        about="of the road, in whose middle the path lies; a run that leaves it says so",
+        7.0, unit="m", low=0.5, high=1e4, about="of the road, with the path in its middle; a run that leaves it says so"
     )
 
     def __post_init__(self) -> None:

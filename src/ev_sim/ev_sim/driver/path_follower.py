@@ -1,20 +1,115 @@
-"""A driver who follows a path by eye, and a speed or a pedal profile by foot."""
+"""Hands that keep the car on its path, and a driver who follows a path by eye and a speed or pedals by foot."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from ev_core.law import Car, Vehicle, compilable, method, part, speed_along_path
+from ev_core.elementary import atan2, copysign
+from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part, speed_along_path
 from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState
-from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
-from ev_sim.driver.manoeuvre import UNBOUNDED, FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
-from ev_sim.driver.path import Path, edge_notes, path_of
-from ev_sim.profiles.speed_profile import with_speed_profile_from_file
+from ev_sim.driver import pedals
+from ev_sim.driver.path import Path, PathParameters, RoadEdgeState, edge_notes, nearest, path_of, point_at, watch_edge
+from ev_sim.driver.profile_driver import AngleControlParameters, AngleControlState, turn_to_angle
 
 
 @dataclass(frozen=True, slots=True)
-class PathFollowerParameters(FeetParameters, LaneKeepingParameters):
+class PurePursuitParameters:
+    """How far ahead the driver looks."""
+
+    preview_time: float = parameter(
+        0.6, unit="s", low=0.0, high=10.0, about="the driver looks as far as the car goes in this time",
+        source="assumption; 0.5 to 1.5 s are usual for drivers",
+    )  # fmt: skip
+    shortest_preview: float = parameter(4.0, unit="m", low=0.5, high=100.0, about="but at least this far")
+    max_angle: float = parameter(0.6, unit="rad", low=0.01, high=1.4, about="largest road-wheel angle, either way")
+
+
+@compilable
+def pure_pursuit(
+    p: PurePursuitParameters, car: Car, path: Path, pose: BodyPose, speed: float, leg: int
+) -> tuple[float, int]:
+    """Road-wheel angle [rad] at a speed, negative in reverse [m/s], and the leg of the path that is reached.
+
+    The rear axle is to roll on the circle through the point of the path at the preview distance: tan delta =
+    2 L y/(x^2 + y^2), (x, y) the point as seen from the rear axle (Coulter, Implementation of the pure pursuit path
+    tracking algorithm, CMU-RI-TR-92-01, 1992). In reverse the point lies behind, the equation is the same: the rear
+    axle, which leads then, does what it did forwards.
+    """
+    z, w = pose.orientation_z, pose.orientation_w
+    cosine, sine = w * w - z * z, 2.0 * z * w  # of the heading, from its quaternion
+    rear_arm = car.centre_of_mass_to_rear_axle
+    rear_x, rear_y = pose.x - rear_arm * cosine, pose.y - rear_arm * sine
+    preview = copysign(max(p.preview_time * abs(speed), p.shortest_preview), speed)
+    distance, leg = nearest(path, rear_x, rear_y, leg)
+    goal_x, goal_y = point_at(path, distance + preview, leg)
+    ahead = (goal_x - rear_x) * cosine + (goal_y - rear_y) * sine
+    aside = (goal_y - rear_y) * cosine - (goal_x - rear_x) * sine
+    angle = atan2(2.0 * car.wheelbase * aside, ahead * ahead + aside * aside)
+    return min(max(angle, -p.max_angle), p.max_angle), leg
+
+
+# Below it [m/s] a car does not drive anywhere, it rocks on its tyres or is pressed against its brakes: the eyes stay
+# where they were, instead of following the sign of a velocity that is next to nothing.
+LOOKING_ROUND = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class HandParameters:
+    """How the driver turns the steering wheel; more firmly than who parks, to answer within tenths of a second."""
+
+    angle_control: AngleControlParameters = group(
+        AngleControlParameters,
+        max_rate=15.0,
+        max_hand_torque=20.0,
+        proportional_gain=3.0,
+        integral_gain=6.0,
+        derivative_gain=0.3,
+    )
+
+
+@dataclass(frozen=True)  # without slots, to be a second base of other parameters
+class LaneKeepingParameters:
+    """The path (along the x axis by default), how far ahead the driver looks, and how the hands turn."""
+
+    path: PathParameters = group(PathParameters)
+    pursuit: PurePursuitParameters = group(PurePursuitParameters)
+    hands: HandParameters = group(HandParameters)
+
+
+@dataclass(slots=True)
+class LaneKeepingState:
+    """Where hands and eyes are."""
+
+    hands: AngleControlState = part(AngleControlState)
+    leg: float = entry(unit="1", about="place of the leg of the path that is reached")
+    edge: RoadEdgeState = part(RoadEdgeState)
+    direction: float = entry(1.0, unit="1", about="to which the eyes look: 1 ahead, -1 back")
+
+
+@compilable
+def keep_lane(
+    p: LaneKeepingParameters,
+    car: Car,
+    path: Path,
+    s: LaneKeepingState,
+    period: float,
+    time: float,
+    pose: BodyPose,
+    speed: float,
+    column: SteeringColumnState,
+) -> float:
+    """Hand torque [N m] that leads the car along its path by pure pursuit, at a speed along it [m/s] and a time [s]."""
+    if abs(speed) > LOOKING_ROUND:
+        s.direction = 1.0 if speed > 0.0 else -1.0
+    angle, leg = pure_pursuit(p.pursuit, car, path, pose, s.direction * abs(speed), int(s.leg))
+    s.leg = float(leg)
+    watch_edge(path, p.path.width, s.edge, time, pose, leg)
+    return turn_to_angle(p.hands.angle_control, s.hands, period, car.steering_ratio * angle, column)
+
+
+@dataclass(frozen=True, slots=True)
+class PathFollowerParameters(pedals.FeetParameters, LaneKeepingParameters):
     """The path, how far ahead the driver looks, and hands and feet."""
 
 
@@ -22,42 +117,35 @@ class PathFollowerParameters(FeetParameters, LaneKeepingParameters):
 class PathFollowerState:
     """What feet and hands remember."""
 
-    feet: FeetState = part(FeetState)
+    feet: pedals.FeetState = part(pedals.FeetState)
     hands: LaneKeepingState = part(LaneKeepingState)
 
 
-class Course(NamedTuple):
+class FollowedPath(NamedTuple):
     """What the feet follow, and the path."""
 
-    feet: FeetProfiles
+    feet: pedals.FeetProfiles
     path: Path
 
 
-def course_of(parameters: PathFollowerParameters, vehicle: Vehicle, period: float) -> Course:
+def followed_path(parameters: PathFollowerParameters, vehicle: Vehicle, period: float) -> FollowedPath:
     """The course that the parameters describe; ParameterError if they name a profile file that has not been read."""
-    return Course(feet_profiles(parameters, vehicle, period), path_of(parameters.path))
+    return FollowedPath(pedals.feet_profiles(parameters, vehicle, period), path_of(parameters.path))
 
 
-def notes(p: PathFollowerParameters, s: PathFollowerState) -> tuple[str, ...]:
+def road_notes(p: LaneKeepingParameters, s: Any) -> tuple[str, ...]:
     """Whether the car has left its road."""
     return edge_notes(s.hands.edge, p.path.width)
 
 
-@method(
-    "driver",
-    "path_follower",
-    PathFollowerParameters,
-    state=PathFollowerState,
-    prepare=course_of,
-    load_files=with_speed_profile_from_file,
-    notes=notes,
-    mirrored=True,
+@pedals.driver_method(
+    "path_follower", PathFollowerParameters, state=PathFollowerState, prepare=followed_path, notes=road_notes
 )
 @compilable
 def path_follower(
     p: PathFollowerParameters,
     car: Car,
-    c: Course,
+    c: FollowedPath,
     s: PathFollowerState,
     period: float,
     now: Instant,
@@ -67,5 +155,5 @@ def path_follower(
 ) -> DriverCommand:
     """Steer along a path by pure pursuit through the hand torque, forwards and in reverse."""
     speed = speed_along_path(body)
-    drive, brake = work_pedals(p, car, c.feet, s.feet, period, now.time, speed, UNBOUNDED)
+    drive, brake = pedals.work_pedals(p, car, c.feet, s.feet, period, now.time, speed, pedals.UNBOUNDED)
     return DriverCommand(drive, brake, keep_lane(p, car, c.path, s.hands, period, now.time, pose, speed, column))

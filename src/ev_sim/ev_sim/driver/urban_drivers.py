@@ -1,17 +1,105 @@
-"""The three drivers of an urban cycle: one who follows it, one with two pedal positions, one with an imposed speed."""
+"""The drivers of an urban cycle: one who follows it, one with two pedal positions, one with an imposed speed."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeVar
 
-from ev_core.law import GRAVITY, Car, WheelStates, any_driven, compilable, group, parameter
-from ev_sim.driver.cycle_driver import CycleDriverParameters, CycleDriverState, cycle_driver
-from ev_sim.driver.speed_control import follow_speed
+from ev_core.law import GRAVITY, Car, Need, Vehicle, any_driven, compilable, entry, part, speed_along_path
+from ev_core.methods.law import named_after
+from ev_core.parameters.declaration import group, parameter
+from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, Instant, SteeringColumnState, WheelStates
+from ev_sim.driver.path import Path, path_of
+from ev_sim.driver.path_follower import LaneKeepingParameters, LaneKeepingState, keep_lane, road_notes
+from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, driver_method, follow_speed
+from ev_sim.profiles.cycle_windows import TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
+from ev_sim.profiles.profile import Profile, value_at
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
+
+D = TypeVar("D", bound=Callable[..., float])
+
+
+@dataclass(frozen=True, slots=True)
+class CycleDriverParameters(LaneKeepingParameters):
+    """The cycle, its windows, and how the driver slows down and steers."""
+
+    speed_profile: SpeedProfileParameters = group(SpeedProfileParameters)
+    modes: CycleModesParameters = group(CycleModesParameters)
+    speed_control: SpeedControlParameters = group(SpeedControlParameters)
+
+
+@dataclass(slots=True)
+class CycleState:
+    """What feet and hands remember."""
+
+    speed_control: SpeedControlState = part(SpeedControlState)
+    pressed: float = entry(unit="", about="whether the accelerator is pressed, by a foot that knows only that")
+    hands: LaneKeepingState = part(LaneKeepingState)
+
+
+class Cycle(NamedTuple):
+    """Speed over time [m/s], windows and path."""
+
+    speed: Profile
+    modes: CycleModes
+    path: Path
+
+
+def cycle_of(parameters: CycleDriverParameters, vehicle: Vehicle, period: float) -> Cycle:
+    """The cycle that the parameters describe; ParameterError if they name a profile file that has not been read."""
+    speed = wanted_speed(parameters.speed_profile)
+    return Cycle(speed, cycle_modes(parameters.modes, speed), path_of(parameters.path))
+
+
+def cycle_driver(
+    name: str, parameters: type, needs: tuple[Need, ...] = (), requires: Mapping[str, str] = MappingProxyType({})
+) -> Callable[[D], D]:
+    """Register what a driver does in windows of traction as a driver of the whole cycle, under its docstring.
+
+    It is `(p, car, s, period, wanted, speed, wheels)`, with the wanted and the present speed [m/s], and gives the drive
+    torque of all wheels together [N m]; p is a CycleDriverParameters with more.
+
+    In the traction windows the driver gives `drive_torque`, and in the others just follows the cycle. There a car that
+    is to slow down is braked by its drives as far as `speed_control.max_regenerative_torque`, then by its brakes, and
+    driven where the road slows it down more than it should (snow does); one that is to stand is held. The hand
+    torque is that of the place of the car beside its path.
+    """
+
+    def register(drive_torque: D) -> D:
+        def driver(
+            p: Any,
+            car: Car,
+            c: Cycle,
+            s: CycleState,
+            period: float,
+            now: Instant,
+            body: BodyVelocity,
+            pose: BodyPose,
+            column: SteeringColumnState,
+            wheels: WheelStates,
+        ) -> DriverCommand:
+            speed = speed_along_path(body)
+            hand_torque = keep_lane(p, car, c.path, s.hands, period, now.time, pose, speed, column)
+            wanted = value_at(c.speed, now.time)
+            if mode_at(c.modes, now.time) == TRACTION:
+                return DriverCommand(drive_torque(p, car, s, period, wanted, speed, wheels), 0.0, hand_torque)
+            s.pressed = 0.0
+            drive, brake = follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
+            return DriverCommand(drive, brake, hand_torque)
+
+        driver_method(
+            name, parameters, state=CycleState, prepare=cycle_of, notes=road_notes, needs=needs, requires=requires
+        )(compilable(named_after(driver, drive_torque)))
+        return drive_torque
+
+    return register
 
 
 @dataclass(frozen=True, slots=True)
 class PowerLevelParameters:
-    """How much the driver asks for; the source says no more than above the limit of packed snow."""
+    """How much the driver asks for; the source has no more than "above the limit of packed snow"."""
 
     factor: float = parameter(
         1.11,
@@ -30,12 +118,7 @@ class PowerLevelParameters:
         source="dissertation, table 2.3: peak of packed snow 1",
     )
     slip: float = parameter(
-        0.0907,
-        unit="1",
-        low=0.0,
-        high=0.9,
-        about="slip at the limit",
-        source="dissertation, table 2.3: slip of that peak",
+        0.0907, unit="1", low=0.0, high=0.9, about="slip at the limit", source="dissertation, table 2.3: that peak"
     )
     rolling_resistance: float = parameter(
         0.083,
@@ -46,11 +129,7 @@ class PowerLevelParameters:
         source="dissertation, table 2.2: packed snow, middle of its range, and f_0 of the vehicle",
     )
     slowest: float = parameter(
-        1.0,
-        unit="m/s",
-        low=0.01,
-        high=10.0,
-        about="below this speed the level is a torque, for a power gives none at rest",
+        1.0, unit="m/s", low=0.01, high=10.0, about="below this speed the level is a torque: a power gives none at rest"
     )
 
 
@@ -60,7 +139,7 @@ def torque_of_power(p: PowerLevelParameters, car: Car, speed: float, wheels: Whe
 
     That of a power P = k (friction + rolling resistance) W V/(1 - slip). W is the load of the driven wheels at rest;
     with k = 1 that is the power at which they all turn at the slip of the limit. The torque is P over the mean speed of
-    the driven wheels, so it falls where they spin: a drive that is told a power gives just that.
+    the driven wheels, so it falls where they spin: a drive that is given a power gives just that.
     """
     front = car.centre_of_mass_to_rear_axle / car.wheelbase
     driven, velocity = car.driven, wheels.velocity
@@ -78,13 +157,7 @@ def torque_of_power(p: PowerLevelParameters, car: Car, speed: float, wheels: Whe
 @cycle_driver("tracking", CycleDriverParameters)
 @compilable
 def tracking(
-    p: CycleDriverParameters,
-    car: Car,
-    s: CycleDriverState,
-    period: float,
-    wanted: float,
-    speed: float,
-    wheels: WheelStates,
+    p: CycleDriverParameters, car: Car, s: CycleState, period: float, wanted: float, speed: float, wheels: WheelStates
 ) -> float:
     """Follow a speed cycle with just the drive torque that it takes, and keep the lane.
 
@@ -102,18 +175,14 @@ class PulseParameters(CycleDriverParameters):
 
     level: PowerLevelParameters = group(PowerLevelParameters)
     band: float = parameter(
-        0.3,
-        unit="m/s",
-        low=0.0,
-        high=10.0,
-        about="the foot goes down this far below the cycle and up this far above it",
+        0.3, unit="m/s", low=0.0, high=10.0, about="the foot goes down this far below the cycle, up this far above it"
     )
 
 
 @cycle_driver("pulse", PulseParameters, needs=(any_driven,))
 @compilable
 def pulse(
-    p: PulseParameters, car: Car, s: CycleDriverState, period: float, wanted: float, speed: float, wheels: WheelStates
+    p: PulseParameters, car: Car, s: CycleState, period: float, wanted: float, speed: float, wheels: WheelStates
 ) -> float:
     """Follow a speed cycle with an accelerator that is either released or at a power above the limit of packed snow.
 
@@ -137,13 +206,7 @@ class ImposedSpeedParameters(CycleDriverParameters):
 @cycle_driver("imposed_speed", ImposedSpeedParameters, needs=(any_driven,), requires={"plant.speed": "imposed"})
 @compilable
 def imposed_speed(
-    p: ImposedSpeedParameters,
-    car: Car,
-    s: CycleDriverState,
-    period: float,
-    wanted: float,
-    speed: float,
-    wheels: WheelStates,
+    p: ImposedSpeedParameters, car: Car, s: CycleState, period: float, wanted: float, speed: float, wheels: WheelStates
 ) -> float:
     """Ask for a power above the limit of packed snow in all windows of traction, whatever the speed.
 

@@ -97,11 +97,7 @@ def follow_shares(car: Car, command: Sequence[float], share: MutableSequence[flo
 
 @inlined
 def wheel_torques(
-    car: Car,
-    motor: Sequence[float],
-    wheel_speed: Sequence[float],
-    share: Sequence[float],
-    wheel: MutableSequence[float],
+    car: Car, motor: Sequence[float], speed: Sequence[float], share: Sequence[float], wheel: MutableSequence[float]
 ) -> None:
     """Drive torque of each wheel [N m], into `wheel`, from the torques behind the gears and the shares of the clutches.
 
@@ -118,7 +114,7 @@ def wheel_torques(
         wheel[i] = motor[i]
     if driveline.coupling == CENTRE:
         total = (motor[0] + motor[1]) + (motor[2] + motor[3])
-        apart = 0.5 * (wheel_speed[0] + wheel_speed[1]) - 0.5 * (wheel_speed[2] + wheel_speed[3])
+        apart = 0.5 * (speed[0] + speed[1]) - 0.5 * (speed[2] + speed[3])
         locking = car.centre_preload + car.centre_locking * abs(total)
         front = driveline.front_share * total - 0.5 * locking * tanh(apart / driveline.locking_speed)
         wheel[0] = wheel[1] = 0.5 * front
@@ -127,6 +123,6 @@ def wheel_torques(
         left, right = 2 * axle, 2 * axle + 1
         if car.differential[axle] == 1.0 and car.axle_preload[axle] + car.axle_locking[axle] > 0.0:
             locking = car.axle_preload[axle] + car.axle_locking[axle] * abs(wheel[left] + wheel[right])
-            moved = 0.5 * locking * tanh((wheel_speed[left] - wheel_speed[right]) / driveline.locking_speed)
+            moved = 0.5 * locking * tanh((speed[left] - speed[right]) / driveline.locking_speed)
             wheel[left] -= moved
             wheel[right] += moved

@@ -2,43 +2,15 @@
 
 from __future__ import annotations
 
-from ev_msgs_py.can.drive_states import (
-    INTERNAL_LIMIT,
-    OPERATION_ENABLED,
-    QUICK_STOP_ACTIVE,
-    READY_TO_SWITCH_ON,
-    REMOTE,
-    STATE_BITS,
-    SWITCH_ON_DISABLED,
-    VOLTAGE_ENABLED,
-    WARNING,
-    next_state,
-)
-from ev_msgs_py.can.frames import (
-    DC_LINK_LOW,
-    DERATING,
-    DIRECTION_CHANGED,
-    FAULTS,
-    FRAME_REFUSED,
-    FRAMES_LOST,
-    MODE_REFUSED,
-    NO_MODE,
-    OVER_CURRENT,
-    OVER_SPEED,
-    SPEED_MODE,
-    TORQUE_MODE,
-    TRIP,
-    WARM,
-)
-from ev_msgs_py.compilable import compilable
-from ev_sim.inverter.dc_link import advance_dc_link, dc_link_faults
-from ev_sim.inverter.parameters import InverterParameters
-from ev_sim.inverter.set_points import begin_cycle, end_cycle, missing_set_point
-from ev_sim.inverter.state import Inverter
-from ev_sim.inverter.torque import advance_temperatures, advance_torque, derating, temperature_faults
+from ev_core.law import compilable
+from ev_msgs_py.can import drive_states, frames
+from ev_sim.inverter import power_stage
+from ev_sim.inverter.device import Inverter
+from ev_sim.inverter.inverter_parameters import InverterParameters
+from ev_sim.inverter.on_channel import begin_cycle, end_cycle, missing_set_point
 
 _NO_TORQUE = 1.0  # N m, the error of the torque transducer: below it a quick stop is over
-_CODES = tuple(float(fault.code) for fault in FAULTS)
+_CODES = tuple(float(fault.code) for fault in frames.FAULTS)
 
 
 @compilable
@@ -48,8 +20,8 @@ def advance_inverter(p: InverterParameters, s: Inverter, speed: float, period: f
     A fault takes the torque away in the cycle in which it is found.
     """
     lead_inverter(p, s, speed, period)
-    advance_torque(p, s, speed, period)
-    advance_temperatures(p.thermal, p.machine, s, period)
+    power_stage.advance_torque(p, s, speed, period)
+    power_stage.advance_temperatures(p.thermal, p.machine, s, period)
     end_inverter_cycle(p, s, period)
 
 
@@ -57,17 +29,17 @@ def advance_inverter(p: InverterParameters, s: Inverter, speed: float, period: f
 def lead_inverter(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
     """The first part of a cycle: what is wrong, and which state follows."""
     begin_cycle(s)
-    advance_dc_link(p.dc_link, s, period)
+    power_stage.advance_dc_link(p.dc_link, s, period)
     causes = _causes(p, s, speed, period)
     _latch(s, causes)
     control, torque_gone = int(s.command.controlword), abs(s.torque) < _NO_TORQUE
     silent = missing_set_point(s, p.command_timeout, period) != 0
     before, charged = int(s.state), s.dc_link.contactor != 0.0
     reset, faulty = s.command.reset != 0.0 and not silent, causes != 0
-    s.state = float(next_state(before, control, reset, faulty, charged, torque_gone))
-    if s.state == SWITCH_ON_DISABLED and not faulty:
+    s.state = float(drive_states.next_state(before, control, reset, faulty, charged, torque_gone))
+    if s.state == drive_states.SWITCH_ON_DISABLED and not faulty:
         s.faults = s.error_code = 0.0
-    if s.state != OPERATION_ENABLED:
+    if s.state != drive_states.OPERATION_ENABLED:
         s.direction = s.command.direction
 
 
@@ -82,20 +54,22 @@ def end_inverter_cycle(p: InverterParameters, s: Inverter, period: float) -> Non
 def _causes(p: InverterParameters, s: Inverter, speed: float, period: float) -> int:
     """The bits of everything that is wrong now."""
     state, mode = int(s.state), int(s.command.mode)
-    bits = temperature_faults(p.thermal, s) | dc_link_faults(p.dc_link, s)
+    bits = power_stage.temperature_faults(p.thermal, s) | power_stage.dc_link_faults(p.dc_link, s)
     if s.injected.trip != 0.0:
-        bits |= TRIP
+        bits |= frames.TRIP
     if abs(speed) > p.over_speed * p.machine.maximum_speed:
-        bits |= OVER_SPEED
+        bits |= frames.OVER_SPEED
     if s.phase_current + s.injected.current_rise > p.largest_current:
-        bits |= OVER_CURRENT
-    if READY_TO_SWITCH_ON <= state <= QUICK_STOP_ACTIVE:
+        bits |= frames.OVER_CURRENT
+    if drive_states.READY_TO_SWITCH_ON <= state <= drive_states.QUICK_STOP_ACTIVE:
         bits |= missing_set_point(s, p.command_timeout, period)
-        offered = mode in (NO_MODE, TORQUE_MODE) or (mode == SPEED_MODE and p.offers_speed_mode != 0.0)
+        offered = mode in (frames.NO_MODE, frames.TORQUE_MODE) or (
+            mode == frames.SPEED_MODE and p.offers_speed_mode != 0.0
+        )
         if not offered:
-            bits |= MODE_REFUSED
-    if state == OPERATION_ENABLED and s.command.direction != s.direction:
-        bits |= DIRECTION_CHANGED
+            bits |= frames.MODE_REFUSED
+    if state == drive_states.OPERATION_ENABLED and s.command.direction != s.direction:
+        bits |= frames.DIRECTION_CHANGED
     return bits
 
 
@@ -112,23 +86,12 @@ def _latch(s: Inverter, causes: int) -> None:
 @compilable
 def _warnings(p: InverterParameters, s: Inverter) -> int:
     bits = 0
-    if derating(p.thermal, s) < 1.0:
-        bits |= DERATING | WARM
+    if power_stage.derating(p.thermal, s) < 1.0:
+        bits |= frames.DERATING | frames.WARM
     if s.supervision.refused_age <= p.command_timeout:
-        bits |= FRAME_REFUSED
+        bits |= frames.FRAME_REFUSED
     if s.supervision.lost_age <= p.command_timeout:
-        bits |= FRAMES_LOST
+        bits |= frames.FRAMES_LOST
     if s.dc_link.contactor != 0.0 and s.dc_link.voltage < 0.9 * p.dc_link.supply_voltage:
-        bits |= DC_LINK_LOW
+        bits |= frames.DC_LINK_LOW
     return bits
-
-
-@compilable
-def statusword(s: Inverter) -> int:
-    """Bits 0 to 11 of the statusword."""
-    word = STATE_BITS[int(s.state)] | (REMOTE if s.remote != 0.0 else 0)
-    if s.dc_link.contactor != 0.0:
-        word |= VOLTAGE_ENABLED
-    if s.warnings != 0.0:
-        word |= WARNING
-    return word | (INTERNAL_LIMIT if s.limited != 0.0 else 0)

@@ -24,7 +24,7 @@ from ev_sim.recording.recording import Recording
 
 INTERVAL = 1.0  # [s]
 LOWEST_SPEED = 15 / 3.6  # [m/s], the fit does not use lower ones
-BAND = 0.01  # of the vehicle description, in which fitted values count as found back
+ROAD_LOAD_BAND = 0.01  # of the vehicle description, in which fitted values count as found back
 UPPER, LOWER = 100 / 3.6, 80 / 3.6  # [m/s], between which the coast-down is timed
 
 
@@ -112,7 +112,11 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
 
 
 def _described(value: float, symbol: str) -> Reference | None:
-    return Reference(value, within(value, relative=BAND), f"{symbol} of the vehicle description") if value else None
+    return (
+        Reference(value, within(value, relative=ROAD_LOAD_BAND), f"{symbol} of the vehicle description")
+        if value
+        else None
+    )
 
 
 def _time_between(run: Recording) -> float:

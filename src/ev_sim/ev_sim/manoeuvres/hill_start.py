@@ -13,8 +13,8 @@ from ev_sim.measures.metric import Metric, NotMeasured, metric
 from ev_sim.measures.samples import Runs, channel
 from ev_sim.recording.recording import Recording
 
-ROLLING = 0.1  # [m/s], above it the car has pulled away and slip is more than the first turn of a wheel
-DISTANCE = 1.0  # [m], the pull-away is timed over it
+ROLLING_SPEED = 0.1  # [m/s], above it the car has pulled away and slip is more than the first turn of a wheel
+PULL_AWAY = 1.0  # [m], the pull-away is timed over it
 
 
 def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
@@ -95,13 +95,13 @@ def _movement(run: Recording) -> float:
 
 def _first_metre(run: Recording) -> float:
     start = _release(run)
-    return motion.crossing_time(run.time, _uphill(run), DISTANCE, "the first metre") - float(run.time[start])
+    return motion.crossing_time(run.time, _uphill(run), PULL_AWAY, "the first metre") - float(run.time[start])
 
 
 def _slips(run: Recording, vehicle: Vehicle) -> np.ndarray:
     """Slip ratios of the driven wheels from the pull-away on, (wheels, n) [1]."""
     start = _released(run)
-    start += motion.first(np.abs(motion.path_speed(run)[start:]) > ROLLING, "the pull-away")
+    start += motion.first(np.abs(motion.path_speed(run)[start:]) > ROLLING_SPEED, "the pull-away")
     return np.array([channel(run, f"tire_forces.slip_ratio.{wheel}")[start:] for wheel in vehicle.driven_wheels])
 
 

@@ -12,8 +12,8 @@ from ev_sim.measures.metric import Metric, NotMeasured, metric
 from ev_sim.measures.samples import Runs, channel
 from ev_sim.recording.recording import Recording
 
-SPEED = 5.0  # [m/s], the launch is timed up to it
-ROLLING = 0.1  # [m/s], above it slip is more than the first turn of a wheel
+LAUNCH_SPEED = 5.0  # [m/s], the launch is timed up to it
+ROLLING_SPEED = 0.1  # [m/s], above it slip is more than the first turn of a wheel
 
 
 def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
@@ -45,17 +45,17 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
 
 
 def _launch(run: Recording) -> slice:
-    """The samples from the first drive torque to SPEED."""
+    """The samples from the first drive torque to LAUNCH_SPEED."""
     start = max(motion.first(np.abs(channel(run, motion.DRIVE_TORQUE)) > 0.0, "drive torque") - 1, 0)
-    end = motion.first(motion.speed(run) >= SPEED, f"{SPEED:g} m/s")
+    end = motion.first(motion.speed(run) >= LAUNCH_SPEED, f"{LAUNCH_SPEED:g} m/s")
     if end < start:
-        raise NotMeasured(f"the car has {SPEED:g} m/s before it is driven")
+        raise NotMeasured(f"the car has {LAUNCH_SPEED:g} m/s before it is driven")
     return slice(start, end + 1)
 
 
 def _reached(run: Recording) -> float:
-    """When the car has SPEED, forwards or in reverse [s]."""
-    return motion.crossing_time(run.time, motion.speed(run), SPEED, f"{SPEED:g} m/s")
+    """When the car has LAUNCH_SPEED, forwards or in reverse [s]."""
+    return motion.crossing_time(run.time, motion.speed(run), LAUNCH_SPEED, f"{LAUNCH_SPEED:g} m/s")
 
 
 def _distance(run: Recording) -> float:
@@ -65,5 +65,5 @@ def _distance(run: Recording) -> float:
 
 def _slip(run: Recording, wheel: str) -> float:
     part = _launch(run)
-    rolling = motion.speed(run)[part] > ROLLING
+    rolling = motion.speed(run)[part] > ROLLING_SPEED
     return np.abs(channel(run, f"tire_forces.slip_ratio.{wheel}")[part][rolling]).max()

@@ -22,10 +22,10 @@ from ev_sim.measures.samples import Runs, channel, run_named
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.slow_ramp import angle_at
 
-SLOW = "slowly_increasing_steer"
+SLOW_RUN = "slowly_increasing_steer"
 SHOWN_SIDESLIP = 30.0  # [deg], beyond which a car has spun and would flatten the others' curves
 REFERENCE_ACCELERATION = 0.3 * GRAVITY  # [m/s^2]
-BEGINNING = np.radians(5.0)  # of the steering wheel, the beginning of steer (FMVSS 126, S7.11)
+BEGINNING_OF_STEER = np.radians(5.0)  # of the steering wheel, the beginning of steer (FMVSS 126, S7.11)
 DISPLACEMENT_TIME = 1.07  # [s] after the beginning of steer
 DISPLACEMENT = 1.83  # [m], at least, for cars up to 3500 kg and amplitudes of 5 A and more
 FULL = 5.0  # [A]
@@ -35,7 +35,7 @@ YAW_LIMITS = ((1.0, 35.0), (1.75, 20.0))  # [s] after the completion of steer, [
 
 def metrics(runs: Runs) -> dict[str, Metric]:
     """The angle A, and for each sine its amplitude over A, yaw rate ratios, lateral displacement and verdict."""
-    result = {"steering_wheel_angle_at_0_3_g": metric(lambda: _angle_at_reference(run_named(runs, SLOW)), "rad")}
+    result = {"steering_wheel_angle_at_0_3_g": metric(lambda: _angle_at_reference(run_named(runs, SLOW_RUN)), "rad")}
     for name, run in _sines(runs).items():
         result[f"{name}_amplitude"] = metric(
             lambda run=run: np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)).max(), "rad"
@@ -70,7 +70,7 @@ def figures(runs: Runs) -> dict[str, Figure]:
     ]
 
     def slow() -> list[Curve]:
-        run = run_named(runs, SLOW)
+        run = run_named(runs, SLOW_RUN)
         angle = np.degrees(channel(run, motion.STEERING_WHEEL_ANGLE))
         rising = slice(0, int(np.abs(angle).argmax()) + 1)
         return [Curve(angle[rising], motion.lateral_acceleration_on_path(run)[rising])]
@@ -78,7 +78,7 @@ def figures(runs: Runs) -> dict[str, Figure]:
     line = panel("Slowly increasing steer", "lateral acceleration [m/s²]", slow)
     return {
         "sine_with_dwell": sheet(panels, "time [s]"),
-        SLOW: sheet([line], "steering-wheel angle [deg]", columns=1),
+        SLOW_RUN: sheet([line], "steering-wheel angle [deg]", columns=1),
     }
 
 
@@ -91,7 +91,7 @@ def _label(name: str, runs: Runs) -> str:
 
 
 def _sines(runs: Runs) -> dict[str, Recording]:
-    return {name: run for name, run in runs.items() if name != SLOW}
+    return {name: run for name, run in runs.items() if name != SLOW_RUN}
 
 
 def _angle_at_reference(run: Recording) -> float:
@@ -101,7 +101,7 @@ def _angle_at_reference(run: Recording) -> float:
 
 def _multiple(run: Recording, runs: Runs) -> float:
     amplitude = np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)).max()
-    return float(amplitude / _angle_at_reference(run_named(runs, SLOW)))
+    return float(amplitude / _angle_at_reference(run_named(runs, SLOW_RUN)))
 
 
 def _steering(run: Recording) -> tuple[int, int]:
@@ -136,7 +136,7 @@ def _zero(run: Recording) -> float:
 def _beginning(run: Recording) -> float:
     """When the steering wheel has turned by 5 deg [s]."""
     angle = np.abs(channel(run, motion.STEERING_WHEEL_ANGLE))
-    return motion.crossing_time(run.time, angle, BEGINNING, "5 deg of the steering wheel")
+    return motion.crossing_time(run.time, angle, BEGINNING_OF_STEER, "5 deg of the steering wheel")
 
 
 def _displacement(run: Recording, beginning: float) -> float:
@@ -149,7 +149,7 @@ def _displacement(run: Recording, beginning: float) -> float:
 def _passes(name: str, runs: Runs) -> float:
     """1 if the yaw rate falls fast enough and, from 5 A on, the car answers far enough; else 0.
 
-    NotJudged if the run is not the one that its name says: a car that has passed with less has not passed.
+    NotJudged if the run is not the one of its name: a car that has passed with less has not passed.
     """
     run = run_named(runs, name)
     multiple, named = _multiple(run, runs), _named_multiple(name)
@@ -161,6 +161,6 @@ def _passes(name: str, runs: Runs) -> float:
 
 
 def _named_multiple(name: str) -> float:
-    """The multiple of A that the name of a run says, 1.5 of times_1_5; zero if it says none."""
+    """The multiple of A in the name of a run, 1.5 of times_1_5; zero without one."""
     found = re.search(r"times_(\d+)_(\d+)", name)
     return float(f"{found[1]}.{found[2]}") if found else 0.0

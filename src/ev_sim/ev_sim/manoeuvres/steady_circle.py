@@ -28,7 +28,7 @@ CONSTANT_RADIUS = "constant_radius_"  # how the names of the runs on a circle be
 LINEAR = ("linear", "constant_radius_linear")
 RANGE = (0.5, 4.0)  # [m/s^2], lateral accelerations from which gradients are taken
 SETTLING = 1.0  # [s], after which the car follows a steering wheel that is held
-BAND = 0.05  # the closed form has neither drive forces across the car nor a car that accelerates
+CLOSED_FORM_BAND = 0.05  # the closed form has neither drive forces across the car nor a car that accelerates
 STANDARD = "ISO 4138"
 
 
@@ -171,4 +171,6 @@ def _radius(run: Recording) -> float:
 
 
 def _reference(value: float, formula: str) -> Reference | None:
-    return Reference(value, within(value, relative=BAND), f"closed form {formula}, defined as in {STANDARD}")
+    return Reference(
+        value, within(value, relative=CLOSED_FORM_BAND), f"closed form {formula}, defined as in {STANDARD}"
+    )

@@ -18,8 +18,8 @@ from ev_sim.measures.metric import Metric, NotMeasured, metric
 from ev_sim.measures.samples import Runs, channel, last, mean_between
 from ev_sim.recording.recording import Recording
 
-WINDOW = 1.0  # [s]
-STEADY = 0.03  # steady values change by less than this fraction from one window to the next
+STEADY_WINDOW = 1.0  # [s]
+STEADY_BAND = 0.03  # steady values change by less than this fraction from one window to the next
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,17 +43,17 @@ def response(run: Recording, values: np.ndarray) -> Response:
     NotMeasured if the steering wheel is not turned, or if in the end the car stands or the quantity is not steady.
     """
     angle = channel(run, motion.STEERING_WHEEL_ANGLE)
-    final = mean_between(run, angle, *last(run, WINDOW))
+    final = mean_between(run, angle, *last(run, STEADY_WINDOW))
     if final == 0.0:
         raise NotMeasured("the steering wheel is not turned")
     start = motion.crossing_time(run.time, angle / final, 0.5, "half of the step")
     end = float(run.time[-1])
-    if not motion.moving(run)[run.time >= end - 2 * WINDOW].all():
+    if not motion.moving(run)[run.time >= end - 2 * STEADY_WINDOW].all():
         raise NotMeasured("the car stands in the end")
-    steady = mean_between(run, values, end - WINDOW, end)
+    steady = mean_between(run, values, end - STEADY_WINDOW, end)
     if not steady:
         raise NotMeasured("the car does not respond")
-    if abs(mean_between(run, values, end - 2 * WINDOW, end - WINDOW) / steady - 1) > STEADY:
+    if abs(mean_between(run, values, end - 2 * STEADY_WINDOW, end - STEADY_WINDOW) / steady - 1) > STEADY_BAND:
         raise NotMeasured("the response is not steady in the end")
     relative = values / steady
     peak = int(relative.argmax())
@@ -84,7 +84,7 @@ def _metrics(run: Recording) -> dict[str, Metric]:
         return response(run, motion.lateral_acceleration_on_path(run))
 
     def steering() -> float:
-        return mean_between(run, channel(run, motion.STEERING_WHEEL_ANGLE), *last(run, WINDOW))
+        return mean_between(run, channel(run, motion.STEERING_WHEEL_ANGLE), *last(run, STEADY_WINDOW))
 
     def sideslip() -> float:
         return response(run, motion.sideslip_angle(run)).steady

@@ -14,9 +14,9 @@ from ev_sim.measures.car_axes import wheel_directions
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.samples import channel
 from ev_sim.measures.understeer import understeer_gradient
-from ev_sim.plant.planar.constants import wheel_places
+from ev_sim.plant.planar.given import wheel_places
 from ev_sim.recording.recording import Recording
-from ev_sim.surfaces.table import Surface, curve_on_road, tyre_on_road
+from ev_sim.surfaces import Surface, curve_on_road, tyre_on_road
 from ev_sim.tyres.curve import peak_slip
 
 

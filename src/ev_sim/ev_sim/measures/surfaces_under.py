@@ -9,7 +9,7 @@ from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.motion import distance_on_path
 from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
-from ev_sim.surfaces.table import SURFACES, tyre_on_road
+from ev_sim.surfaces import SURFACES, tyre_on_road
 
 
 def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:

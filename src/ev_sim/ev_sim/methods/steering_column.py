@@ -1,6 +1,3 @@
 """Registers the steering columns."""
 
-import ev_sim.steering.actuated
-import ev_sim.steering.by_wire
-import ev_sim.steering.driven_by_hand
-import ev_sim.steering.steering_robot  # noqa: F401
+from ev_sim.steering import actuated, column, steering_robot  # noqa: F401

@@ -8,9 +8,9 @@ from ev_core.bus.channel import Frame
 from ev_core.bus.parameters import CIRCUITS
 from ev_core.nodes.on_bus.node import BusNode
 from ev_core.run_role import run_node
-from ev_sim.inverter.injection import inject
-from ev_sim.inverter.parameters import InverterNodeParameters
-from ev_sim.inverter.station import CircuitStation
+from ev_sim.inverter.circuit_station import CircuitStation
+from ev_sim.inverter.device import inject
+from ev_sim.inverter.inverter_parameters import InverterNodeParameters
 
 
 class InverterNode(BusNode):

@@ -13,7 +13,7 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.part import Part
 from ev_core.nodes.stepped_node import SteppedNode
 from ev_core.run_role import run_node, told
-from ev_sim.test_bench.sequence import OBJECTS, STEPS, Sequence, begun
+from ev_sim.test_bench.sequence import OBJECTS, SEQUENCE_STEPS, Sequence, begun
 
 _ROLE, _ENABLED = "test_bench", "enabled"
 
@@ -27,7 +27,7 @@ class TestBenchNode(SteppedNode):
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(_ROLE, **node_arguments)
         self.sequence = begun(self.configuration.values()[_ENABLED])
-        for step in STEPS[1:]:
+        for step in SEQUENCE_STEPS[1:]:
             self._serve(step, partial(self._after, step))
         for chosen in OBJECTS:
             self._serve(f"choose_{chosen}", partial(self._after, "choose", chosen))

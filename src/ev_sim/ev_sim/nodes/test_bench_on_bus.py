@@ -9,7 +9,7 @@ from ev_core.bus.channel import BusMeter
 from ev_core.bus.channels import Channels
 from ev_core.lockstep.configuration import Configuration
 from ev_core.nodes.on_bus.role import RoleOnBus
-from ev_sim.test_bench.on_bus import BenchOnBus, meters_of
+from ev_sim.test_bench.bench_on_bus import BenchOnBus, meters_of
 
 
 class OnBus(RoleOnBus):

@@ -53,7 +53,7 @@ def oscillator(
 ) -> Oscillator:
     """The oscillator with J > 0 [kg m^2], b >= 0 [N m s/rad], k > 0 [N m/rad], M_c >= 0 [N m] and a stop > 0 [rad].
 
-    At exactly critical damping the eigenvalues are told apart by a part in 10^8, which changes the motion by a part in
+    At exactly critical damping the eigenvalues are set apart by a part in 10^8, which changes the motion by a part in
     10^16.
     """
     decay = damping / (2 * inertia)

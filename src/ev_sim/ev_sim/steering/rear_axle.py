@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -10,9 +11,7 @@ from ev_core.law import Car, ParameterError, RearSteeringState, Vehicle, compila
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, TireForces
 from ev_sim.measures.understeer import axle_cornering_stiffnesses
 from ev_sim.profiles.profile import LINEAR, Profile, profile_of, value_at
-from ev_sim.steering.actuator import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
-
-PLANT = {"plant": "planar_rear_steering"}  # the others do not turn their rear wheels by it
+from ev_sim.steering.actuated import Servo, SteeringMotorParameters, SteeringMotorState, servo, turn
 
 
 @compilable
@@ -25,6 +24,17 @@ def shown(p: SteeringMotorParameters, s: SteeringMotorState) -> RearSteeringStat
 def moment_of_road(p: SteeringMotorParameters, tyres: TireForces) -> float:
     """Of the side forces, which act behind the steering axes by the trail and turn the wheels back [N m]."""
     return -p.trail * (tyres.lateral_force.rear_left + tyres.lateral_force.rear_right)
+
+
+# The method of a law of the rear wheels' angle; other plants do not turn their rear wheels by it.
+rear_steering = partial(
+    method,
+    "rear_steering",
+    state=SteeringMotorState,
+    outputs=shown,
+    requires={"plant": "planar_rear_steering"},
+    mirrored=True,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,16 +75,7 @@ def speed_dependent_constants(p: SpeedDependentParameters, _vehicle: Vehicle, pe
     return SpeedDependentConstants(servo(p, period), profile_of(p.speed, p.ratio, LINEAR))
 
 
-@method(
-    "rear_steering",
-    "speed_dependent",
-    SpeedDependentParameters,
-    state=SteeringMotorState,
-    prepare=speed_dependent_constants,
-    outputs=shown,
-    requires=PLANT,
-    mirrored=True,
-)
+@rear_steering("speed_dependent", SpeedDependentParameters, prepare=speed_dependent_constants)
 @compilable
 def speed_dependent(
     p: SpeedDependentParameters,
@@ -102,16 +103,7 @@ def zero_sideslip_constants(p: SteeringMotorParameters, vehicle: Vehicle, period
     return ZeroSideslipConstants(servo(p, period), *axle_cornering_stiffnesses(vehicle))
 
 
-@method(
-    "rear_steering",
-    "zero_sideslip",
-    SteeringMotorParameters,
-    state=SteeringMotorState,
-    prepare=zero_sideslip_constants,
-    outputs=shown,
-    requires=PLANT,
-    mirrored=True,
-)
+@rear_steering("zero_sideslip", SteeringMotorParameters, prepare=zero_sideslip_constants)
 @compilable
 def zero_sideslip(
     p: SteeringMotorParameters,

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ev_core.law import Car, Vehicle, compilable, entry, group, method, parameter, setting, sin
-from ev_msgs_py.contract.signals import Instant, SteeringColumnState
+from ev_core.elementary import sin
+from ev_core.law import Car, Instant, SteeringColumnState, Vehicle, compilable, entry, group, method, parameter, setting
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
 
-SHAPES = ("profile", "sine_with_dwell")
-PROFILE, SINE_WITH_DWELL = range(len(SHAPES))
+ROBOT_SHAPES = ("profile", "sine_with_dwell")
+PROFILE, SINE_WITH_DWELL = range(len(ROBOT_SHAPES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,12 +19,7 @@ class SteeringAngleProfileParameters:
 
     time: tuple[float, ...] = setting((0.0,), unit="s", about="times of the points, increasing")
     angle: tuple[float, ...] = setting(
-        (0.0,),
-        unit="rad",
-        low=-30.0,
-        high=30.0,
-        about="steering-wheel angles at these times; the last one holds",
-        lateral=True,
+        (0.0,), unit="rad", low=-30.0, high=30.0, about="angles at these times; the last holds", lateral=True
     )
     interpolation: str = interpolation_parameter("linear")
 
@@ -50,7 +45,7 @@ class SineWithDwellParameters:
 class SteeringRobotParameters:
     """Which angle the robot imposes, and how fast it can turn."""
 
-    shape: str = setting("profile", choices=SHAPES, about="what the robot steers")
+    shape: str = setting("profile", choices=ROBOT_SHAPES, about="what the robot steers")
     scale: float = setting(
         1.0, unit="1", low=0.0, high=100.0, about="of the angles of profile and sine: another car takes other ones"
     )

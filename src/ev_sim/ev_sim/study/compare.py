@@ -24,8 +24,7 @@ from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run, load_scenario
 from ev_sim.study.case import Case
 from ev_sim.study.study import Results
-from ev_sim.surfaces.road import RoadParameters, left_and_right
-from ev_sim.surfaces.table import Surface
+from ev_sim.surfaces import RoadParameters, Surface, left_and_right
 
 ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"
 ROLE = "electronic_differential"

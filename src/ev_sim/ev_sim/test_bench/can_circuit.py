@@ -8,51 +8,30 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_core.bus.model import (
-    ChannelFrames,
-    ChannelState,
-    advance_channel,
-    bits_per_tick,
-    next_period,
-    next_tick,
-    release,
-    take,
-)
+from ev_core.bus import model as bus
 from ev_core.law import compilable, part, series
 from ev_msgs_py.can.drive_states import DISABLE_VOLTAGE, OPERATION_ENABLED
 from ev_msgs_py.can.frames import TICK, BenchFrames, DeviceFrames, is_due
 from ev_msgs_py.can.payload import NO_FRAME, are_words, joined, words
 from ev_msgs_py.contract.bus_signals import MOST_TICKS
-from ev_sim.inverter.frames import FAULTS, MOTION, made, ticks_between
+from ev_sim.inverter.device import Inverter
 from ev_sim.inverter.inverter import end_inverter_cycle, lead_inverter
-from ev_sim.inverter.parameters import InverterParameters
-from ev_sim.inverter.set_points import receive_set_point
-from ev_sim.inverter.state import Inverter
-from ev_sim.test_bench.bus_faults import LOAD_LIMIT, FaultState, on_the_way, present, put_in
-from ev_sim.test_bench.circuit import (
-    CircuitsConstants,
-    begin_period,
-    end_period,
-    follow,
-    follow_of_load,
-    largest_torques,
-    send,
-    send_to_load,
-    turn_shaft,
-)
-from ev_sim.test_bench.parameters import BOTH, LEFT, RIGHT, CanCircuitsParameters
-from ev_sim.test_bench.state import CircuitState
+from ev_sim.inverter.inverter_parameters import InverterParameters
+from ev_sim.inverter.on_channel import FAULTS, MOTION, made, receive_set_point, ticks_between
+from ev_sim.test_bench import circuit
+from ev_sim.test_bench.bus_faults import BusFault, BusFaultState, on_the_way, present, put_in
+from ev_sim.test_bench.described import BOTH, LEFT, RIGHT, CanCircuitsParameters, CircuitState
 
 
 class CanConstants(NamedTuple):
     """What is computed once."""
 
-    circuits: CircuitsConstants
+    circuits: circuit.CircuitsConstants
     ticks: float  # of 1 ms in a control period
     steps: float  # of the shafts in a tick
     frames: BenchFrames
-    channel_11: ChannelFrames
-    channel_12: ChannelFrames
+    channel_11: bus.ChannelFrames
+    channel_12: bus.ChannelFrames
     right: float  # place of its wheel
     left: float
 
@@ -85,17 +64,17 @@ def _follow(p: CanCircuitsParameters, c: CanConstants, s: CircuitState, now: flo
         machine.command.torque, load.command.torque, load.command.speed, load.command.torque_limit
     )  # fmt: skip
     change = c.circuits.h * p.set_point.torque_rate
-    send(path, now, asked, c.circuits.machine.machine.peak_torque, p.set_point.torque_resolution)
-    send_to_load(p, s, now, -asked_load, asked_speed)
+    circuit.send(path, now, asked, c.circuits.machine.machine.peak_torque, p.set_point.torque_resolution)
+    circuit.send_to_load(p, s, now, -asked_load, asked_speed)
     if limited:
         load.command.torque_limit = p.inject.value
-    largest = largest_torques(p, c.circuits, s)
+    largest = circuit.largest_torques(p, c.circuits, s)
     for n in range(steps):
-        machine.command.torque = follow(path, now, steps, n, c.circuits.delay, change)
-        follow_of_load(p, c.circuits, s, now, steps, n)
+        machine.command.torque = circuit.follow(path, now, steps, n, c.circuits.delay, change)
+        circuit.follow_of_load(p, c.circuits, s, now, steps, n)
         if machine.state != OPERATION_ENABLED:
             path.now = 0.0
-        turn_shaft(p, c.circuits, s, largest)
+        circuit.turn_shaft(p, c.circuits, s, largest)
     machine.command.torque = asked
     load.command.torque, load.command.speed, load.command.torque_limit = asked_load, asked_speed, limit
 
@@ -104,78 +83,81 @@ DRIVE, LOAD = range(2)  # the two devices of a channel
 # Places of frames on a channel, in the order of their identifiers; those of the load machine are one higher.
 SET_POINT, HEARTBEAT = 4, 10
 PLACES_SENT = (2, 6, 8, 0)  # motion, electrical, temperatures, faults
-SAID = 2 * MOST_TICKS  # words of the set-points of a device in a control period
-HEARD = SAID + 6  # words of its feedback
+SET_POINT_WORDS = 2 * MOST_TICKS  # words of the set-points of a device in a control period
+FEEDBACK_WORDS = SET_POINT_WORDS + 6  # words of its feedback
 
 
 @dataclass(slots=True)
 class Line:
     """A channel between controller and inverters, what is on it in a control period, and a fault there."""
 
-    channel: ChannelState = part(ChannelState)
-    fault: FaultState = part(FaultState)
-    said: list[float] = series(2 * SAID + 1, NO_FRAME, unit="1", about="set-points of both devices, heartbeat")
-    heard: list[float] = series(2 * HEARD, NO_FRAME, unit="1", about="feedback of both devices")
+    channel: bus.ChannelState = part(bus.ChannelState)
+    fault: BusFaultState = part(BusFaultState)
+    said: list[float] = series(
+        2 * SET_POINT_WORDS + 1, NO_FRAME, unit="1", about="set-points of both devices, heartbeat"
+    )
+    heard: list[float] = series(2 * FEEDBACK_WORDS, NO_FRAME, unit="1", about="feedback of both devices")
 
 
-class Circuit(NamedTuple):
+class ChannelPlace(NamedTuple):
     """Which circuit it is: 0 for the right one and 1 for the left."""
 
     number: int
     drive: DeviceFrames
     load: DeviceFrames
-    channel: ChannelFrames
+    channel: bus.ChannelFrames
 
 
 @compilable
 def advance_can_circuit(
-    p: CanCircuitsParameters, c: CanConstants, which: Circuit, s: CircuitState, line: Line, periods: float
+    p: CanCircuitsParameters, c: CanConstants, which: ChannelPlace, s: CircuitState, line: Line, periods: float
 ) -> None:
     """One control period of a circuit, tick by tick."""
-    begin_period(s)
-    next_period(line.channel)
-    for place in range(2 * HEARD):
+    circuit.begin_period(s)
+    bus.next_period(line.channel)
+    for place in range(2 * FEEDBACK_WORDS):
         line.heard[place] = NO_FRAME
     for tick in range(int(c.ticks)):
         _tick(p, c, which, s, line, tick, periods * c.ticks + tick)
-    end_period(p, c.circuits, s, c.ticks * TICK)
+    circuit.end_period(p, c.circuits, s, c.ticks * TICK)
 
 
 @compilable
 def _tick(
-    p: CanCircuitsParameters, c: CanConstants, which: Circuit, s: CircuitState, line: Line, tick: int, now: float
+    p: CanCircuitsParameters, c: CanConstants, on: ChannelPlace, s: CircuitState, line: Line, tick: int, now: float
 ) -> None:
     """Set-points are released, those that have arrived by the inverters' phase act, feedback is released, arrives."""
-    end, phase, channel, machine = bits_per_tick(p.bus), p.bus.phase * p.bus.bit_rate, line.channel, c.circuits.machine
-    kind = present(p.inject, now, which.number)
-    put_in(p.inject, s, kind)
+    end, phase = bus.bits_per_tick(p.bus), p.bus.phase * p.bus.bit_rate
+    channel, machine = line.channel, c.circuits.machine
+    kind = present(p.inject, now, on.number)
+    put_in(p.inject, s.machine.injected, kind)
     _release_set_points(line, tick)
-    advance_channel(which.channel, p.bus, channel, which.number, phase)
-    low, high = take(channel, SET_POINT + DRIVE)
+    bus.advance_channel(on.channel, p.bus, channel, on.number, phase)
+    low, high = bus.take(channel, SET_POINT + DRIVE)
     arrived = on_the_way(p.inject, line.fault, kind, low, high)
-    _receive(c, which.drive, s.machine, arrived.low, arrived.high)
-    low, high = take(channel, SET_POINT + LOAD)
-    _receive(c, which.load, s.load, low, high)
-    make_cycle(p, c, which.number, s, now, kind == LOAD_LIMIT)
+    _receive(c, on.drive, s.machine, arrived.low, arrived.high)
+    low, high = bus.take(channel, SET_POINT + LOAD)
+    _receive(c, on.load, s.load, low, high)
+    make_cycle(p, c, on.number, s, now, kind == BusFault.LOAD_LIMIT)
     for kind in range(MOTION, FAULTS + 1):
         if is_due(ticks_between(c.frames, kind), now, now + 1.0):
-            _release_feedback(c, which.drive, machine, s.machine, channel, kind, DRIVE, s.speed, phase)
-            _release_feedback(c, which.load, p.load, s.load, channel, kind, LOAD, s.load_speed, phase)
-    advance_channel(which.channel, p.bus, channel, which.number, end)
+            _release_feedback(c, on.drive, machine, s.machine, channel, kind, DRIVE, s.speed, phase)
+            _release_feedback(c, on.load, p.load, s.load, channel, kind, LOAD, s.load_speed, phase)
+    bus.advance_channel(on.channel, p.bus, channel, on.number, end)
     _hear(line, tick)
-    next_tick(p.bus, channel)
+    bus.next_tick(p.bus, channel)
 
 
 @compilable
 def _release_set_points(line: Line, tick: int) -> None:
     """Of both devices, and in the first tick the heartbeat."""
     for device in range(2):
-        place = SAID * device + 2 * tick
+        place = SET_POINT_WORDS * device + 2 * tick
         if are_words(line.said[place], line.said[place + 1]):
-            release(line.channel, SET_POINT + device, 0.0, line.said[place], line.said[place + 1])
-    beat = line.said[2 * SAID]
+            bus.release(line.channel, SET_POINT + device, 0.0, line.said[place], line.said[place + 1])
+    beat = line.said[2 * SET_POINT_WORDS]
     if tick == 0 and are_words(beat, 0.0):
-        release(line.channel, HEARTBEAT, 0.0, beat, 0.0)
+        bus.release(line.channel, HEARTBEAT, 0.0, beat, 0.0)
 
 
 @compilable
@@ -186,22 +168,22 @@ def _receive(c: CanConstants, own: DeviceFrames, s: Inverter, low: float, high: 
 
 @compilable
 def _release_feedback(
-    c: CanConstants, own: DeviceFrames, p: InverterParameters, s: Inverter, channel: ChannelState, kind: int,
+    c: CanConstants, own: DeviceFrames, p: InverterParameters, s: Inverter, channel: bus.ChannelState, kind: int,
     device: int, speed: float, at: float,
 ) -> None:  # fmt: skip
     if s.injected.silent == 0.0:
         low, high = words(made(c.frames, own, p, s, kind, speed))
-        release(channel, PLACES_SENT[kind] + device, at, low, high)
+        bus.release(channel, PLACES_SENT[kind] + device, at, low, high)
 
 
 @compilable
 def _hear(line: Line, tick: int) -> None:
     """Keep the words of what has arrived; of the frames that come less often a control period has the newest."""
-    take(line.channel, HEARTBEAT)  # whoever reads it
+    bus.take(line.channel, HEARTBEAT)  # whoever reads it
     for device in range(2):
         for kind in range(MOTION, FAULTS + 1):
-            low, high = take(line.channel, PLACES_SENT[kind] + device)
+            low, high = bus.take(line.channel, PLACES_SENT[kind] + device)
             if low >= 0.0:
-                place = HEARD * device + (2 * tick if kind == MOTION else SAID + 2 * (kind - 1))
+                place = FEEDBACK_WORDS * device + (2 * tick if kind == MOTION else SET_POINT_WORDS + 2 * (kind - 1))
                 line.channel.lost += 1.0 if line.heard[place] >= 0.0 else 0.0
                 line.heard[place], line.heard[place + 1] = low, high

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ev_core.law import Car, LoadCommand, Wheels, WheelTorqueCommand, compilable, floor, inlined, remainder
+from ev_core.law import compilable, floor, inlined, remainder
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, SWITCH_ON_DISABLED
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
-from ev_sim.drives.losses import loss_power
-from ev_sim.inverter.parameters import InverterParameters
-from ev_sim.inverter.torque import advance_electrical, advance_temperatures, follow_reference, largest_torque
-from ev_sim.test_bench.parameters import CircuitsParameters, ShaftParameters
-from ev_sim.test_bench.state import LINE, CircuitState, SetPointState
+from ev_sim.drives.electrical_side import loss_power
+from ev_sim.inverter.inverter_parameters import InverterParameters
+from ev_sim.inverter.power_stage import advance_electrical, advance_temperatures, follow_reference, largest_torque
+from ev_sim.test_bench.described import (
+    KEPT_SET_POINTS,
+    CircuitsParameters,
+    CircuitState,
+    SetPointState,
+    ShaftParameters,
+)
 
 
 class Motion(NamedTuple):
@@ -45,26 +50,6 @@ def turn(
     return Motion(shaft, mean, mean_load)
 
 
-class SetPoints(NamedTuple):
-    """What the inverters of all circuits are told in a period: the one way into the bench.
-
-    Here, between controller and inverters, is the place of a bus. The way out is `circuits.outputs`.
-    """
-
-    torque: Wheels  # of the machines under test, at the shaft [N m]
-    load_mode: Wheels  # TORQUE_MODE or SPEED_MODE of the load machines
-    load_torque: Wheels  # of the load machines, positive against forwards [N m]
-    load_speed: Wheels  # of the load machines [rad/s]
-
-
-@compilable
-def set_points(car: Car, command: WheelTorqueCommand, load: LoadCommand) -> SetPoints:
-    """The set-points of a period: torque at the shaft is torque at the wheel over the gear ratio (section 4.1)."""
-    torque, gear = command.drive, car.gear_ratio
-    shaft = Wheels(torque[0] / gear, torque[1] / gear, torque[2] / gear, torque[3] / gear)
-    return SetPoints(shaft, load.mode, load.torque, load.speed)
-
-
 @compilable
 def send(path: SetPointState, periods: float, value: float, largest: float, resolution: float) -> None:
     """Let a set-point set out, within its range and rounded; at the start everything was zero."""
@@ -72,7 +57,7 @@ def send(path: SetPointState, periods: float, value: float, largest: float, reso
     # What came over a bus is mostly such a multiple already.
     if resolution > 0.0 and resolution * floor(sent / resolution + 0.5) != sent:
         sent -= remainder(sent, resolution)
-    path.line[int(periods) % LINE] = sent
+    path.line[int(periods) % KEPT_SET_POINTS] = sent
 
 
 @compilable
@@ -95,7 +80,7 @@ def _sent(path: SetPointState, periods: float, steps: int, step: int) -> float:
     """The set-point of the period in which a step lies, which is counted from the beginning of the present one."""
     back = 0 if step >= 0 else (steps - 1 - step) // steps
     period = int(periods) - back
-    return path.line[period % LINE] if period >= 0 else 0.0
+    return path.line[period % KEPT_SET_POINTS] if period >= 0 else 0.0
 
 
 _NO_LIMIT = 2.0  # times its largest speed: the machine's own limit comes first
@@ -121,12 +106,15 @@ class LargestTorques(NamedTuple):
 
 
 class CircuitSetPoint(NamedTuple):
-    """What the two inverters of a circuit are told in a period; see `set_points.SetPoints`."""
+    """What the two inverters of a circuit are given in a period: the one way into the bench.
 
-    torque: float
-    load_mode: float
-    load_torque: float
-    load_speed: float
+    Here, between controller and inverters, is the place of a bus. The way out is `circuits.outputs`.
+    """
+
+    torque: float  # of the machine under test, at the shaft [N m]
+    load_mode: float  # TORQUE_MODE or SPEED_MODE of the load machine
+    load_torque: float  # of the load machine, positive against forwards [N m]
+    load_speed: float  # of the load machine [rad/s]
 
 
 @compilable
@@ -138,15 +126,15 @@ def power(s: CircuitState, enabled: bool, voltage: float, load_voltage: float) -
 
 @compilable
 def advance_circuit(
-    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, told: CircuitSetPoint, period: float
+    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, given: CircuitSetPoint, period: float
 ) -> None:
     """One control period of a circuit."""
     machine, most = c.machine.machine, c.machine.machine.peak_torque
-    send(s.torque_path, periods, told.torque, most, p.set_point.torque_resolution)
+    send(s.torque_path, periods, given.torque, most, p.set_point.torque_resolution)
     s.machine.command.mode, s.machine.command.torque_limit = float(TORQUE_MODE), most
     s.machine.command.speed = _NO_LIMIT * machine.maximum_speed
-    s.load.command.mode, s.load.command.torque_limit = told.load_mode, p.load.machine.peak_torque
-    send_to_load(p, s, periods, told.load_torque, told.load_speed)
+    s.load.command.mode, s.load.command.torque_limit = given.load_mode, p.load.machine.peak_torque
+    send_to_load(p, s, periods, given.load_torque, given.load_speed)
     begin_period(s)
     steps, rate, largest = int(c.steps), c.h * p.set_point.torque_rate, largest_torques(p, c, s)
     for n in range(steps):

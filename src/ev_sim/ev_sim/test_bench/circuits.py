@@ -5,42 +5,32 @@ from __future__ import annotations
 import math
 from dataclasses import fields
 
-from ev_core.law import Car, ParameterError, Vehicle, Wheels, any_driven, compilable, method
-from ev_msgs_py.contract.optional_signals import (
-    BenchElectrical,
-    BenchEnergy,
-    BenchShafts,
-    BenchTemperatures,
-    LoadCommand,
-)
+from ev_core.law import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures, Car, LoadCommand, Vehicle, Wheels
+from ev_core.methods.register import method
+from ev_core.vehicle.layout import any_driven
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
-from ev_sim.inverter.parameters import InverterParameters, Machine
-from ev_sim.inverter.torque import coolant_outlet, share_of_lag, winding_temperature
-from ev_sim.test_bench.circuit import (
-    CircuitsConstants,
-    CircuitSetPoint,
-    advance_circuit,
-    power,
-    set_points,
-    stored_energy,
-)
-from ev_sim.test_bench.parameters import BOTH, LEFT, RIGHT, CircuitsParameters
-from ev_sim.test_bench.state import LINE, CircuitsState
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.inverter.inverter_parameters import InverterParameters, Machine
+from ev_sim.inverter.power_stage import coolant_outlet, share_of_lag, winding_temperature
+from ev_sim.test_bench import circuit
+from ev_sim.test_bench.described import BOTH, KEPT_SET_POINTS, LEFT, RIGHT, CircuitsParameters, CircuitsState
 
 _ROUNDING = 1e-12  # a period of a whole number of steps gets no more than that
 _LEAST_VOLTAGE = 1.0  # V, below it a supply is none
 
 
-def prepare(parameters: CircuitsParameters, vehicle: Vehicle, period: float) -> CircuitsConstants:
+def prepare(parameters: CircuitsParameters, vehicle: Vehicle, period: float) -> circuit.CircuitsConstants:
     """Steps, delays and the machine under test; ParameterError for a delay of more periods than are kept."""
     p = parameters
     steps = max(math.ceil(period / p.step * (1.0 - _ROUNDING)), 1)
     h = period / steps
     for name, path in (("set_point", p.set_point), ("load_set_point", p.load_set_point)):
-        longest = (LINE - 2) * period
+        periods = KEPT_SET_POINTS - 2
+        longest = periods * period
         if path.delay > longest:
             raise ParameterError(
-                f"{name}.delay: {path.delay!r} is refused, allowed is at most {longest:g} s, {LINE - 2} control periods"
+                f"{name}.delay: {path.delay!r} is refused, allowed is at most {longest:g} s, {periods} control periods"
             )
     motor = {field.name: getattr(vehicle.motor, field.name) for field in fields(Machine)}
     machine = Machine(**{**motor, "rotor_inertia": max(vehicle.motor.rotor_inertia, p.least_rotor_inertia)})
@@ -48,16 +38,16 @@ def prepare(parameters: CircuitsParameters, vehicle: Vehicle, period: float) -> 
     return constants(p, inverter, h, steps)
 
 
-def constants(p: CircuitsParameters, machine: InverterParameters, h: float, steps: int) -> CircuitsConstants:
+def constants(p: CircuitsParameters, machine: InverterParameters, h: float, steps: int) -> circuit.CircuitsConstants:
     """What steps of a width [s], so many in a control period, need of a machine under test."""
     delay, load_delay = p.set_point.delay / h, p.load_set_point.delay / h
     lags = (share_of_lag(each.machine.torque_lag, h) for each in (machine, p.load))
-    return CircuitsConstants(h, float(steps), delay, load_delay, *lags, machine)
+    return circuit.CircuitsConstants(h, float(steps), delay, load_delay, *lags, machine)
 
 
 @compilable
 def outputs(
-    p: CircuitsParameters, car: Car, c: CircuitsConstants, s: CircuitsState
+    p: CircuitsParameters, car: Car, c: circuit.CircuitsConstants, s: CircuitsState
 ) -> tuple[BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy]:
     """All channels at the instant of the state: the one way out of the bench."""
     n = s.circuits
@@ -81,7 +71,9 @@ def outputs(
 
 
 @compilable
-def _temperatures(p: CircuitsParameters, c: CircuitsConstants, s: CircuitsState, driven: Wheels) -> BenchTemperatures:
+def _temperatures(
+    p: CircuitsParameters, c: circuit.CircuitsConstants, s: CircuitsState, driven: Wheels
+) -> BenchTemperatures:
     """Coolant of both machines and the rotor (figure 4.9), which is no model of its own, but as warm as the winding.
 
     Places without a circuit are at 0 degC.
@@ -113,7 +105,7 @@ def _temperatures(p: CircuitsParameters, c: CircuitsConstants, s: CircuitsState,
 
 
 @compilable
-def _energy(p: CircuitsParameters, c: CircuitsConstants, s: CircuitsState) -> BenchEnergy:
+def _energy(p: CircuitsParameters, c: circuit.CircuitsConstants, s: CircuitsState) -> BenchEnergy:
     """Sums over the circuits, left and right first."""
     battery = mains = resistor = machines = loads = shafts = stored = 0.0
     for axle in range(2):
@@ -124,7 +116,7 @@ def _energy(p: CircuitsParameters, c: CircuitsConstants, s: CircuitsState) -> Be
         machines += left.machine_heat + right.machine_heat
         loads += left.load_heat + right.load_heat
         shafts += left.shaft_heat + right.shaft_heat
-        stored += stored_energy(p, c, left) + stored_energy(p, c, right)
+        stored += circuit.stored_energy(p, c, left) + circuit.stored_energy(p, c, right)
     return BenchEnergy(battery, mains, resistor, machines, loads, shafts, stored)
 
 
@@ -144,7 +136,7 @@ def _energy(p: CircuitsParameters, c: CircuitsConstants, s: CircuitsState) -> Be
 def circuits(
     p: CircuitsParameters,
     car: Car,
-    c: CircuitsConstants,
+    c: circuit.CircuitsConstants,
     s: CircuitsState,
     period: float,
     command: WheelTorqueCommand,
@@ -155,12 +147,12 @@ def circuits(
 
     The machine under test follows the torque that the laws ask for, the load machine what the virtual car asks for.
     """
-    told = set_points(car, command, load)
     s.voltage = battery.voltage
     for i in range(4):
         if car.driven[i] == 1.0:
             enabled = p.enabled == BOTH or p.enabled == (LEFT if i % 2 == 0 else RIGHT)
-            power(s.circuits[i], enabled, battery.voltage, p.load.dc_link.supply_voltage)
-            own = CircuitSetPoint(told.torque[i], told.load_mode[i], told.load_torque[i], told.load_speed[i])
-            advance_circuit(p, c, s.circuits[i], s.periods, own, period)
+            circuit.power(s.circuits[i], enabled, battery.voltage, p.load.dc_link.supply_voltage)
+            shaft_torque = command.drive[i] / car.gear_ratio  # section 4.1
+            given = circuit.CircuitSetPoint(shaft_torque, load.mode[i], load.torque[i], load.speed[i])
+            circuit.advance_circuit(p, c, s.circuits[i], s.periods, given, period)
     s.periods += 1.0

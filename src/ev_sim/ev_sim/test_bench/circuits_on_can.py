@@ -7,21 +7,20 @@ from dataclasses import dataclass, replace
 
 from ev_core.bus.database_file import load_database
 from ev_core.bus.model import channel_frames
-from ev_core.law import BatteryCondition, Car, ParameterError, Vehicle, compilable, method, part, series
+from ev_core.law import WHEEL_NAMES, BatteryCondition, Car, ParameterError, Vehicle, Wheels, compilable, part, series
+from ev_core.methods.register import method
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.frame_layout import FrameLayout
 from ev_msgs_py.can.frames import TICK, bench_frames, ticks_of
 from ev_msgs_py.can.payload import NO_FRAME
 from ev_msgs_py.contract.bus_signals import MOST_TICKS, BusStates, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures
-from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_sim.test_bench.bus_faults import measured, present
-from ev_sim.test_bench.can_circuit import SAID, CanConstants, Circuit, Line, advance_can_circuit
+from ev_sim.test_bench.can_circuit import SET_POINT_WORDS, CanConstants, ChannelPlace, Line, advance_can_circuit
 from ev_sim.test_bench.circuits import constants
 from ev_sim.test_bench.circuits import outputs as outputs_of_circuits
 from ev_sim.test_bench.circuits import prepare as prepare_circuits
-from ev_sim.test_bench.parameters import CanCircuitsParameters
-from ev_sim.test_bench.state import LINE, CircuitsState
+from ev_sim.test_bench.described import KEPT_SET_POINTS, CanCircuitsParameters, CircuitsState
 
 _FRAMES = ("Faults", "Motion", "SetPoint", "Electrical", "Temperatures")  # by identifier
 
@@ -32,15 +31,17 @@ class CanCircuitsState(CircuitsState):
 
     line_11: Line = part(Line)
     line_12: Line = part(Line)
-    said: list[float] = series(4 * SAID + 2, NO_FRAME, unit="1", about="as in SetPointFrames")
+    said: list[float] = series(4 * SET_POINT_WORDS + 2, NO_FRAME, unit="1", about="as in SetPointFrames")
 
 
 def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) -> CanConstants:
     """Steps and frames; ParameterError for a delay of more ticks than are kept, and for other frames."""
     p = parameters
     for name, path in (("set_point", p.set_point), ("load_set_point", p.load_set_point)):
-        if path.delay > (LINE - 2) * TICK:
-            raise ParameterError(f"{name}.delay: {path.delay!r} is refused, allowed is at most {(LINE - 2) * TICK:g} s")
+        if path.delay > (KEPT_SET_POINTS - 2) * TICK:
+            raise ParameterError(
+                f"{name}.delay: {path.delay!r} is refused, allowed is at most {(KEPT_SET_POINTS - 2) * TICK:g} s"
+            )
     ticks = ticks_of(period, MOST_TICKS)
     steps = max(math.ceil(TICK / p.step - 1e-9), 1)
     without_bus = prepare_circuits(p, vehicle, period).machine
@@ -111,7 +112,7 @@ def outputs(
 
 @compilable
 def _said(p: CanCircuitsParameters, c: CanConstants, s: CanCircuitsState, wheel: int, torque: float) -> float:
-    """What the transducer of a wheel says of a torque [N m], with the fault that was there last."""
+    """What the transducer of a wheel measures of a torque [N m], with the last fault."""
     channel = int(p.inject.drive)
     if wheel != int(c.right if channel == 0 else c.left):
         return torque
@@ -144,8 +145,8 @@ def circuits_on_can(
     """The same circuits, with all four inverters behind a CAN bus and CiA 402."""
     s.voltage = battery.voltage
     _say(s, said)
-    right = Circuit(0, c.frames.drive_11, c.frames.load_11, c.channel_11)
-    left = Circuit(1, c.frames.drive_12, c.frames.load_12, c.channel_12)
+    right = ChannelPlace(0, c.frames.drive_11, c.frames.load_11, c.channel_11)
+    left = ChannelPlace(1, c.frames.drive_12, c.frames.load_12, c.channel_12)
     advance_can_circuit(p, c, right, s.circuits[int(c.right)], s.line_11, s.periods)
     advance_can_circuit(p, c, left, s.circuits[int(c.left)], s.line_12, s.periods)
     s.periods += 1.0
@@ -155,8 +156,14 @@ def circuits_on_can(
 def _say(s: CanCircuitsState, said: SetPointFrames) -> None:
     """Keep the words of both circuits in records; compiled, a tuple of so many would be copied with each call."""
     s.said[:] = said
-    for place in range(SAID):
-        s.line_11.said[place], s.line_12.said[place] = s.said[place], s.said[SAID + place]
-        loads = 2 * SAID + 2 + place
-        s.line_11.said[SAID + place], s.line_12.said[SAID + place] = s.said[loads], s.said[SAID + loads]
-    s.line_11.said[2 * SAID], s.line_12.said[2 * SAID] = s.said[2 * SAID], s.said[2 * SAID + 1]
+    for place in range(SET_POINT_WORDS):
+        s.line_11.said[place], s.line_12.said[place] = s.said[place], s.said[SET_POINT_WORDS + place]
+        loads = 2 * SET_POINT_WORDS + 2 + place
+        s.line_11.said[SET_POINT_WORDS + place], s.line_12.said[SET_POINT_WORDS + place] = (
+            s.said[loads],
+            s.said[SET_POINT_WORDS + loads],
+        )
+    s.line_11.said[2 * SET_POINT_WORDS], s.line_12.said[2 * SET_POINT_WORDS] = (
+        s.said[2 * SET_POINT_WORDS],
+        s.said[2 * SET_POINT_WORDS + 1],
+    )

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
-STEPS = ("choose", "connect", "load_model", "start", "siemens_rev_0", "disconnect")
+SEQUENCE_STEPS = ("choose", "connect", "load_model", "start", "siemens_rev_0", "disconnect")
 OBJECTS = ("both", "right", "left")
-SERVICES = (*(f"choose_{chosen}" for chosen in OBJECTS), *STEPS[1:], "emergency_stop")
+SERVICES = (*(f"choose_{chosen}" for chosen in OBJECTS), *SEQUENCE_STEPS[1:], "emergency_stop")
 
 
 class Stage(IntEnum):
-    """How far the sequence is: the next step is the one of this place in STEPS."""
+    """How far the sequence is: the next step is the one of this place in SEQUENCE_STEPS."""
 
     IDLE = 0
     CHOSEN = 1
@@ -43,7 +43,7 @@ class Sequence:
             if step != "disconnect":
                 raise ValueError(f"{step} is refused after an emergency stop, allowed is disconnect")
             return Sequence()
-        due = STEPS[self.stage]
+        due = SEQUENCE_STEPS[self.stage]
         if step != due:
             raise ValueError(f"{step} is refused, allowed is {due}")
         if not cooling and step != "disconnect":

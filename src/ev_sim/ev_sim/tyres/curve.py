@@ -59,8 +59,8 @@ def two_exponential(slip: float, full_slip: float, rise: float, fall: float, _fo
 
 
 # One curve over the slip each, but for mf_tyre (`mf_tyre.forces`).
-CURVES = ("burckhardt", "rational", "two_exponential", "magic_formula", "linear", "mf_tyre")
-BURCKHARDT, RATIONAL, TWO_EXPONENTIAL, MAGIC_FORMULA, LINEAR, MF_TYRE = range(len(CURVES))
+FRICTION_CURVES = ("burckhardt", "rational", "two_exponential", "magic_formula", "linear", "mf_tyre")
+BURCKHARDT, RATIONAL, TWO_EXPONENTIAL, MAGIC_FORMULA, LINEAR, MF_TYRE = range(len(FRICTION_CURVES))
 
 # Slip at which the slope of a curve at zero slip is taken: small against any peak, large against rounding.
 SLIP_FLOOR = 1e-6
@@ -80,7 +80,7 @@ class Coefficients(NamedTuple):
 
 @inlined
 def friction(curve: float, slip: float, c: Coefficients) -> float:
-    """Friction use [1] at a slip [1] of at least 0, of the curve with this place in `CURVES`."""
+    """Friction use [1] at a slip [1] of at least 0, of the curve with this place in `FRICTION_CURVES`."""
     if curve == BURCKHARDT:
         return burckhardt(slip, c.c0, c.c1, c.c2, c.c3)
     if curve == RATIONAL:
@@ -111,7 +111,7 @@ def largest(curve: float, available: float, c: Coefficients) -> float:
 
 def peak(curve: str, coefficients: tuple[float, float, float, float]) -> float:
     """The largest friction use up to full slip [1], the available friction; on a grid of 1e-4 in slip."""
-    return friction(CURVES.index(curve), peak_slip(curve, coefficients), Coefficients(*coefficients))
+    return friction(FRICTION_CURVES.index(curve), peak_slip(curve, coefficients), Coefficients(*coefficients))
 
 
 @cache
@@ -120,7 +120,7 @@ def peak_slip(curve: str, coefficients: tuple[float, float, float, float]) -> fl
 
     The curves rise to one peak and then fall: around the highest of every hundredth point lies the highest of all.
     """
-    of, c = CURVES.index(curve), Coefficients(*coefficients)
+    of, c = FRICTION_CURVES.index(curve), Coefficients(*coefficients)
 
     def highest(places: range) -> int:
         return max(places, key=lambda place: friction(of, place * _STEP, c))

@@ -40,7 +40,7 @@ def at_load(tyres: MfTyres, i: int, load: float, grip: float, stiffness: float, 
     """Peaks [N], stiffness factors and curvatures [1] of the tyre of wheel i at a load [N].
 
     `grip` [1] scales the friction and leaves the slip stiffness (lambda_mu of the road), `stiffness` [1] the slip
-    stiffness of a soft tyre; `plain` is what `is_plain` says. Source: Pacejka 2012, eqs 4.E2, 4.E11 to 4.E15, 4.E21 to
+    stiffness of a soft tyre; `plain` is `is_plain`. Source: Pacejka 2012, eqs 4.E2, 4.E11 to 4.E15, 4.E21 to
     4.E26, camber and pressure left out.
     """
     counted = min(max(load / tyres.fnomin[i], LEAST_LOAD), LARGEST_LOAD)

@@ -23,8 +23,8 @@ from ev_papers.dissertation.figures.over_cycle import (
 from ev_papers.dissertation.figures.slip_curve import slip_curve_figure
 from ev_papers.dissertation.figures.urban_cycle import cycle_figure
 from ev_papers.dissertation.figures.urban_sheets import sheet_over_cycle
-from ev_sim.drives.field_weakening import voltage_limited_torque
-from ev_sim.drives.losses import loss_power
+from ev_sim.drives.electrical_side import loss_power
+from ev_sim.drives.synchronous_motor import voltage_limited_torque
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.over_values import contours
 from ev_sim.figures.panels import Curve, Panel, panel

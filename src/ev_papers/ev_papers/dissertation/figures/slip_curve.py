@@ -12,8 +12,8 @@ from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.samples import channel
 from ev_sim.measures.surfaces_under import surfaces_under
 from ev_sim.recording.recording import Recording
-from ev_sim.surfaces.table import curve_on_road
-from ev_sim.tyres.curve import CURVES, friction
+from ev_sim.surfaces import curve_on_road
+from ev_sim.tyres.curve import FRICTION_CURVES, friction
 
 AROUND = 0.1  # [s] before and after the window, of which samples are drawn, too
 _ALLOWED, _BEYOND = "#E3F1E6", "#FBE3DC"
@@ -81,7 +81,7 @@ def _of_the_road(
     part = curve.window
     surface = str(surfaces_under(run, vehicle, wheel)[part.stop - 1])
     curve_name, of = curve_on_road(vehicle.tyre, surface)
-    kind = CURVES.index(curve_name)
+    kind = FRICTION_CURVES.index(curve_name)
     nominal = vehicle.motor.nominal_torque * vehicle.gear_ratio
     load = channel(run, f"tire_forces.load.{wheel}")[part].mean()
     force = channel(run, f"tire_forces.longitudinal_force.{wheel}")[part]

@@ -6,36 +6,13 @@ the signs of one right-handed frame.
 
 from __future__ import annotations
 
-from collections.abc import MutableSequence, Sequence
-
 from ev_core.law import Car, Wheels, cos, inlined, sin, sqrt, tan
 from ev_core.vehicle.car import front_wheel_tangents
-from ev_sim.plant.planar.constants import BodyConstants
+from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.contact import look, within_friction
-from ev_sim.plant.planar.parameters import FREE, PlanarParameters
-from ev_sim.plant.planar.state import (
-    BODY_DISTANCE,
-    DEFLECTION_X,
-    DEFLECTION_Y,
-    DISTANCE,
-    DRAG_WORK,
-    FRICTION_WORK,
-    GRAVITY_WORK,
-    HEADING,
-    HOLDING_WORK,
-    SLIP_X,
-    SLIP_Y,
-    TRANSFER_X,
-    TRANSFER_Y,
-    TYRE_WORK,
-    VX,
-    VY,
-    WHEEL_ANGLE,
-    WHEEL_SPEED,
-    YAW_RATE,
-    Step,
-)
-from ev_sim.tyres.carcass import force_and_rate, slip_rate
+from ev_sim.plant.planar.given import FREE, BodyConstants, PlanarParameters
+from ev_sim.plant.planar.planar_state import Row, Step
+from ev_sim.tyres.contact_patch import force_and_rate, slip_rate
 
 
 @inlined
@@ -63,10 +40,10 @@ def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
 
 
 @inlined
-def loads(y: Sequence[float], car: Car, gravity_z: float) -> Wheels:
+def loads(y: Row, car: Car, gravity_z: float) -> Wheels:
     """Loads of the four wheels [N] in a state, under gravity that presses the car on the road [m/s^2]."""
     pitch_arm, roll_arm = car.pitch_height * car.mass, car.roll_height * car.mass
-    return wheel_loads(car, car.mass * gravity_z, pitch_arm * y[TRANSFER_X], roll_arm * y[TRANSFER_Y])
+    return wheel_loads(car, car.mass * gravity_z, pitch_arm * y[state.TRANSFER_X], roll_arm * y[state.TRANSFER_Y])
 
 
 @inlined
@@ -107,15 +84,7 @@ def _within(value: float, limit: float) -> float:
 
 
 @inlined
-def rates(
-    y: Sequence[float],
-    dy: MutableSequence[float],
-    p: PlanarParameters,
-    car: Car,
-    body: BodyConstants,
-    step: Step,
-    starts: bool,
-) -> None:
+def rates(y: Row, dy: Row, p: PlanarParameters, car: Car, body: BodyConstants, step: Step, starts: bool) -> None:
     """Time derivative of the integrated part `y` of the state, into `dy`; forces and slips go into `step`.
 
     Dry friction (brakes and rolling resistance, set-valued at rest) opposes one direction during a step; an evaluation
@@ -123,7 +92,7 @@ def rates(
     exceeds the friction, else the wheel is held. Sums go over left and right first, so that a mirrored state has
     exactly mirrored rates.
     """
-    vx, vy, yaw_rate = y[VX], y[VY], y[YAW_RATE]
+    vx, vy, yaw_rate = y[state.VX], y[state.VY], y[state.YAW_RATE]
     load = loads(y, car, step.gravity_z)
     step.load[0], step.load[1], step.load[2], step.load[3] = load
     look(y, car, body, step, starts)
@@ -140,7 +109,7 @@ def rates(
             wheel_speed, slip_x, slip_y = at.wheel_speed[i], at.slip_x[i], at.slip_y[i]
             transport_x, transport_y = at.transport_x[i], at.transport_y[i]
             normal, radius = step.load[i], step.radius[i]
-            deflection_x, deflection_y = y[DEFLECTION_X + i], y[DEFLECTION_Y + i]
+            deflection_x, deflection_y = y[state.DEFLECTION_X + i], y[state.DEFLECTION_Y + i]
             along_force, rate_x = force_and_rate(
                 deflection_x, slip_x, transport_x, at.secant_x[i], stiffness_x, body.damping_x
             )
@@ -154,9 +123,9 @@ def rates(
             if scale_y < 1.0:
                 across_force *= scale_y
                 rate_y = (across_force - stiffness_y * deflection_y) / body.damping_y
-            dy[DEFLECTION_X + i], dy[DEFLECTION_Y + i] = rate_x, rate_y
-            dy[SLIP_X + i] = slip_rate(y[SLIP_X + i], slip_x - rate_x, transport_x, length)
-            dy[SLIP_Y + i] = slip_rate(y[SLIP_Y + i], slip_y - rate_y, transport_y, length)
+            dy[state.DEFLECTION_X + i], dy[state.DEFLECTION_Y + i] = rate_x, rate_y
+            dy[state.SLIP_X + i] = slip_rate(y[state.SLIP_X + i], slip_x - rate_x, transport_x, length)
+            dy[state.SLIP_Y + i] = slip_rate(y[state.SLIP_Y + i], slip_y - rate_y, transport_y, length)
             step.force_x[i], step.force_y[i] = along_force, across_force
 
             torque = step.drive[i] - radius * along_force
@@ -164,11 +133,11 @@ def rates(
             if starts:
                 decide_motion(step, i, wheel_speed, torque, dry)
             if step.held[i] == 1.0:
-                dy[WHEEL_SPEED + i] = 0.0
+                dy[state.WHEEL_SPEED + i] = 0.0
             else:
-                dy[WHEEL_SPEED + i] = (torque - step.motion[i] * dry) / body.wheel_inertia[i]
-            dy[WHEEL_ANGLE + i] = wheel_speed
-            dy[DISTANCE + i] = at.along[i]
+                dy[state.WHEEL_SPEED + i] = (torque - step.motion[i] * dry) / body.wheel_inertia[i]
+            dy[state.WHEEL_ANGLE + i] = wheel_speed
+            dy[state.DISTANCE + i] = at.along[i]
 
             body_x = along_force * at.cosine[i] - across_force * at.sine[i]
             body_y = along_force * at.sine[i] + across_force * at.cosine[i]
@@ -185,7 +154,7 @@ def rates(
 
     specific_x, specific_y = sum_x / car.mass, sum_y / car.mass
     drag = body.drag * abs(vx) * vx
-    dy[DRAG_WORK] = drag * vx
+    dy[state.DRAG_WORK] = drag * vx
     step.acceleration_x = specific_x - drag / car.mass + step.gravity_x
     holding = 0.0  # [N/kg], in the plane of the road below the centre of mass: it neither turns nor pitches the car
     if p.speed != FREE:
@@ -196,19 +165,19 @@ def rates(
     if body.side_drag > 0.0:
         side_drag = body.side_drag * abs(vy) * vy
         step.acceleration_y -= side_drag / car.mass
-        dy[DRAG_WORK] += side_drag * vy
-    dy[VX] = step.acceleration_x + yaw_rate * vy
-    dy[VY] = step.acceleration_y - yaw_rate * vx
-    dy[YAW_RATE] = moment / car.yaw_inertia
-    dy[HEADING] = yaw_rate
-    dy[TRANSFER_X] = (specific_x + holding - y[TRANSFER_X]) / p.load_transfer_lag
+        dy[state.DRAG_WORK] += side_drag * vy
+    dy[state.VX] = step.acceleration_x + yaw_rate * vy
+    dy[state.VY] = step.acceleration_y - yaw_rate * vx
+    dy[state.YAW_RATE] = moment / car.yaw_inertia
+    dy[state.HEADING] = yaw_rate
+    dy[state.TRANSFER_X] = (specific_x + holding - y[state.TRANSFER_X]) / p.load_transfer_lag
     roll_lag = car.suspension.roll_lag if car.suspension.roll_lag > 0.0 else p.load_transfer_lag
-    dy[TRANSFER_Y] = (specific_y - y[TRANSFER_Y]) / roll_lag
-    dy[BODY_DISTANCE] = vx
-    dy[TYRE_WORK] = tyre_power
-    dy[FRICTION_WORK] = friction_power
-    dy[GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
-    dy[HOLDING_WORK] = -car.mass * holding * vx
+    dy[state.TRANSFER_Y] = (specific_y - y[state.TRANSFER_Y]) / roll_lag
+    dy[state.BODY_DISTANCE] = vx
+    dy[state.TYRE_WORK] = tyre_power
+    dy[state.FRICTION_WORK] = friction_power
+    dy[state.GRAVITY_WORK] = -car.mass * (step.gravity_x * vx + step.gravity_y * vy)
+    dy[state.HOLDING_WORK] = -car.mass * holding * vx
 
 
 @inlined

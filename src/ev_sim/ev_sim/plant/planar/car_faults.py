@@ -1,34 +1,19 @@
-"""What goes wrong in the planar plant: motors, inverters, battery, tyres; docs/faults.md says how."""
+"""What goes wrong in the planar plant: motors, inverters, battery, tyres; docs/faults.md has the list."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ev_core.faults.fault import OF_THE_CAR, Fault, parsed
-from ev_core.law import WHEEL_NAMES, Car, ParameterError, Vehicle, compilable, setting
+from ev_core.law import WHEEL_NAMES, Car, ParameterError, Vehicle, compilable
 from ev_msgs_py.refusal import quoted
 from ev_sim.drives.brushless_motor import torque_share
-from ev_sim.plant.planar.constants import BodyConstants
-from ev_sim.plant.planar.state import LONGEST_DELAY, WHEEL_ANGLE, FaultState, PlanarState, Step
+from ev_sim.plant.planar.given import BodyConstants
+from ev_sim.plant.planar.planar_state import LONGEST_DELAY, WHEEL_ANGLE, CarFaultState, PlanarState, Step
 from ev_sim.tyres.curve import soften
 
 CODES = tuple(OF_THE_CAR)
 SHARE, STUCK, TRIP, DELAY, HALL, BATTERY, PUNCTURE = range(len(CODES))
-
-
-@dataclass(frozen=True, slots=True)
-class PunctureParameters:
-    """A tyre without air, beside the sound one; all of it is assumed."""
-
-    radius: float = setting(0.9, unit="1", low=0.5, high=1.0, about="rolling radius over that of the sound tyre")
-    stiffness: float = setting(
-        0.3, unit="1", low=0.05, high=1.0, about="slip stiffness over that of the sound tyre, along and across"
-    )
-    rolling_resistance: float = setting(
-        0.2, unit="1", low=0.0, high=1.0, about="that a tyre without air adds to that of the sound one"
-    )
-    time: float = setting(0.5, unit="s", low=0.0, high=1000.0, about="in which the air is lost, evenly")
 
 
 class CarFaults(NamedTuple):
@@ -114,7 +99,7 @@ def find_faults(p: Any, faults: CarFaults, s: PlanarState, period: float) -> Non
 
 
 @compilable
-def clear(f: FaultState) -> None:
+def clear(f: CarFaultState) -> None:
     """As if nothing were wrong; what is remembered stays."""
     f.power = 1.0
     for i in range(4):
@@ -123,7 +108,7 @@ def clear(f: FaultState) -> None:
 
 
 @compilable
-def delay_commands(f: FaultState, periods: float, step: Step) -> None:
+def delay_commands(f: CarFaultState, periods: float, step: Step) -> None:
     """Give each inverter the drive torque that was asked for its delay ago, none before the start."""
     here = int(periods) % LONGEST_DELAY
     for i in range(4):
@@ -152,7 +137,7 @@ def strike_motors(s: PlanarState, p: Any, car: Car, step: Step) -> None:
 
 
 @compilable
-def deflate(f: FaultState, p: Any, car: Car, body: BodyConstants, step: Step) -> None:
+def deflate(f: CarFaultState, p: Any, car: Car, body: BodyConstants, step: Step) -> None:
     """Make flat tyres of those that the road has just been looked up for: smaller, softer, harder to roll."""
     for i in range(4):
         flat, tyre = f.flat[i], step.tyre[i]

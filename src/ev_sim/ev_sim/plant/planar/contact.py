@@ -2,30 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from ev_core.law import GRAVITY, Car, Vehicle, asin, compilable, inlined, sqrt
-from ev_sim.plant.planar.constants import BodyConstants
-from ev_sim.plant.planar.state import (
-    BODY_DISTANCE,
-    DEFLECTION_X,
-    DEFLECTION_Y,
-    DISTANCE,
-    SLIP_X,
-    SLIP_Y,
-    VX,
-    VY,
-    WHEEL_SPEED,
-    YAW_RATE,
-    Contacts,
-    Step,
-)
+from ev_sim.plant.planar import planar_state as state
+from ev_sim.plant.planar.given import BodyConstants
+from ev_sim.plant.planar.planar_state import Contacts, Row, Step
 from ev_sim.profiles.profile import number_until
-from ev_sim.surfaces.road import RoadParameters, Segments, left_and_right
-from ev_sim.surfaces.table import TyreOnRoad, interpolate, segment_at, tyre_on_road
-from ev_sim.tyres.carcass import sensitivity
-from ev_sim.tyres.combined import SLIP_VECTOR, STILL, WEIGHTED, slip_vector, uncoupled, weighted
+from ev_sim.surfaces import RoadParameters, Segments, TyreOnRoad, interpolate, left_and_right, segment_at, tyre_on_road
+from ev_sim.tyres.contact_patch import SLIP_VECTOR, STILL, WEIGHTED, sensitivity, slip_vector, uncoupled, weighted
 from ev_sim.tyres.curve import largest
 from ev_sim.tyres.mf_tyre import at_load
 
@@ -69,7 +55,7 @@ def _track(segments: Segments, of: Mapping[str, TyreOnRoad]) -> Track:
 
 
 @inlined
-def find_road(y: Sequence[float], body: BodyConstants, step: Step, road: RoadTables, first: bool) -> None:
+def find_road(y: Row, body: BodyConstants, step: Step, road: RoadTables, first: bool) -> None:
     """Set the tyre on the surface under each wheel, and gravity by the slope under the centre of mass.
 
     Every wheel looks at its own travelled distance, ahead of or behind the centre of mass by its place in the car. The
@@ -79,8 +65,8 @@ def find_road(y: Sequence[float], body: BodyConstants, step: Step, road: RoadTab
         _look_under(y, body, step, road.left, 2 * axle, first)
         _look_under(y, body, step, road.right, 2 * axle + 1, first)
     slope, before = road.slope, 0 if first else int(step.slope_segment)
-    rise, segment = interpolate(slope.distance, slope.grade, y[BODY_DISTANCE], before)
-    side_rise, _ = interpolate(slope.distance, slope.side_slope, y[BODY_DISTANCE], segment)
+    rise, segment = interpolate(slope.distance, slope.grade, y[state.BODY_DISTANCE], before)
+    side_rise, _ = interpolate(slope.distance, slope.side_slope, y[state.BODY_DISTANCE], segment)
     step.slope_segment = float(segment)
     step.gravity_x, step.gravity_y, step.gravity_z = gravity_on(rise, side_rise)
 
@@ -101,9 +87,9 @@ def gravity_at(slope: Slope, distance: float) -> tuple[float, float, float]:
 
 
 @inlined
-def _look_under(y: Sequence[float], body: BodyConstants, step: Step, track: Track, i: int, first: bool) -> None:
+def _look_under(y: Row, body: BodyConstants, step: Step, track: Track, i: int, first: bool) -> None:
     """Set the tyre of wheel i from its track, where it has come to another segment."""
-    distance = y[DISTANCE + i] + body.wheel_x[i]
+    distance = y[state.DISTANCE + i] + body.wheel_x[i]
     if first:
         step.radius[i] = body.wheel_radius[i]
         found = max(number_until(track.start, distance) - 1, 0)
@@ -129,7 +115,7 @@ INFINITE = 1e12  # [N], beyond any force, but a number that may be multiplied
 
 
 @inlined
-def look(y: Sequence[float], car: Car, body: BodyConstants, step: Step, starts: bool) -> None:
+def look(y: Row, car: Car, body: BodyConstants, step: Step, starts: bool) -> None:
     """Find velocities and friction of all contacts, under the loads of the step, into `step.contact`.
 
     A wheel that the brake stops within the step stands, unless the evaluation `starts` it.
@@ -137,11 +123,11 @@ def look(y: Sequence[float], car: Car, body: BodyConstants, step: Step, starts: 
     point(y, car, step)
     at = step.contact
     for i in range(4):
-        turning = y[WHEEL_SPEED + i]
+        turning = y[state.WHEEL_SPEED + i]
         at.wheel_speed[i] = turning if starts or step.motion[i] * turning >= 0.0 else 0.0
     for i in range(4):
-        ground_x = y[VX] - body.wheel_y[i] * y[YAW_RATE]
-        ground_y = y[VY] + body.wheel_x[i] * y[YAW_RATE]
+        ground_x = y[state.VX] - body.wheel_y[i] * y[state.YAW_RATE]
+        ground_y = y[state.VY] + body.wheel_x[i] * y[state.YAW_RATE]
         along = ground_x * at.cosine[i] + ground_y * at.sine[i]
         across = ground_y * at.cosine[i] - ground_x * at.sine[i]
         at.along[i], at.speed[i] = along, sqrt(along * along + across * across)
@@ -158,7 +144,7 @@ def look(y: Sequence[float], car: Car, body: BodyConstants, step: Step, starts: 
 
 
 @inlined
-def point(y: Sequence[float], car: Car, step: Step) -> None:
+def point(y: Row, car: Car, step: Step) -> None:
     """The directions of the wheels, as steered and as the side force on their axle bends them.
 
     The carcasses hold the side force, so it is taken from their deflection.
@@ -171,7 +157,7 @@ def point(y: Sequence[float], car: Car, step: Step) -> None:
     for axle in range(2):
         compliance = suspension.rear_compliance_steer if axle else -suspension.front_compliance_steer
         left = 2 * axle
-        held = car.tyre.lateral_stiffness * (y[DEFLECTION_Y + left] + y[DEFLECTION_Y + left + 1])
+        held = car.tyre.lateral_stiffness * (y[state.DEFLECTION_Y + left] + y[state.DEFLECTION_Y + left + 1])
         t = compliance * held  # a small angle, and its tangent
         short = 1.0 / sqrt(1.0 + t * t)
         for i in range(left, left + 2):
@@ -184,11 +170,13 @@ def point(y: Sequence[float], car: Car, step: Step) -> None:
 
 
 @inlined
-def _one_curve(y: Sequence[float], car: Car, step: Step, i: int) -> None:
+def _one_curve(y: Row, car: Car, step: Step, i: int) -> None:
     tyre, on_road, at = car.tyre, step.tyre[i], step.contact
     transport = max(abs(at.rim[i]), at.speed[i], STILL)
     carried = step.load[i] * sensitivity(tyre, step.load[i])
-    along, across = slip_vector(tyre, on_road, at.slip_x[i], at.slip_y[i], transport, y[SLIP_X + i], y[SLIP_Y + i])
+    along, across = slip_vector(
+        tyre, on_road, at.slip_x[i], at.slip_y[i], transport, y[state.SLIP_X + i], y[state.SLIP_Y + i]
+    )
     limit = carried * largest(tyre.curve, on_road.friction, on_road)
     at.secant_x[i], at.secant_y[i] = carried * along, carried * across
     at.transport_x[i] = at.transport_y[i] = transport
@@ -196,7 +184,7 @@ def _one_curve(y: Sequence[float], car: Car, step: Step, i: int) -> None:
 
 
 @compilable  # once in the code of a plant: it is long, and a call is nothing beside it
-def _magic_formulas(y: Sequence[float], body: BodyConstants, step: Step) -> None:
+def _magic_formulas(y: Row, body: BodyConstants, step: Step) -> None:
     at = step.contact
     for i in range(4):
         at.grip[i], at.stiffness[i] = step.tyre[i].c0, step.tyre[i].c1
@@ -211,11 +199,11 @@ def _magic_formulas(y: Sequence[float], body: BodyConstants, step: Step) -> None
 
 
 @inlined
-def _magic_formula(y: Sequence[float], body: BodyConstants, step: Step, i: int, plain: bool) -> None:
+def _magic_formula(y: Row, body: BodyConstants, step: Step, i: int, plain: bool) -> None:
     at = step.contact
     transport = max(abs(at.rim[i]), at.speed[i], STILL)
     loaded = at_load(body.mf, i, step.load[i], at.grip[i], at.stiffness[i], plain)
-    slid_x, slid_y = y[SLIP_X + i], y[SLIP_Y + i]
+    slid_x, slid_y = y[state.SLIP_X + i], y[state.SLIP_Y + i]
     at.secant_x[i], at.secant_y[i] = weighted(
         body.mf, i, loaded, at.slip_x[i], at.slip_y[i], at.along[i], transport, slid_x, slid_y, plain
     )
@@ -224,13 +212,13 @@ def _magic_formula(y: Sequence[float], body: BodyConstants, step: Step, i: int, 
 
 
 @inlined
-def _two_curves(y: Sequence[float], car: Car, body: BodyConstants, step: Step, i: int) -> None:
+def _two_curves(y: Row, car: Car, body: BodyConstants, step: Step, i: int) -> None:
     tyre, on_road, at = car.tyre, step.tyre[i], step.contact
     carried = step.load[i] * sensitivity(tyre, step.load[i])
     transport_x = max(abs(at.rim[i]), abs(at.along[i]), STILL)
     transport_y = max(at.speed[i], STILL)
     along, across = uncoupled(
-        tyre, on_road, at.slip_x[i], at.slip_y[i], transport_x, transport_y, y[SLIP_X + i], y[SLIP_Y + i]
+        tyre, on_road, at.slip_x[i], at.slip_y[i], transport_x, transport_y, y[state.SLIP_X + i], y[state.SLIP_Y + i]
     )
     limit = carried * largest(tyre.curve, on_road.friction, on_road)
     at.transport_x[i], at.transport_y[i] = transport_x, transport_y
@@ -259,14 +247,14 @@ def within_friction(car: Car, at: Contacts, i: int, force_x: float, force_y: flo
 
 
 @inlined
-def slips(y: Sequence[float], car: Car, body: BodyConstants, at: Contacts, i: int) -> tuple[float, float]:
+def slips(y: Row, car: Car, body: BodyConstants, at: Contacts, i: int) -> tuple[float, float]:
     """The slips [1] at which the friction curve gives the present forces of wheel i, along and across.
 
     In steady driving they are the slip ratio and the sine of the slip angle (with the sign of their force); at rest,
     where kinematic slip is 0/0, they stay meaningful and continuous.
     """
-    spring_x = car.tyre.longitudinal_stiffness * y[DEFLECTION_X + i] + body.damping_x * at.slip_x[i]
-    spring_y = car.tyre.lateral_stiffness * y[DEFLECTION_Y + i] + body.damping_y * at.slip_y[i]
+    spring_x = car.tyre.longitudinal_stiffness * y[state.DEFLECTION_X + i] + body.damping_x * at.slip_x[i]
+    spring_y = car.tyre.lateral_stiffness * y[state.DEFLECTION_Y + i] + body.damping_y * at.slip_y[i]
     slip_x = spring_x / (at.secant_x[i] + at.transport_x[i] * body.damping_x)
     slip_y = spring_y / (at.secant_y[i] + at.transport_y[i] * body.damping_y)
     scale_x, scale_y = within_friction(car, at, i, at.secant_x[i] * slip_x, at.secant_y[i] * slip_y)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ev_core.law import Car, inlined
-from ev_sim.drives.controlled_motor import limited_torque
+from ev_sim.drives.combustion_engine import advance_engine
 from ev_sim.drives.couplings import CLUTCH, follow_shares, motor_commands, shaft_speeds, shaft_yielding, wheel_torques
 from ev_sim.drives.drive import advance_drive
-from ev_sim.drives.engine import advance_engine
+from ev_sim.drives.synchronous_motor import limited_torque
 from ev_sim.plant.planar.car_faults import strike_motors
 from ev_sim.plant.planar.energy import PowerConstants, battery_scale, terminal_voltage, within_electrical_limits
-from ev_sim.plant.planar.parameters import TORQUE_CONTROLLED, PlanarParameters
-from ev_sim.plant.planar.state import WHEEL_SPEED, PlanarState, Step
+from ev_sim.plant.planar.given import TORQUE_CONTROLLED, PlanarParameters
+from ev_sim.plant.planar.planar_state import WHEEL_SPEED, PlanarState, Step
 
 
 class Lags(NamedTuple):

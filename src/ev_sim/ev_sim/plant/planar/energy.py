@@ -5,19 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ev_core.law import Car, Vehicle, exp, expm1, inlined
-from ev_sim.drives.battery import (
-    cell_power_limits,
-    current_at_power,
-    open_circuit_voltage,
-    power_limits,
-    relaxed,
-    temperature_share,
-)
+from ev_sim.drives import electrical_side
 from ev_sim.drives.couplings import shaft_speeds
-from ev_sim.drives.field_weakening import voltage_limited_torque, weakening_loss
-from ev_sim.drives.losses import derating_share, heated, loss_power, map_loss_power
-from ev_sim.plant.planar.parameters import TORQUE_CONTROLLED, PlanarParameters
-from ev_sim.plant.planar.state import PlanarState, Step
+from ev_sim.drives.synchronous_motor import voltage_limited_torque, weakening_loss
+from ev_sim.plant.planar.given import TORQUE_CONTROLLED, PlanarParameters
+from ev_sim.plant.planar.planar_state import PlanarState, Step
 
 
 class Electrical(NamedTuple):
@@ -56,7 +48,7 @@ def within_electrical_limits(s: PlanarState, car: Car, i: int, torque: float, vo
     thermal = car.motor.thermal
     winding, inverter = thermal.coolant + s.winding_rise[i], thermal.coolant + s.inverter_rise[i]
     most = voltage_limited_torque(car.motor.winding, voltage, speed)
-    most = min(most, car.motor.peak_torque * derating_share(thermal, winding, inverter))
+    most = min(most, car.motor.peak_torque * electrical_side.derating_share(thermal, winding, inverter))
     return min(max(torque, -most), most)
 
 
@@ -70,8 +62,12 @@ def heat_motors(s: PlanarState, car: Car, c: Electrical, step: Step) -> None:
         if car.driven[i] == 1.0:
             copper += weakening_loss(motor, torque, step.voltage, speed)
         stage = motor.inverter_torque_loss * abs(torque)
-        s.winding_rise[i] = heated(s.winding_rise[i], copper, motor.thermal.winding_resistance, c.winding_left)
-        s.inverter_rise[i] = heated(s.inverter_rise[i], stage, motor.thermal.inverter_resistance, c.inverter_left)
+        s.winding_rise[i] = electrical_side.heated(
+            s.winding_rise[i], copper, motor.thermal.winding_resistance, c.winding_left
+        )
+        s.inverter_rise[i] = electrical_side.heated(
+            s.inverter_rise[i], stage, motor.thermal.inverter_resistance, c.inverter_left
+        )
 
 
 @inlined
@@ -81,7 +77,7 @@ def heat_cells(s: PlanarState, car: Car, c: Electrical, resistance: float, curre
     heat = resistance * current * current
     if c.relaxation_resistance > 0.0:
         heat += s.relaxation * s.relaxation / c.relaxation_resistance
-    s.cells_rise = heated(s.cells_rise, heat / cells.in_series, cells.thermal_resistance, c.cells_left)
+    s.cells_rise = electrical_side.heated(s.cells_rise, heat / cells.in_series, cells.thermal_resistance, c.cells_left)
 
 
 class EfficiencyMap(NamedTuple):
@@ -112,21 +108,21 @@ def motor_loss(p: PlanarParameters, car: Car, map: EfficiencyMap, torque: float,
     if p.drive != TORQUE_CONTROLLED:
         return 0.0
     if len(map.efficiency) > 0:
-        return map_loss_power(torque, speed, map.speed, map.torque, map.efficiency)
-    return loss_power(car.motor, torque, speed)
+        return electrical_side.map_loss_power(torque, speed, map.speed, map.torque, map.efficiency)
+    return electrical_side.loss_power(car.motor, torque, speed)
 
 
 @inlined
 def source_voltage(s: PlanarState, power: PowerConstants) -> float:
     """Voltage of the battery without what its resistance takes at once [V]."""
-    return open_circuit_voltage(power.voltage, s.state_of_charge) - s.relaxation
+    return electrical_side.open_circuit_voltage(power.voltage, s.state_of_charge) - s.relaxation
 
 
 @inlined
 def terminal_voltage(s: PlanarState, power: PowerConstants) -> float:
     """Voltage at the terminals of the battery under the power of the last step [V]."""
     source = source_voltage(s, power)
-    return source - power.resistance * current_at_power(source, power.resistance, s.battery_power)
+    return source - power.resistance * electrical_side.current_at_power(source, power.resistance, s.battery_power)
 
 
 @inlined
@@ -134,11 +130,13 @@ def _limits(s: PlanarState, car: Car, power: PowerConstants) -> tuple[float, flo
     """Largest power out of and into the battery [W]."""
     source = source_voltage(s, power)
     if power.electrical.modelled == 0.0:
-        return power_limits(car.battery, source, s.state_of_charge)
+        return electrical_side.power_limits(car.battery, source, s.state_of_charge)
     temperature = car.battery.cells.ambient + s.cells_rise
-    discharging = temperature_share(power.electrical.discharge_temperature, temperature)
-    charging = temperature_share(power.electrical.charge_temperature, temperature)
-    return cell_power_limits(car.battery, source, power.resistance, s.state_of_charge, discharging, charging)
+    discharging = electrical_side.temperature_share(power.electrical.discharge_temperature, temperature)
+    charging = electrical_side.temperature_share(power.electrical.charge_temperature, temperature)
+    return electrical_side.cell_power_limits(
+        car.battery, source, power.resistance, s.state_of_charge, discharging, charging
+    )
 
 
 @inlined
@@ -216,12 +214,14 @@ def account(s: PlanarState, p: PlanarParameters, car: Car, power: PowerConstants
         s.driveline_loss += (s.engine.taken - mechanical) * h
         loss = -mechanical  # of a battery that gives nothing to the engine
     given = mechanical + loss + car.battery.auxiliary_power
-    current = current_at_power(source_voltage(s, power), power.resistance, given)
+    current = electrical_side.current_at_power(source_voltage(s, power), power.resistance, given)
     if power.electrical.modelled == 1.0:
         electrical = power.electrical
         heat_motors(s, car, electrical, step)
         heat_cells(s, car, electrical, power.resistance, current)
-        s.relaxation = relaxed(s.relaxation, current, electrical.relaxation_resistance, electrical.relaxation_share)
+        s.relaxation = electrical_side.relaxed(
+            s.relaxation, current, electrical.relaxation_resistance, electrical.relaxation_share
+        )
     s.state_of_charge -= current * h / power.capacity
     s.battery_power = given
     s.battery_work += given * h

@@ -7,21 +7,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_core.law import Car, Vehicle, compilable, entry, inlined, method, parameter, per_wheel, working_memory
+from ev_core.law import BenchElectrical, BenchShafts, Car, LoadCommand, Vehicle, compilable, inlined, method, parameter
+from ev_core.parameters.record import entry, per_wheel, working_memory
 from ev_core.vehicle.drive_train import has_equal_motors, has_own_motors
 from ev_msgs_py.can.frames import SPEED_MODE
-from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchShafts, LoadCommand
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelTorqueCommand
-from ev_sim.drives.battery import current_at_power
-from ev_sim.plant.commands import accepted
+from ev_sim.drives.electrical_side import current_at_power
+from ev_sim.plant.guard import accepted
 from ev_sim.plant.planar.drive_torques import Lags, behind_gear
 from ev_sim.plant.planar.energy import PowerConstants, source_voltage
-from ev_sim.plant.planar.outputs import SIGNALS, Seen, seen, wheels_from
-from ev_sim.plant.planar.parameters import PlanarParameters
-from ev_sim.plant.planar.plant import PLANAR, advance
+from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.planar import PLANAR, advance
+from ev_sim.plant.planar.planar_state import STAGES, STEP, VX, WHEEL_SPEED, PlanarState, Step
 from ev_sim.plant.planar.prepare import PlanarConstants
+from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, seen, wheels_from
 from ev_sim.plant.planar.start import begin
-from ev_sim.plant.planar.state import STAGES, STEP, VX, WHEEL_SPEED, PlanarState, Step
 
 WHEEL_SPEEDS = ("virtual", "load_machine")
 VIRTUAL, LOAD_MACHINE = range(len(WHEEL_SPEEDS))
@@ -44,14 +44,14 @@ class PlanarOnBenchParameters(PlanarParameters):
         "load_machine",
         choices=WHEEL_SPEEDS,
         about="with which speed a driven wheel meets the road: load_machine: the one measured at its load machine; "
-        "virtual: the one that the load machine is told to hold, the default behind a real bus",
+        "virtual: the one that the load machine is set to hold, the default behind a real bus",
         source="dissertation, section 4.1: the speed of the load machine is that of the virtual driven wheel",
     )
 
 
 _BEYOND = 2.0  # times its largest torque is what a machine is believed to give: the transducer may err
 _MOST_POWER = 1e7  # W, believed of the electrical measurement
-_MOST_APART = 100.0  # rad/s that a wheel is believed to be away from what its load machine was told
+_MOST_APART = 100.0  # rad/s that a wheel is believed to be away from the set-point of its load machine
 
 
 @dataclass(slots=True)
@@ -60,15 +60,14 @@ class PlanarOnBenchState(PlanarState):
 
     measured_torque: list[float] = per_wheel(unit="N m", about="of the machine with its rotor, at the shaft")
     measured_speed: list[float] = per_wheel(unit="rad/s", about="of the shaft")
-    told_speed: list[float] = per_wheel(unit="rad/s", about="of the wheel, that the load machine was told last")
-    apart: list[float] = per_wheel(unit="rad/s", about="of the wheel: load machine less what it was told")
+    told_speed: list[float] = per_wheel(unit="rad/s", about="of the wheel, the last set-point of the load machine")
+    apart: list[float] = per_wheel(unit="rad/s", about="of the wheel: load machine less its set-point")
     measured_power: float = entry(unit="W", about="that the machines took from the battery")
 
 
 def at_start(p: PlanarOnBenchParameters, car: Car, c: PlanarConstants) -> PlanarOnBenchState:
     """As the planar plant begins; the shafts rest."""
-    s = PlanarOnBenchState()
-    begin(s, p, car, c)
+    s: PlanarOnBenchState = begin(p, car, c, PlanarOnBenchState)
     for i in range(4):
         s.told_speed[i] = s.motion[WHEEL_SPEED + i]
     return s
@@ -115,7 +114,8 @@ def _load(car: Car, c: PlanarConstants, s: PlanarOnBenchState, step: Step) -> Lo
     "planar_on_bench",
     PlanarOnBenchParameters,
     needs=(individual_machines,),
-    **PLANAR | {"state": PlanarOnBenchState, "start": at_start, "outputs": outputs, "writes": (*SIGNALS, LoadCommand)},
+    **PLANAR
+    | {"state": PlanarOnBenchState, "start": at_start, "outputs": outputs, "writes": (*PLANAR_SIGNALS, LoadCommand)},
 )
 @inlined
 def planar_on_bench(
@@ -155,7 +155,7 @@ def planar_on_bench(
 def _turn_with_load_machine(s: PlanarOnBenchState, i: int, speed: float) -> None:
     """Let a wheel meet the road as its load machine turned [rad/s, of the wheel] when the last period ended.
 
-    What the load machine is told goes on from what it was told: the speed J w' = i M - F_x r - M_f - M_brake of the
+    The set-point of the load machine goes on from its last one: the speed J w' = i M - F_x r - M_f - M_brake of the
     virtual wheel. The difference between both, held over a period, is what the load machine does not follow.
     """
     told = s.motion[WHEEL_SPEED + i] - s.apart[i]

@@ -1,24 +1,20 @@
-"""What the planar plant is told once: step width, constants of the car, and its tables."""
+"""What the planar plant is given once: step width, constants of the car, and its tables."""
 
 from __future__ import annotations
 
 import math
 from typing import NamedTuple
 
-from ev_core.elementary import expm1, sqrt
-from ev_core.vehicle.description import Vehicle
+from ev_core.law import WHEEL_NAMES, ParameterError, Vehicle, expm1, sqrt
 from ev_core.vehicle.drive_train import has_equal_motors, has_own_motors
-from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_msgs_py.refusal import ParameterError
 from ev_sim.drives.brushless_motor import MotorParameters, torque_constant
 from ev_sim.drives.drive import DRIVES
-from ev_sim.plant.commands import GuardLimits, guard_limits
+from ev_sim.plant.guard import GuardLimits, guard_limits
 from ev_sim.plant.planar.car_faults import CarFaults, car_faults
-from ev_sim.plant.planar.constants import BodyConstants, body_constants
 from ev_sim.plant.planar.contact import RoadTables, road_tables
 from ev_sim.plant.planar.drive_torques import Lags
 from ev_sim.plant.planar.energy import EfficiencyMap, Electrical, PowerConstants, electrical_over
-from ev_sim.plant.planar.parameters import PlanarParameters
+from ev_sim.plant.planar.given import BodyConstants, PlanarParameters, body_constants
 from ev_sim.profiles.profile import Profile
 from ev_sim.profiles.speed_profile import wanted_speed
 

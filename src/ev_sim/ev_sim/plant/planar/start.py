@@ -1,28 +1,19 @@
-"""The planar plant at the start of a run, at rest or in equilibrium, and what it says about the run."""
+"""The planar plant at the start of a run, at rest or in equilibrium, and its notes about the run."""
 
 from __future__ import annotations
 
+from typing import Any
+
 from ev_core.law import WHEEL_NAMES, Car, ParameterError, inlined
-from ev_sim.drives.engine import begin_engine
-from ev_sim.plant.commands import guard_notes
+from ev_sim.drives.combustion_engine import begin_engine
+from ev_sim.plant.guard import guard_notes
+from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.body import loads
 from ev_sim.plant.planar.contact import RoadTables, find_road, gravity_at, look, within_friction
-from ev_sim.plant.planar.parameters import PlanarParameters
+from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.planar_state import PlanarState, Step
 from ev_sim.plant.planar.prepare import PlanarConstants
-from ev_sim.plant.planar.state import (
-    BODY_DISTANCE,
-    DEFLECTION_X,
-    DEFLECTION_Y,
-    HEADING,
-    SLIP_X,
-    TRANSFER_X,
-    TRANSFER_Y,
-    VX,
-    WHEEL_SPEED,
-    PlanarState,
-    Step,
-)
-from ev_sim.tyres.curve import CURVES, Coefficients, friction, peak_slip
+from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, peak_slip
 
 _REFUSED = (
     "more torque was asked against the gear than the engine's drag: the gear stayed, the selector moves below "
@@ -35,7 +26,7 @@ def keep_noted(s: PlanarState, car: Car, road: RoadTables) -> None:
     """Keep which wheels are off the ground in this state, and whether the battery is empty."""
     if s.state_of_charge <= 0.0:
         s.battery_empty = 1.0
-    _, _, gravity_z = gravity_at(road.slope, s.motion[BODY_DISTANCE])
+    _, _, gravity_z = gravity_at(road.slope, s.motion[state.BODY_DISTANCE])
     load = loads(s.motion, car, gravity_z)
     for i in range(4):
         if load[i] == 0.0:
@@ -60,9 +51,9 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     in the plane of the road, so that drag and slope alone pitch it.
     ParameterError if a tyre cannot hold its torque.
     """
-    y, step, radius, speed = s.motion, Step(), c.body.wheel_radius, s.motion[VX]
+    y, step, radius, speed = s.motion, Step(), c.body.wheel_radius, s.motion[state.VX]
     find_road(y, c.body, step, c.road, True)
-    y[TRANSFER_X] = c.body.drag * abs(speed) * speed / car.mass - step.gravity_x
+    y[state.TRANSFER_X] = c.body.drag * abs(speed) * speed / car.mass - step.gravity_x
     load = loads(y, car, step.gravity_z)
     rolling = car.rolling_resistance + car.rolling_resistance_growth * speed * speed
     for i in range(4):
@@ -77,9 +68,9 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
                 f"allowed is what its tyre holds, {tyre.friction * load[i] * radius[i]:.5g} N m"
             )
         # Slip is over the faster one of rim and road.
-        y[WHEEL_SPEED + i] = (speed / (1.0 - slip) if force * speed > 0.0 else speed * (1.0 - slip)) / radius[i]
-        y[SLIP_X + i] = slip if force >= 0.0 else -slip
-        y[DEFLECTION_X + i] = force / car.tyre.longitudinal_stiffness
+        y[state.WHEEL_SPEED + i] = (speed / (1.0 - slip) if force * speed > 0.0 else speed * (1.0 - slip)) / radius[i]
+        y[state.SLIP_X + i] = slip if force >= 0.0 else -slip
+        y[state.DEFLECTION_X + i] = force / car.tyre.longitudinal_stiffness
         s.motor_torque[i] = asked / car.gear[i] / car.motors[i]
         s.mean_drive[i] = torque
 
@@ -87,7 +78,7 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
 def _slip_at(car: Car, curve: Coefficients, use: float) -> float | None:
     """The slip [1] on the rising part of the friction curve at a friction use [1]; None beyond its peak."""
     kind = car.tyre.curve
-    low, high = 0.0, peak_slip(CURVES[int(kind)], tuple(curve))
+    low, high = 0.0, peak_slip(FRICTION_CURVES[int(kind)], tuple(curve))
     if use > friction(kind, high, curve):
         return None
     for _ in range(_HALVINGS):
@@ -99,41 +90,36 @@ def _slip_at(car: Car, curve: Coefficients, use: float) -> float | None:
     return 0.5 * (low + high)
 
 
-def at_start(p: PlanarParameters, car: Car, c: PlanarConstants) -> PlanarState:
+def begin(p: PlanarParameters, car: Car, c: PlanarConstants, kind: type[PlanarState] = PlanarState) -> Any:
     """Rolling straight ahead, freely or driven, or, without speed, parked: the carcasses hold the car on its slope."""
-    s = PlanarState()
-    begin(s, p, car, c)
-    return s
-
-
-def begin(s: PlanarState, p: PlanarParameters, car: Car, c: PlanarConstants) -> None:
-    """Set a new state to the start."""
+    s = kind()
     s.x, s.y, s.state_of_charge = p.initial_x, p.initial_y, car.battery.state_of_charge
     y = s.motion
-    y[VX], y[HEADING] = p.initial_speed, p.initial_heading
+    y[state.VX], y[state.HEADING] = p.initial_speed, p.initial_heading
     for i in range(4):
-        y[WHEEL_SPEED + i] = p.initial_speed / c.body.wheel_radius[i]
+        y[state.WHEEL_SPEED + i] = p.initial_speed / c.body.wheel_radius[i]
         s.torque_share[i] = car.driven[i] / max(car.number_driven, 1.0)
     if car.engine_driven == 1.0:
-        turning = (car.gear[i] * y[WHEEL_SPEED + i] for i in range(4) if car.driven[i] == 1.0)
+        turning = (car.gear[i] * y[state.WHEEL_SPEED + i] for i in range(4) if car.driven[i] == 1.0)
         begin_engine(s.engine, car.engine, c.power.gearbox, next(turning))
     if p.initial_speed == 0.0:
         _park(s, car, c)
     if any(c.initial_drive_torque):
         begin_driven(s, car, c)
     keep_noted(s, car, c.road)
+    return s
 
 
 def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     """Load the carcasses by the slope, each as far as its friction goes: a car on too steep a slope slides at once."""
     y, step, front = s.motion, Step(), car.centre_of_mass_to_rear_axle / car.wheelbase
     find_road(y, c.body, step, c.road, True)
-    y[TRANSFER_X], y[TRANSFER_Y] = -step.gravity_x, -step.gravity_y
+    y[state.TRANSFER_X], y[state.TRANSFER_Y] = -step.gravity_x, -step.gravity_y
     step.load = list(loads(y, car, step.gravity_z))
     look(y, car, c.body, step, True)
     for i in range(4):
         share = 0.5 * (front if i < 2 else 1.0 - front)
         force_x, force_y = -share * car.mass * step.gravity_x, -share * car.mass * step.gravity_y
         scale_x, scale_y = within_friction(car, step.contact, i, force_x, force_y)
-        y[DEFLECTION_X + i] = scale_x * force_x / car.tyre.longitudinal_stiffness
-        y[DEFLECTION_Y + i] = scale_y * force_y / car.tyre.lateral_stiffness
+        y[state.DEFLECTION_X + i] = scale_x * force_x / car.tyre.longitudinal_stiffness
+        y[state.DEFLECTION_Y + i] = scale_y * force_y / car.tyre.lateral_stiffness

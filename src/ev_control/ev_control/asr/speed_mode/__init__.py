@@ -1,1 +1,0 @@
-"""Traction controls that set each wheel a speed, for drives in speed mode."""

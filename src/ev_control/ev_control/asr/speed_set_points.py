@@ -1,0 +1,125 @@
+"""Traction controls that set each wheel a speed, for drives in speed mode (dissertation, sections 1.4 and 2.4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_control.estimation.wheel_dynamics import WheelMotion, slip_of
+from ev_control.law import SlipThresholdParameters, SpeedSetPointParameters, SpeedSetPointWheel, moved, traction_control
+from ev_control.shared.acceleration_criterion import AccelerationCriterionParameters, Accelerations, gains_on_car
+from ev_core.law import Car, ParameterError, compilable, group, parameter, part
+
+
+@dataclass(frozen=True, slots=True)
+class RatioSetPointParameters(SpeedSetPointParameters):
+    """The ratio that separates slip from grip, and how the set-point moves."""
+
+    criterion: AccelerationCriterionParameters = group(AccelerationCriterionParameters)
+
+
+@dataclass(slots=True)
+class RatioSetPointWheel(SpeedSetPointWheel):
+    """What the law knows of a wheel."""
+
+    accelerations: Accelerations = part(Accelerations)
+
+
+@traction_control("speed_by_acceleration_ratio", RatioSetPointParameters, RatioSetPointWheel, speed_mode=True)
+@compilable
+def speed_by_acceleration_ratio(
+    p: RatioSetPointParameters, car: Car, w: RatioSetPointWheel, period: float, motion: WheelMotion, wanted: float
+) -> float:
+    """Lower a wheel's speed set-point while the wheel accelerates out of proportion to the car, a_x/w' < threshold.
+
+    Principle 1 of slip control, by forecast (dissertation, eq 1.4 and section 2.4; the threshold as in
+    `acceleration_ratio`). The drive is in speed mode. What the text leaves open: where the set-point begins (at the
+    speed of the wheel), how fast it falls, and that it rises while the criterion does not hold.
+    """
+    gains = gains_on_car(p.criterion, car, w.accelerations, period, motion)
+    return moved(p, car, w, period, motion, wanted, -1.0 if gains else 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedBySlipParameters(SpeedSetPointParameters):
+    """The range of the slip, and how the set-point moves."""
+
+    thresholds: SlipThresholdParameters = group(SlipThresholdParameters)
+
+
+@traction_control("speed_by_slip", SpeedBySlipParameters, SpeedSetPointWheel, speed_mode=True)
+@compilable
+def speed_by_slip(
+    p: SpeedBySlipParameters, car: Car, w: SpeedSetPointWheel, period: float, motion: WheelMotion, wanted: float
+) -> float:
+    """Lower a wheel's speed set-point while its slip is above 0.15..0.19, raise it while the slip is below.
+
+    Principle 2 of slip control, by the slip itself (dissertation, eq 1.5 and section 2.4): a slip that exceeds the
+    range lowers the set-point. The drive is in speed mode. What the text leaves open: where the set-point begins (at
+    the speed of the wheel), how fast it falls, and that below the range it rises.
+    """
+    slip, course = slip_of(motion, p.slowest), 0.0
+    if slip > p.thresholds.high:
+        course = -1.0
+    elif slip < p.thresholds.low:
+        course = 1.0
+    return moved(p, car, w, period, motion, wanted, course)
+
+
+REGIMES = ("road", "sport", "winter", "terrain")
+ROAD, SPORT, WINTER, TERRAIN = range(len(REGIMES))
+
+
+@dataclass(frozen=True, slots=True)
+class Corridor:
+    """Bounds of the wheel speed over the speed at which the wheel would roll, less 1."""
+
+    low: float = parameter(0.05, unit="1", low=0.0, high=10.0, about="lower bound")
+    high: float = parameter(0.15, unit="1", low=0.0, high=10.0, about="upper bound")
+
+    def __post_init__(self) -> None:
+        if self.low > self.high:
+            raise ParameterError(f"low is {self.low:g}, allowed is at most high, {self.high:g}")
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedCorridorParameters(SpeedSetPointParameters):
+    """Four regimes forwards and one in reverse; their names and corridors, which the source does not give."""
+
+    regime: str = parameter(
+        "road", choices=REGIMES, about="forwards, by what the car is used for", source="assumption: the names"
+    )
+    road: Corridor = group(Corridor)
+    sport: Corridor = group(Corridor, low=0.1, high=0.22)
+    winter: Corridor = group(Corridor, low=0.03, high=0.1)
+    terrain: Corridor = group(Corridor, low=0.2, high=0.4)
+    reverse: Corridor = group(Corridor, low=0.03, high=0.1)
+
+
+@traction_control("speed_corridor", SpeedCorridorParameters, SpeedSetPointWheel, speed_mode=True)
+@compilable
+def speed_corridor(
+    p: SpeedCorridorParameters, car: Car, w: SpeedSetPointWheel, period: float, motion: WheelMotion, wanted: float
+) -> float:
+    """Lower a wheel's torque while its speed is above the corridor of the regime, raise it below, until it is inside.
+
+    The drive is commanded by a speed set-point, so its torque falls and rises with that (dissertation, section 1.4,
+    without numbers). The corridor goes with the speed at which a wheel of the nominal radius would roll: torques drift
+    apart where radii differ, as in the source; counting slip instead only helps if it knows each radius. At walking
+    speed bounds are taken of `slowest`.
+    """
+    low, high = p.road.low, p.road.high
+    if motion.ahead < 0.0:
+        low, high = p.reverse.low, p.reverse.high
+    elif p.regime == SPORT:
+        low, high = p.sport.low, p.sport.high
+    elif p.regime == WINTER:
+        low, high = p.winter.low, p.winter.high
+    elif p.regime == TERRAIN:
+        low, high = p.terrain.low, p.terrain.high
+    ahead_of_rolling, unit = motion.speed - motion.rolling, max(motion.rolling, p.slowest)
+    course = 0.0
+    if ahead_of_rolling > high * unit:
+        course = -1.0
+    elif ahead_of_rolling < low * unit:
+        course = 1.0
+    return moved(p, car, w, period, motion, wanted, course)

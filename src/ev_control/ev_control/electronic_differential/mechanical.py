@@ -1,0 +1,160 @@
+"""Copies of mechanical differentials: open, with constant or growing locking (dissertation, sections 3.2 to 3.4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
+from ev_control.shared.torque_split import differential
+from ev_core.law import Car, Wheels, any_driven, compilable, each_driven, equal_motors, group, parameter, tanh
+from ev_msgs_py.contract.signals import DriverCommand, WheelStates, WheelTorqueRequest
+
+
+@dataclass(frozen=True, slots=True)
+class EqualTorqueParameters:
+    """Only the brakes leave a choice."""
+
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+
+
+@differential("equal_torque", EqualTorqueParameters, needs=(any_driven,))
+@compilable
+def equal_torque(p: EqualTorqueParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
+    """Give every driven wheel the same share of the drive torque, for any layout."""
+    return split(p.brake, car, driver, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class OpenDifferentialParameters:
+    """Only the brakes leave a choice: the differential has no friction."""
+
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+
+
+@differential("open_differential", OpenDifferentialParameters, needs=(any_driven, equal_motors))
+@compilable
+def open_differential(p: OpenDifferentialParameters, car: Car, driver: DriverCommand) -> WheelTorqueRequest:
+    """Equal torques left and right as behind a mechanical differential, whose wheels cannot get more than both grip.
+
+    M_left = M_right = M_axle/2 [N m] (dissertation, section 3.2), the torques of the axles alike, none above what one
+    motor has. Other than `equal_torque` the drive is one whole: what one wheel of an axle does not deliver, because of
+    its motor, the other one does not get either, as no gear could give it.
+    """
+    equal, most = split(p.brake, car, driver, 0.0), car.motor.peak_torque * car.gear_ratio
+    m = equal.drive
+    drive = Wheels(
+        min(max(m.front_left, -most), most),
+        min(max(m.front_right, -most), most),
+        min(max(m.rear_left, -most), most),
+        min(max(m.rear_right, -most), most),
+    )
+    return WheelTorqueRequest(drive, equal.brake)
+
+
+@compilable
+def locking_share(ratio: float) -> float:
+    """(K - 1)/(K + 1): locking torque over the torque of the axle [1], for a ratio K of at least 1."""
+    return (ratio - 1.0) / (ratio + 1.0)
+
+
+@compilable
+def locked(car: Car, drive: Wheels, front_share: float, rear_share: float) -> Wheels:
+    """The drive torques [N m] after locking of every axle of which both wheels are driven; the sums stay.
+
+    M_slow - M_fast = (K - 1)/(K + 1) |M_slow + M_fast|, so M_slow/M_fast = K in traction (dissertation, section 1.2:
+    K is the locking coefficient). The shares of the axles are (K - 1)/(K + 1) with the sign of w_left - w_right.
+    """
+    front, rear = 0.0, 0.0
+    if car.driven[0] == 1.0 and car.driven[1] == 1.0:
+        front = abs(drive[0] + drive[1]) / 2.0 * front_share
+    if car.driven[2] == 1.0 and car.driven[3] == 1.0:
+        rear = abs(drive[2] + drive[3]) / 2.0 * rear_share
+    return Wheels(drive[0] - front, drive[1] + front, drive[2] - rear, drive[3] + rear)
+
+
+@dataclass(frozen=True, slots=True)
+class LimitedSlipParameters:
+    """The locking coefficient, and over which speed difference it changes sides."""
+
+    locking_ratio: float = parameter(
+        1.5,
+        unit="1",
+        low=1.0,
+        high=20.0,
+        about="torque of the slower over that of the faster wheel, K",
+        source="dissertation, section 3.3",
+    )
+    locking_speed: float = parameter(
+        0.5,
+        unit="rad/s",
+        low=0.01,
+        high=100.0,
+        about="speed difference of the wheels at which 76 % of the locking torque acts",
+        source="assumption: friction has no sign at rest",
+    )
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
+
+
+@differential("limited_slip", LimitedSlipParameters, needs=(each_driven, own_motors_to_allocate))
+@compilable
+def limited_slip(p: LimitedSlipParameters, car: Car, driver: DriverCommand, wheels: WheelStates) -> WheelTorqueRequest:
+    """Give the slower wheel of each driven axle K times the torque of the faster one.
+
+    M_slow/M_fast = K = 1.5 (dissertation, section 3.3), smoothed by tanh of the difference of the wheel speeds
+    [rad/s]; the sum of the torques [N m] is the driver's.
+    """
+    equal, most, speed = split(p.brake, car, driver, 0.0), locking_share(p.locking_ratio), wheels.velocity
+    front = most * tanh((speed.front_left - speed.front_right) / p.locking_speed)
+    rear = most * tanh((speed.rear_left - speed.rear_right) / p.locking_speed)
+    drive = locked(car, equal.drive, front, rear)
+    return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, equal.brake))
+
+
+@dataclass(frozen=True, slots=True)
+class LimitedSlipVariableParameters:
+    """The largest locking coefficient, and the speed difference that it needs."""
+
+    largest_locking_ratio: float = parameter(
+        1.5,
+        unit="1",
+        low=1.0,
+        high=20.0,
+        about="torque of the slower over that of the faster wheel at most, K",
+        source="dissertation, section 3.4",
+    )
+    full_locking_speed: float = parameter(
+        5.0,
+        unit="rad/s",
+        low=0.01,
+        high=1000.0,
+        about="speed difference of the wheels from which on the locking is the largest",
+        source="assumption: the source has K from 1 to 1.5 with the speed difference, but not over which",
+    )
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
+
+
+@differential("limited_slip_variable", LimitedSlipVariableParameters, needs=(each_driven, own_motors_to_allocate))
+@compilable
+def limited_slip_variable(
+    p: LimitedSlipVariableParameters, car: Car, driver: DriverCommand, wheels: WheelStates
+) -> WheelTorqueRequest:
+    """Give the slower wheel of each driven axle up to K times the torque of the faster one, as their speeds differ.
+
+    M_slow/M_fast = 1 + (K - 1) min(|d|/d_full, 1) with the difference d of the wheel speeds [rad/s] and K = 1.5
+    (dissertation, section 3.4); the sum of the torques [N m] is the driver's.
+    """
+    equal, speed = split(p.brake, car, driver, 0.0), wheels.velocity
+    front = signed_share(p, speed.front_left - speed.front_right)
+    rear = signed_share(p, speed.rear_left - speed.rear_right)
+    drive = locked(car, equal.drive, front, rear)
+    return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, equal.brake))
+
+
+@compilable
+def signed_share(p: LimitedSlipVariableParameters, difference: float) -> float:
+    """(K - 1)/(K + 1) at a difference of the wheel speeds [rad/s], with its sign [1]."""
+    rise = p.largest_locking_ratio - 1.0
+    share = locking_share(1.0 + rise * min(abs(difference) / p.full_locking_speed, 1.0))
+    return share if difference >= 0.0 else -share

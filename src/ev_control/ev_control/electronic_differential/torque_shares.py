@@ -1,0 +1,167 @@
+"""Torque by the load of each wheel (dissertation, eq 1.3), or by its grip (eq 1.2, method 5 of the five)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ev_control.estimation import friction_estimate
+from ev_control.estimation.reference_speed import free_wheels_for
+from ev_control.estimation.wheel_dynamics import wheel_loads
+from ev_control.law import BrakeSplitParameters, split, split_brake
+from ev_control.shared.allocation import AllocationParameters, allocated, own_motors_to_allocate
+from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
+from ev_core.law import WHEEL_NAMES, Car, ParameterError, Vehicle, Wheels, compilable, each_driven, part
+from ev_core.parameters.declaration import group, parameter
+from ev_msgs_py.contract.signals import (
+    DriverCommand,
+    InertialMeasurement,
+    SteeringColumnState,
+    TireForces,
+    WheelStates,
+    WheelTorqueRequest,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class LoadShareParameters:
+    """The rolling resistance under the wheels, which no sensor of a car measures."""
+
+    rolling_resistance: tuple[float, ...] = parameter(
+        (1.0, 1.0, 1.0, 1.0),
+        unit="1",
+        low=1e-6,
+        high=1e6,
+        about="of front left, front right, rear left and rear right wheel; only their ratios count",
+        source="assumption: the same under all wheels",
+        per_wheel=True,
+    )
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
+
+    def __post_init__(self) -> None:
+        if len(self.rolling_resistance) != len(WHEEL_NAMES):
+            raise ParameterError(
+                f"rolling_resistance has {len(self.rolling_resistance)} elements, allowed is one for each wheel, four"
+            )
+
+
+class Prepared(NamedTuple):
+    """What the law is given once."""
+
+    resistance: tuple[float, ...]  # rolling resistance under each wheel [1], zero where none is driven
+
+
+def prepare(parameters: LoadShareParameters, vehicle: Vehicle, _period: float) -> Prepared:
+    """The rolling resistance of the wheels that count."""
+    by_name = zip(WHEEL_NAMES, parameters.rolling_resistance, strict=True)
+    return Prepared(tuple(f if name in vehicle.driven_wheels else 0.0 for name, f in by_name))
+
+
+@differential("load_proportional", LoadShareParameters, prepare=prepare, needs=(each_driven, own_motors_to_allocate))
+@compilable
+def load_proportional(
+    p: LoadShareParameters, car: Car, c: Prepared, driver: DriverCommand, imu: InertialMeasurement, wheels: WheelStates
+) -> WheelTorqueRequest:
+    """Share the drive torque in proportion to load times rolling resistance of the driven wheels.
+
+    M_i/M_a = f_i G_i/(sum f G), the sum over driven wheels (dissertation, eq 1.3); loads [N] from the accelerations
+    by `wheel_loads`. Driven wheels that carry nothing, as those of an axle far from the centre of mass, get equal
+    torques [N m].
+    """
+    load, total = wheel_loads(car, imu), driver.drive_torque
+    front_left, front_right = c.resistance[0] * load[0], c.resistance[1] * load[1]
+    rear_left, rear_right = c.resistance[2] * load[2], c.resistance[3] * load[3]
+    # Left and right first, so that a mirrored car gets exactly mirrored torques.
+    whole = (front_left + front_right) + (rear_left + rear_right)
+    if whole == 0.0:
+        return split(p.brake, car, driver, 0.0)
+    drive = Wheels(
+        total * front_left / whole, total * front_right / whole, total * rear_left / whole, total * rear_right / whole
+    )
+    return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, split_brake(p.brake, driver)))
+
+
+@dataclass(frozen=True, slots=True)
+class AdhesionShareParameters:
+    """Where the friction comes from, and how wrong it is."""
+
+    friction: str = parameter(
+        "truth",
+        choices=KNOWN_BY,
+        about="friction of the road: as the plant has it, or from slip and torque of the wheels",
+        source="the dissertation takes it as known",
+    )
+    error_factor: float = parameter(
+        1.0, unit="1", low=0.1, high=10.0, about="friction that the law believes in over that"
+    )
+    estimate: friction_estimate.FrictionEstimateParameters = group(friction_estimate.FrictionEstimateParameters)
+    brake: BrakeSplitParameters = group(BrakeSplitParameters)
+    allocation: AllocationParameters = group(AllocationParameters)
+
+
+@dataclass(slots=True)
+class AdhesionShareState:
+    """What lasts between steps."""
+
+    estimate: friction_estimate.FrictionEstimateState = part(friction_estimate.FrictionEstimateState)
+
+
+def begin(p: AdhesionShareParameters) -> AdhesionShareState:
+    """The state that knows nothing of the road."""
+    return AdhesionShareState(friction_estimate.unknown_road(p.estimate))
+
+
+@differential(
+    "adhesion_share",
+    AdhesionShareParameters,
+    state=AdhesionShareState,
+    start=begin,
+    needs=(each_driven, free_wheels_for("estimate.reference"), own_motors_to_allocate),
+)
+@compilable
+def adhesion_share(
+    p: AdhesionShareParameters,
+    car: Car,
+    s: AdhesionShareState,
+    period: float,
+    driver: DriverCommand,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+    tires: TireForces,
+) -> WheelTorqueRequest:
+    """Share the drive torque in proportion to the grip of the driven wheels, and give none of them more than that.
+
+    tau_i = phi_i F_i r [N m] (dissertation, eq 1.2, at the wheel), M_i = min(M tau_i/sum(tau), tau_i/eta): a command
+    counts before the gear, whose efficiency eta takes its part of it on the way to the wheel. With `truth` friction and
+    load are the plant's; else they come from `estimated_friction` and the accelerations. Braking by the drives is
+    shared in the same way, but there the gear helps, and tau_i eta is the bound. With `allocation.keep` sum a wheel may
+    get more than its grip, in place of one whose motor ends before.
+    """
+    total = driver.drive_torque
+    if p.friction == TRUTH:
+        friction, load = tires.friction_coefficient, tires.load
+    else:
+        load = wheel_loads(car, imu)
+        friction = friction_estimate.estimated_friction(
+            p.estimate, car, s.estimate, period, total, load, column, wheels, imu
+        )
+    front_left = p.error_factor * grip(car, 0, total, friction[0], load[0], wheels.velocity[0])
+    front_right = p.error_factor * grip(car, 1, total, friction[1], load[1], wheels.velocity[1])
+    rear_left = p.error_factor * grip(car, 2, total, friction[2], load[2], wheels.velocity[2])
+    rear_right = p.error_factor * grip(car, 3, total, friction[3], load[3], wheels.velocity[3])
+    # Left and right first, so that a mirrored car gets exactly mirrored torques.
+    carried = (front_left + front_right) + (rear_left + rear_right)
+    share = min(max(total / carried, -1.0), 1.0) if carried > 0.0 else 0.0
+    drive = Wheels(share * front_left, share * front_right, share * rear_left, share * rear_right)
+    return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, split_brake(p.brake, driver)))
+
+
+@compilable
+def grip(car: Car, wheel: int, total: float, friction: float, load: float, speed: float) -> float:
+    """The command [N m] at which a driven wheel gets the torque phi F r that its tyre can take; of others none."""
+    torque = friction * load * car.wheel_radius
+    if car.driven[wheel] == 0.0:
+        return 0.0
+    return torque / car.motor.gear_efficiency if total * speed >= 0.0 else torque * car.motor.gear_efficiency

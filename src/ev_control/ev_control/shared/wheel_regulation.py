@@ -1,0 +1,141 @@
+"""What traction controls share that regulate a slip or set a speed: when they begin, and when they end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters
+from ev_control.estimation.slip_observers import SlipObserverParameters, SlipObserverState
+from ev_control.estimation.wheel_dynamics import WheelMotion, share_at, share_at_rest, slowest_wheel, start_again
+from ev_control.shared.limp_mode import LimpModeParameters
+from ev_control.shared.traction_control import LimitedWheel
+from ev_core.law import Car, ParameterError, compilable, entry, group, parameter, part
+
+
+@dataclass(frozen=True, slots=True)
+class SlipThresholdParameters:
+    """The two ends of the range, printed as "0.15 > S > 0.19"."""
+
+    low: float = parameter(
+        0.15, unit="1", low=0.0, high=1.0, about="slip below which the torque may rise", source="dissertation, eq 1.5"
+    )
+    high: float = parameter(
+        0.19, unit="1", low=0.0, high=1.0, about="slip above which it has to fall", source="dissertation, eq 1.5"
+    )
+
+    def __post_init__(self) -> None:
+        if self.low > self.high:
+            raise ParameterError(f"low is {self.low:g}, allowed is at most high, {self.high:g}")
+
+
+@dataclass(frozen=True, slots=True)
+class SlipRegulatorParameters:
+    """The slip that is wanted, and what is measured of it; the source gives no number."""
+
+    target: float = parameter(
+        0.1, unit="1", low=0.01, high=0.5, about="wanted slip; the peaks of snow and wet asphalt lie at 0.09 and 0.13"
+    )
+    release: float = parameter(
+        0.2, unit="s", low=0.0, high=100.0, about="time for which the limit has to be above the request before it ends"
+    )
+    at_rest: float = share_at_rest(0.3)
+    slip: SlipObserverParameters = group(SlipObserverParameters)
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+    limp: LimpModeParameters = group(LimpModeParameters)
+
+
+@dataclass(slots=True)
+class RegulatedWheel(LimitedWheel):
+    """What a law that regulates a slip knows of a wheel."""
+
+    observer: SlipObserverState = part(SlipObserverState)
+    served: float = entry(unit="s", about="since when the limit is above the request")
+
+
+forget_regulation = start_again(RegulatedWheel)
+
+
+@compilable
+def stays_out(p: SlipRegulatorParameters, w: RegulatedWheel, slip: float) -> bool:
+    """Whether a wheel is not limited, and its slip [1] is no reason to begin."""
+    return w.limit == inf and slip <= p.target
+
+
+@compilable
+def weighed(p: SlipRegulatorParameters, slip: float, motion: WheelMotion) -> float:
+    """The slip [1] as a limited wheel is regulated by it: about rest it weighs more, which is a smaller target."""
+    return slip / share_at(motion, p.slip.slowest, p.at_rest)
+
+
+@compilable
+def until_served(p: Any, w: Any, period: float, limit: float, wanted: float) -> float:
+    """The limit [N m] until it has been above what is wanted [N m] for `release` [s], then infinity.
+
+    The wheel has `served`, the time since when it is.
+    """
+    w.served = w.served + period if limit >= wanted else 0.0
+    if w.served <= p.release:
+        return limit
+    w.served = 0.0
+    return inf
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedSetPointParameters:
+    """How the set-point moves; in the source it is lowered; how fast, and when it is raised, is open."""
+
+    lowering: float = parameter(200.0, unit="rad/s^2", low=0.1, high=1e5, about="fall of the set-point")
+    raising: float = parameter(
+        60.0, unit="rad/s^2", low=0.1, high=1e5, about="rise of the set-point, faster than any car, to find the limit"
+    )
+    least_slip: float = parameter(
+        0.02, unit="1", low=0.0, high=0.5, about="slip below which the set-point is not lowered: the drive needs torque"
+    )
+    served: float = parameter(
+        0.95, unit="1", low=0.1, high=1.0, about="share of the request that a drive gives which is no longer limited"
+    )
+    release: float = parameter(
+        0.2, unit="s", low=0.0, high=100.0, about="time for which it has to before the set-point ends"
+    )
+    slowest: float = slowest_wheel()
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters)
+
+
+@dataclass(slots=True)
+class SpeedSetPointWheel(LimitedWheel):
+    """What a law of set-points knows of a wheel; its limit is a speed."""
+
+    limit: float = entry(inf, unit="rad/s", about="largest speed that its drive goes for")
+    served: float = entry(unit="s", about="since when the drive gives the request")
+
+
+forget_set_point = start_again(SpeedSetPointWheel)
+
+
+@compilable
+def moved(
+    p: SpeedSetPointParameters,
+    car: Car,
+    w: SpeedSetPointWheel,
+    period: float,
+    motion: WheelMotion,
+    wanted: float,
+    course: float,
+) -> float:
+    """The set-point [rad/s] after a period: lowered if `course` is below zero, raised above it, else held.
+
+    It begins at the speed that the wheel has, and ends once the drive has given what is wanted [N m] for a while.
+    """
+    if course < 0.0:
+        w.served = 0.0
+        least = motion.rolling + p.least_slip * max(motion.rolling, p.slowest)
+        return max(min(w.limit, motion.speed) - p.lowering * period, least)
+    if w.limit == inf:
+        return inf
+    gives = motion.torque >= p.served * car.motor.gear_efficiency * wanted
+    w.served = w.served + period if gives else 0.0
+    if w.served > p.release:
+        return inf
+    return w.limit + p.raising * period if course > 0.0 else w.limit

@@ -1,0 +1,197 @@
+"""The driver's feet: a speed is followed, or the pedals of standard manoeuvres; and a driver who works only these."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+from ev_core.law import BodyVelocity, DriverCommand, Instant, Vehicle, compilable, copysign, entry, method, part
+from ev_core.parameters.declaration import group, parameter, setting
+from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
+from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_speed_profile_from_file
+
+# The method of a driver who follows a speed profile, which may stand in a file.
+driver_method = partial(method, "driver", load_files=with_speed_profile_from_file, mirrored=True)
+
+
+@compilable
+def limited_pid(direct: float, growth: float, integral: float, low: float, high: float) -> tuple[float, float]:
+    """Output within low..high and the new integral part, all in units of the output.
+
+    The output is `direct`, the proportional and derivative action, plus the integral part with its `growth` in this
+    period. The integral part holds while the output is limited, unless the error leads it back (clamping).
+    """
+    grown = integral + growth
+    wanted = direct + grown
+    if wanted > high:
+        return high, min(grown, integral)
+    if wanted < low:
+        return low, max(grown, integral)
+    return wanted, grown
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedControlParameters:
+    """PI control of the speed and what the pedals can ask for; all torques are sums over the wheels.
+
+    The paper names the PI controller but gives neither gains nor limits. The gains suit a car of 1400 kg.
+    """
+
+    proportional_gain: float = parameter(2000.0, unit="N m s/m", low=0.0, high=1e6, about="torque per speed error")
+    integral_gain: float = parameter(
+        1000.0, unit="N m/m", low=0.0, high=1e6, about="torque per integral of the speed error"
+    )
+    max_drive_torque: float = parameter(
+        1500.0, unit="N m", low=0.0, high=1e6, about="limit when driving, forwards or backwards"
+    )
+    max_regenerative_torque: float = parameter(
+        600.0, unit="N m", low=0.0, high=1e6, about="limit of slowing drives; beyond it the friction brakes take over"
+    )
+    max_brake_torque: float = parameter(
+        4000.0, unit="N m", low=0.0, high=1e6, about="limit of the friction brakes that slow down, about 1 g"
+    )
+    holding_share: float = parameter(
+        2.0,
+        unit="1",
+        low=0.0,
+        high=100.0,
+        about="brake torque while the driver wants to stand, over weight times wheel radius, which is what all wheels "
+        "together need on a slope of 90 deg: 2, so that the axle with the smaller share of the brakes holds, too",
+    )
+    standstill_speed: float = parameter(
+        0.05, unit="m/s", low=0.0, high=1.0, about="speed below which the car counts as standing"
+    )
+
+
+@dataclass(slots=True)
+class SpeedControlState:
+    """What the feet remember."""
+
+    integral: float = entry(unit="N m", about="integral part of the speed control")
+    holds: float = entry(unit="", about="1 while the car is held by the brake")
+
+
+@compilable
+def follow_speed(
+    p: SpeedControlParameters, car: Car, s: SpeedControlState, period: float, wanted_speed: float, speed: float
+) -> tuple[float, float]:
+    """Drive torque (positive forwards) and brake torque (never negative) [N m]; speeds [m/s].
+
+    A PI controller (Shchur 2019, fig. 3) gives the wanted torque. In the direction of travel it goes to the drives;
+    against it, to the drives up to the regenerative limit, and the rest to the friction brakes. A driver who wants to
+    stand, and does, lets go of the drives and holds the brake, as hard as the steepest slope asks, and however far its
+    tyres slide until they hold. An engine slows nothing down, and what is asked of it against its gear moves the
+    selector: there all goes to the brakes.
+    """
+    standing = abs(speed) <= p.standstill_speed
+    s.holds = 1.0 if wanted_speed == 0.0 and (standing or s.holds == 1.0) else 0.0
+    if s.holds == 1.0:
+        s.integral = 0.0
+        return 0.0, p.holding_share * car.mass * GRAVITY * car.wheel_radius
+    low, high = -p.max_drive_torque, p.max_drive_torque
+    regenerative = p.max_regenerative_torque * (1.0 - car.engine_driven)
+    slowing = regenerative + p.max_brake_torque
+    if speed > p.standstill_speed:
+        low = -slowing
+    elif speed < -p.standstill_speed:
+        high = slowing
+    error = wanted_speed - speed
+    direct, growth = p.proportional_gain * error, p.integral_gain * period * error
+    torque, s.integral = limited_pid(direct, growth, s.integral, low, high)
+    brake = abs(torque) - regenerative
+    if standing or torque * speed >= 0.0 or brake <= 0.0:
+        return torque, 0.0
+    return copysign(regenerative, torque), brake
+
+
+UNBOUNDED = 1e9  # [m/s], of a driver whom nothing but the profile bounds
+
+
+@dataclass(frozen=True, slots=True)
+class PedalProfileParameters:
+    """Drive and brake torque over the time since the driver stopped to care about the speed."""
+
+    begin: bool = setting(False, about="false: follow the speed profile throughout; true: change to these pedals")
+    begin_time: float = setting(0.0, unit="s", low=0.0, high=1e5, about="not before this time")
+    begin_speed: float = setting(
+        0.0, unit="m/s", low=0.0, high=100.0, about="not before the car is this fast, either way"
+    )
+    time: tuple[float, ...] = setting((0.0,), unit="s", about="times of the points since then, increasing")
+    drive_torque: tuple[float, ...] = setting(
+        (0.0,), unit="N m", low=-1e6, high=1e6, about="drive torques at these times, of all wheels together"
+    )
+    brake_torque: tuple[float, ...] = setting(
+        (0.0,), unit="N m", low=0.0, high=1e6, about="brake torques at these times, of all wheels together"
+    )
+    interpolation: str = interpolation_parameter("linear")
+
+    def __post_init__(self) -> None:
+        check_points("time", self.time, "drive_torque", self.drive_torque)
+        check_points("time", self.time, "brake_torque", self.brake_torque)
+
+
+@dataclass(frozen=True, slots=True)
+class FeetParameters:
+    """The speed to follow, how, and the pedals that may take its place."""
+
+    speed_profile: SpeedProfileParameters = group(SpeedProfileParameters)
+    speed_control: SpeedControlParameters = group(SpeedControlParameters)
+    pedals: PedalProfileParameters = group(PedalProfileParameters)
+
+
+@dataclass(slots=True)
+class FeetState:
+    """What the feet remember."""
+
+    speed_control: SpeedControlState = part(SpeedControlState)
+    has_begun: float = entry(unit="", about="whether the pedal profile has begun")
+    begin: float = entry(unit="s", about="when it began")
+
+
+class FeetProfiles(NamedTuple):
+    """The speed to follow over time [m/s], and both pedals over the time since they took its place [N m]."""
+
+    speed: Profile
+    drive_torque: Profile
+    brake_torque: Profile
+
+
+def feet_profiles(parameters: FeetParameters, vehicle: Vehicle, period: float) -> FeetProfiles:
+    """The profiles of the parameters; ParameterError if the speed profile names a file that has not been read."""
+    pedals = parameters.pedals
+    return FeetProfiles(
+        wanted_speed(parameters.speed_profile),
+        profile_of(pedals.time, pedals.drive_torque, pedals.interpolation),
+        profile_of(pedals.time, pedals.brake_torque, pedals.interpolation),
+    )
+
+
+@compilable
+def work_pedals(
+    p: FeetParameters, car: Car, c: FeetProfiles, s: FeetState, period: float, t: float, speed: float, fastest: float
+) -> tuple[float, float]:
+    """Drive and brake torque [N m] at the time t [s] and the speed along the path [m/s].
+
+    The speed profile is followed, but no faster than `fastest` [m/s], until the pedal profile begins, then that is.
+    """
+    pedals = p.pedals
+    if s.has_begun == 0.0 and pedals.begin == 1.0 and t >= pedals.begin_time and abs(speed) >= pedals.begin_speed:
+        s.has_begun = 1.0
+        s.begin = t
+    if s.has_begun == 1.0:
+        since = t - s.begin
+        return value_at(c.drive_torque, since), value_at(c.brake_torque, since)
+    wanted = min(max(value_at(c.speed, t), -fastest), fastest)
+    return follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
+
+
+@driver_method("manoeuvre", FeetParameters, state=FeetState, prepare=feet_profiles)
+@compilable
+def manoeuvre(
+    p: FeetParameters, car: Car, c: FeetProfiles, s: FeetState, period: float, now: Instant, body: BodyVelocity
+) -> DriverCommand:
+    """Follow a speed profile, then a pedal profile, with the hands off the steering wheel."""
+    drive, brake = work_pedals(p, car, c, s, period, now.time, speed_along_path(body), UNBOUNDED)
+    return DriverCommand(drive, brake, 0.0)

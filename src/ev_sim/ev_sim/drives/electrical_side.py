@@ -1,0 +1,182 @@
+"""The electrical side: battery, losses of motor and inverter, and the heat that they bring.
+
+The battery is a source behind one resistance, or equal cells in series: relaxation of the voltage, limits of the
+current by temperature.
+
+    U = n (E(SoC) - R_0 I) - U_1,    tau U_1' = n R_1 I - U_1
+
+The first-order model of Thevenin, as in Plett, Battery Management Systems, volume 1, 2015, chapter 2.
+
+Winding and power stage have one capacity each, and one resistance to one coolant. The winding takes the copper loss,
+the power stage what grows with the torque; iron, windage and the idle loss of the electronics go from the housing into
+the air (assumption).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ev_core.law import inlined, sqrt
+from ev_core.vehicle.battery import Battery
+from ev_core.vehicle.motor import Motor, ThermalParameters
+from ev_sim.surfaces import segment_at
+
+
+@inlined
+def open_circuit_voltage(table: tuple[float, ...], state_of_charge: float) -> float:
+    """Voltage without current [V], linear in a table at equally spaced states of charge from 0 to 1."""
+    last = len(table) - 1
+    place = min(max(state_of_charge, 0.0), 1.0) * last
+    index = min(int(place), last - 1)
+    return table[index] + (place - index) * (table[index + 1] - table[index])
+
+
+@inlined
+def current_at_power(voltage: float, resistance: float, power: float) -> float:
+    """Current [A] that gives a power [W] at the terminals, both positive out of the battery.
+
+    I = (E - sqrt(E^2 - 4 R P)) / (2 R), the solution of (E - R I) I = P on the efficient side. A power above
+    E^2/(4 R), which no current gives, gets the current of the largest power.
+    """
+    return (voltage - sqrt(max(voltage * voltage - 4.0 * resistance * power, 0.0))) / (2.0 * resistance)
+
+
+@inlined
+def power_limits(battery: Battery, voltage: float, state_of_charge: float) -> tuple[float, float]:
+    """Largest power out of and into the battery [W]; nothing out of an empty one, nothing into a full one."""
+    most = min(battery.discharge_power, voltage * voltage / (4.0 * battery.resistance))
+    give = most if state_of_charge > 0.0 else 0.0
+    take = battery.charge_power if state_of_charge < 1.0 else 0.0
+    return give, take
+
+
+@inlined
+def relaxed(voltage: float, current: float, resistance: float, share: float) -> float:
+    """U_1 [V] after a step at a current [A], exactly, with share = 1 - exp(-h/tau); resistance of the whole string."""
+    return voltage + share * (resistance * current - voltage)
+
+
+@inlined
+def temperature_share(corners: Sequence[float], temperature: float) -> float:
+    """Share of the current that a temperature [degC] leaves [1]: linear between 0, 1, 1 and 0 at four corners."""
+    warm_enough = (temperature - corners[0]) / (corners[1] - corners[0])
+    cool_enough = (corners[3] - temperature) / (corners[3] - corners[2])
+    return min(max(min(warm_enough, cool_enough), 0.0), 1.0)
+
+
+@inlined
+def cell_power_limits(
+    battery: Battery, voltage: float, resistance: float, state_of_charge: float, discharging: float, charging: float
+) -> tuple[float, float]:
+    """Largest power out of and into the battery [W], by the limits of current and by those of power.
+
+    `voltage` [V] behind the resistance [ohm] of the string; nothing out of an empty one, nothing into a full one.
+    `discharging` and `charging` are the shares of the currents that the temperature leaves [1].
+    """
+    out = min(battery.cells.discharge_current * discharging, voltage / (2.0 * resistance))
+    into = battery.cells.charge_current * charging
+    give = min((voltage - resistance * out) * out, battery.discharge_power)
+    take = min((voltage + resistance * into) * into, battery.charge_power)
+    return give if state_of_charge > 0.0 else 0.0, take if state_of_charge < 1.0 else 0.0
+
+
+@inlined
+def loss_power(motor: Motor, torque: float, speed: float) -> float:
+    """Loss [W] at a shaft torque [N m] and speed [rad/s]: copper, iron and inverter losses.
+
+    P = k_c T^2 + k_i |w| + k_e w^2 + P_0 + k_t |T|. The usual separation of losses, as in
+    Larminie & Lowry, Electric Vehicle Technology Explained, 2nd ed. 2012, chapter on electric machines; the eddy and
+    inverter terms are added here.
+    """
+    turns = abs(speed)
+    of_torque, of_speed = motor.copper_loss * torque * torque, motor.iron_loss * turns
+    of_inverter = motor.inverter_torque_loss * abs(torque)
+    return of_torque + of_speed + motor.eddy_loss * turns * turns + motor.inverter_loss + of_inverter
+
+
+@inlined
+def map_loss_power(
+    torque: float, speed: float, speeds: Sequence[float], torques: Sequence[float], efficiency: Sequence[float]
+) -> float:
+    """Loss [W] from an efficiency map, for each speed a row over the torques, bilinear, its edge kept outside.
+
+    Driving P_loss = |P| (1/eta - 1), generating P_loss = |P| (1 - eta), with P the mechanical power. Towards standstill
+    P vanishes but the copper loss does not: below the lowest speed of the map above zero the driving loss stays what it
+    is there, and the generating loss goes over into it linearly, so that both are one at rest.
+    """
+    lowest = speeds[0] if speeds[0] > 0.0 else speeds[1]
+    turns, magnitude = max(abs(speed), lowest), abs(torque)
+    i, share_i = _place(speeds, turns)
+    j, share_j = _place(torques, magnitude)
+    below, above = i * len(torques) + j, (i + 1) * len(torques) + j
+    low = efficiency[below] + share_j * (efficiency[below + 1] - efficiency[below])
+    high = efficiency[above] + share_j * (efficiency[above + 1] - efficiency[above])
+    eta = low + share_i * (high - low)
+    driving = magnitude * turns * (1.0 / eta - 1.0)
+    if torque * speed >= 0.0:
+        return driving
+    generating = magnitude * turns * (1.0 - eta)
+    share = min(abs(speed) / lowest, 1.0)
+    return (1.0 - share) * driving + share * generating
+
+
+@inlined
+def _place(axis: Sequence[float], value: float) -> tuple[int, float]:
+    index = min(segment_at(axis, value, 0), len(axis) - 2)
+    share = (value - axis[index]) / (axis[index + 1] - axis[index])
+    return index, min(max(share, 0.0), 1.0)
+
+
+def map_loss_powers(
+    torque: np.ndarray,
+    speed: np.ndarray,
+    speeds: Sequence[float],
+    torques: Sequence[float],
+    efficiency: Sequence[float],
+) -> np.ndarray:
+    """`losses.map_loss_power` [W] at each pair of shaft torque [N m] and speed [rad/s], all (n,)."""
+    lowest = speeds[0] if speeds[0] > 0.0 else speeds[1]
+    turns, magnitude = np.maximum(np.abs(speed), lowest), np.abs(torque)
+    i, share_i = _places(speeds, turns)
+    j, share_j = _places(torques, magnitude)
+    table = np.reshape(efficiency, (len(speeds), len(torques)))
+    low = table[i, j] + share_j * (table[i, j + 1] - table[i, j])
+    high = table[i + 1, j] + share_j * (table[i + 1, j + 1] - table[i + 1, j])
+    eta = low + share_i * (high - low)
+    driving, generating = magnitude * turns * (1.0 / eta - 1.0), magnitude * turns * (1.0 - eta)
+    share = np.minimum(np.abs(speed) / lowest, 1.0)
+    return np.where(torque * speed >= 0.0, driving, (1.0 - share) * driving + share * generating)
+
+
+def _places(axis: Sequence[float], values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    points = np.array(axis)
+    index = np.clip(np.searchsorted(points, values, side="right") - 1, 0, len(points) - 2)
+    share = (values - points[index]) / (points[index + 1] - points[index])
+    return index, np.clip(share, 0.0, 1.0)
+
+
+_COOLANT = 60.0e3 / (3.5e3 * 1.06e3)  # K per W at 1 l/min: water with glycol, 3.5 kJ/(kg K), 1.06 kg/l, in l/min
+
+
+@inlined
+def heated(rise: float, power: float, resistance: float, left: float) -> float:
+    """Rise above what cools [K] after a step under a power [W]: C T' = P - T/R, exactly, with left = exp(-h/(R C))."""
+    final = power * resistance
+    return final + (rise - final) * left
+
+
+@inlined
+def coolant_outlet_temperature(p: ThermalParameters, winding_rise: float, inverter_rise: float) -> float:
+    """Warmer than the inlet by the heat that winding and power stage give off at these rises [K]: in degC."""
+    heat = winding_rise / p.winding_resistance + inverter_rise / p.inverter_resistance
+    return p.coolant + heat * _COOLANT / p.coolant_flow
+
+
+@inlined
+def derating_share(p: ThermalParameters, winding: float, inverter: float) -> float:
+    """Share of the torque that temperatures [degC] leave [1]: 1 up to the warm ones, 0 at the limits."""
+    of_winding = (p.winding_limit - winding) / (p.winding_limit - p.winding_warm)
+    of_inverter = (p.inverter_limit - inverter) / (p.inverter_limit - p.inverter_warm)
+    return min(max(min(of_winding, of_inverter), 0.0), 1.0)

@@ -1,0 +1,259 @@
+"""The kinematic plant: a point mass on wheels that roll without slip (Shchur 2019, eqs 8 to 13)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ev_core.elementary import copysign, cos, sin
+from ev_core.law import GRAVITY, Car, Vehicle, Wheels, compilable, each_wheel, entry, equal_motors, part, setting
+from ev_core.methods.register import method
+from ev_msgs_py.contract.signals import (
+    BodyPose,
+    BodyVelocity,
+    InertialMeasurement,
+    MotorStates,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+)
+from ev_sim.drives.brushless_motor import DriveState
+from ev_sim.drives.drive import DriveParameters, advance_drive
+from ev_sim.plant.ackermann import course_offset, path_curvature, wheel_speed_ratios
+from ev_sim.plant.guard import GuardLimits, GuardState, guard_limits, guard_notes, guarded_angle, guarded_torques
+
+
+@dataclass(frozen=True, slots=True)
+class KinematicPlantParameters(DriveParameters):
+    """Drives, supply and integration of the kinematic plant; the car itself is the vehicle description."""
+
+    bus_voltage: float = setting(
+        480.0, unit="V", low=1.0, high=2000.0, about="constant: the paper's second turn needs more than 381 V of EMF"
+    )
+    sub_step: float = setting(
+        1e-3, unit="s", low=1e-6, high=1e-3, about="longest step of the motion, over which the drives see one speed"
+    )
+    initial_speed: float = setting(0.0, unit="m/s", low=-100.0, high=100.0, about="speed at the start")
+
+
+@dataclass(slots=True)
+class RollingWheelState:
+    """A wheel that rolls without slip."""
+
+    position: float = entry(unit="rad", about="turned angle")
+    speed_ratio: float = entry(1.0, unit="1", about="speed of the wheel over that of the centre of mass, V_j/V")
+    mean_torque: float = entry(unit="N m", about="of the drive at the wheel, over the last control period")
+
+
+@dataclass(slots=True)
+class KinematicPlantState:
+    """The car on its path, its wheels and drives, and the commands that were accepted last."""
+
+    speed: float = entry(unit="m/s", about="V, of the centre of mass along its path, backwards negative")
+    acceleration: float = entry(unit="m/s^2", about="along the path, mean over the last control period")
+    path_curvature: float = entry(unit="1/m", about="1/R, positive to the left")
+    course_offset: float = entry(unit="rad", about="from the car's x axis to the path, left positive")
+    x: float = entry(unit="m", about="of the centre of mass in odom")
+    y: float = entry(unit="m", about="of the centre of mass in odom")
+    heading: float = entry(unit="rad", about="of the car in odom")
+    wheels: list[RollingWheelState] = each_wheel(RollingWheelState)
+    drives: list[DriveState] = each_wheel(DriveState)
+    guard: GuardState = part(GuardState)
+
+
+def rolling_straight(p: KinematicPlantParameters) -> KinematicPlantState:
+    """The car at its initial speed."""
+    return KinematicPlantState(speed=p.initial_speed)
+
+
+def notes(s: KinematicPlantState) -> tuple[str, ...]:
+    """Commands that were not taken as they came."""
+    return guard_notes(s.guard)
+
+
+KINEMATIC_SIGNALS = (WheelStates, MotorStates, InertialMeasurement, BodyVelocity, BodyPose)
+
+
+@compilable
+def outputs(car: Car, s: KinematicPlantState) -> tuple:
+    """The signals of this instant; wheel torques and acceleration are means over the control period before it.
+
+    The means are what moved the car, chopping and commutation ripple included; the motors' torque is the one of
+    this instant, so it shows the ripple. Of the road-wheel angle the plant knows what was held until now.
+    """
+    yaw_rate = s.speed * s.path_curvature
+    along, across = cos(s.course_offset), sin(s.course_offset)
+    centripetal = s.speed * yaw_rate
+    one, two, three, four = s.wheels[0], s.wheels[1], s.wheels[2], s.wheels[3]
+    velocity = Wheels(
+        one.speed_ratio * s.speed / car.wheel_radius,
+        two.speed_ratio * s.speed / car.wheel_radius,
+        three.speed_ratio * s.speed / car.wheel_radius,
+        four.speed_ratio * s.speed / car.wheel_radius,
+    )
+    return (
+        WheelStates(
+            Wheels(one.position, two.position, three.position, four.position),
+            velocity,
+            Wheels(one.mean_torque, two.mean_torque, three.mean_torque, four.mean_torque),
+        ),
+        MotorStates(
+            Wheels(
+                shaft_speed(car, 0, velocity[0]),
+                shaft_speed(car, 1, velocity[1]),
+                shaft_speed(car, 2, velocity[2]),
+                shaft_speed(car, 3, velocity[3]),
+            ),
+            Wheels(s.drives[0].torque, s.drives[1].torque, s.drives[2].torque, s.drives[3].torque),
+        ),
+        InertialMeasurement(
+            yaw_rate, s.acceleration * along - centripetal * across, s.acceleration * across + centripetal * along
+        ),
+        BodyVelocity(s.speed * along, s.speed * across, yaw_rate),
+        BodyPose(s.x, s.y, sin(s.heading / 2), cos(s.heading / 2)),
+    )
+
+
+@compilable
+def shaft_speed(car: Car, wheel: int, wheel_speed: float) -> float:
+    """Speed of the motor of a wheel at its shaft [rad/s]; 0 where there is none."""
+    return car.gear_ratio * wheel_speed if car.driven[wheel] == 1.0 else 0.0
+
+
+@compilable
+def move_with_dry_friction(
+    speed: float, force: float, friction: float, mass: float, duration: float
+) -> tuple[float, float]:
+    """Speed [m/s] and travelled distance [m] after `duration` [s] of m V' = F - F_friction sgn(V).
+
+    The force is constant, `friction` >= 0 and `mass` > 0. Exact: a motion that friction brings to rest stops at its
+    instant; at rest friction takes up any force within +-`friction`, a larger one breaks loose in its own direction.
+    """
+    distance = 0.0
+    if speed != 0.0:
+        acceleration = (force - copysign(friction, speed)) / mass
+        stops = speed * acceleration < 0.0 and -speed / acceleration <= duration
+        if not stops:
+            return speed + acceleration * duration, (speed + acceleration * duration / 2.0) * duration
+        distance = -speed * speed / (2.0 * acceleration)
+        duration += speed / acceleration
+    if abs(force) <= friction:
+        return 0.0, distance
+    acceleration = (force - copysign(friction, force)) / mass
+    return acceleration * duration, distance + acceleration * duration * duration / 2.0
+
+
+def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float) -> GuardLimits:
+    """What commands may ask for.
+
+    The paper's steering has no stop, its column swings beyond a right angle; eqs 8 to 11 hold at any angle.
+    """
+    return guard_limits(vehicle, parameters.motor.torque_limit, angle=math.inf)
+
+
+@method(
+    "plant",
+    "kinematic",
+    KinematicPlantParameters,
+    state=KinematicPlantState,
+    prepare=limits,
+    start=rolling_straight,
+    outputs=outputs,
+    notes=notes,
+    writes=KINEMATIC_SIGNALS,
+    needs=(equal_motors,),
+    heavy=True,
+    mirrored=True,
+)
+@compilable
+def kinematic(
+    p: KinematicPlantParameters,
+    car: Car,
+    c: GuardLimits,
+    s: KinematicPlantState,
+    period: float,
+    command: WheelTorqueCommand,
+    column: SteeringColumnState,
+) -> None:
+    """Point mass, wheels that roll without slip on Ackermann's radii, resistance and brakes as dry friction.
+
+    m V' = sum(M_j)/r_k - 0.5 rho c_d A V |V| - (k_r m g + sum(brake torques)/r_k) sgn(V), eq 13 with its traction
+    equation; V_j = V R_j/R by eqs 8 to 11. As in the paper V is the speed of the centre of mass along its path, whose
+    x and y components BodyVelocity carries, and the inertia of wheels, motors and yaw is left out. The road-wheel
+    angle is held over a control period, so the car then moves on a circular arc, which is integrated exactly. Torques
+    and angle are held as the guard accepts them.
+    """
+    held = guarded_torques(c, s.guard, command)
+    steer(car, s, guarded_angle(c, s.guard, column))
+
+    rolling_resistance = car.rolling_resistance * car.mass * GRAVITY
+    friction = rolling_resistance + sum_of_wheels(held.brake) / car.wheel_radius
+    drag = 0.5 * car.air_density * car.drag_coefficient * car.frontal_area
+    sub_steps = max(1, math.ceil(period / p.sub_step - 1e-9))
+    step = period / sub_steps
+    speed_before = s.speed
+    distance = 0.0
+    for i in range(4):
+        s.wheels[i].mean_torque = 0.0
+    for _ in range(sub_steps):
+        drive_torque = advance_drives(p, car, s, held.drive, step)
+        force = drive_torque / car.wheel_radius - drag * s.speed * abs(s.speed)
+        s.speed, moved = move_with_dry_friction(s.speed, force, friction, car.mass, step)
+        distance += moved
+    for i in range(4):
+        s.wheels[i].mean_torque /= sub_steps
+        s.wheels[i].position += s.wheels[i].speed_ratio * (distance / car.wheel_radius)
+    s.acceleration = (s.speed - speed_before) / period
+    move_on_arc(s, distance)
+
+
+@compilable
+def steer(car: Car, s: KinematicPlantState, road_wheel_angle: float) -> None:
+    """Set the path of the centre of mass and the speed ratios of the wheels (eqs 8 to 11)."""
+    base, behind = car.wheelbase, car.centre_of_mass_to_rear_axle
+    s.path_curvature = path_curvature(road_wheel_angle, base, behind)
+    s.course_offset = course_offset(road_wheel_angle, base, behind)
+    ratios = wheel_speed_ratios(road_wheel_angle, base, car.front_track, car.rear_track, behind)
+    for i in range(4):
+        s.wheels[i].speed_ratio = ratios[i]
+
+
+@compilable
+def advance_drives(
+    p: KinematicPlantParameters, car: Car, s: KinematicPlantState, torques: Wheels, step: float
+) -> float:
+    """Advance all drives over one step [s]; the sum of their torques at the wheels [N m], mean over the step."""
+    return (advance_wheel(p, car, s, 0, torques[0], step) + advance_wheel(p, car, s, 1, torques[1], step)) + (
+        advance_wheel(p, car, s, 2, torques[2], step) + advance_wheel(p, car, s, 3, torques[3], step)
+    )
+
+
+@compilable
+def advance_wheel(
+    p: KinematicPlantParameters, car: Car, s: KinematicPlantState, i: int, torque: float, step: float
+) -> float:
+    """Advance the drive of a wheel that is to give a torque there [N m]; what it gave, mean over the step."""
+    if car.driven[i] == 0.0:
+        return 0.0
+    speed = car.gear_ratio * s.wheels[i].speed_ratio * s.speed / car.wheel_radius
+    advance_drive(s.drives[i], p, torque / car.gear_ratio, speed, p.bus_voltage, step)
+    given = car.gear_ratio * s.drives[i].mean_torque
+    s.wheels[i].mean_torque += given
+    return given
+
+
+@compilable
+def sum_of_wheels(values: Wheels) -> float:
+    """Sum axle by axle, so that mirrored cars stay mirrored to the last bit."""
+    return (values[0] + values[1]) + (values[2] + values[3])
+
+
+@compilable
+def move_on_arc(s: KinematicPlantState, distance: float) -> None:
+    """Move along a circular arc [m]: the chord, at the mean of the courses at its ends."""
+    half_turn = s.path_curvature * distance / 2.0
+    chord = distance * (sin(half_turn) / half_turn if half_turn != 0.0 else 1.0)
+    course = s.heading + half_turn + s.course_offset
+    s.x += chord * cos(course)
+    s.y += chord * sin(course)
+    s.heading += 2.0 * half_turn

@@ -1,0 +1,147 @@
+"""What the planar plant is given: its parameters, and what follows from the vehicle description for a whole run."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+from ev_core.faults.fault import faults_parameter
+from ev_core.law import GRAVITY, ParameterError, Vehicle, entry, group, parameter, part, per_wheel, setting
+from ev_core.vehicle.drive_train import wheel_inertias
+from ev_core.vehicle.tyre import MfTyres, mf_tyres
+from ev_sim.drives.drive import DRIVES, DriveParameters
+from ev_sim.profiles.speed_profile import SpeedProfileParameters, with_profile_from_file
+from ev_sim.surfaces import RoadParameters
+from ev_sim.tyres.mf_tyre import is_plain
+
+TORQUE_CONTROLLED = len(DRIVES)
+SPEED_CHOICES = ("free", "held", "imposed")
+FREE, HELD, IMPOSED = range(len(SPEED_CHOICES))
+
+
+@dataclass(frozen=True, slots=True)
+class PunctureParameters:
+    """A tyre without air, beside the sound one; all of it is assumed."""
+
+    radius: float = setting(0.9, unit="1", low=0.5, high=1.0, about="rolling radius over that of the sound tyre")
+    stiffness: float = setting(
+        0.3, unit="1", low=0.05, high=1.0, about="slip stiffness over that of the sound tyre, along and across"
+    )
+    rolling_resistance: float = setting(
+        0.2, unit="1", low=0.0, high=1.0, about="that a tyre without air adds to that of the sound one"
+    )
+    time: float = setting(0.5, unit="s", low=0.0, high=1000.0, about="in which the air is lost, evenly")
+
+
+@dataclass(frozen=True, slots=True)
+class PlanarParameters(DriveParameters):
+    """Drives, step, start and road of the planar plant; the car itself is the vehicle description."""
+
+    drive: str = setting(
+        "torque_controlled",
+        choices=(*DRIVES, "torque_controlled"),
+        about="torque_controlled: the motor of the vehicle description; the others: a brushless DC drive, `motor`",
+    )
+    step: float = setting(
+        1e-3, unit="s", low=1e-5, high=1e-3, about="longest step; stiff tyres on light wheels get shorter ones"
+    )
+    load_transfer_lag: float = setting(
+        0.02,
+        unit="s",
+        low=0.002,
+        high=1.0,
+        about="time in which the wheel loads follow the tyre forces: springs and dampers in one number, an assumption "
+        "that also keeps loads and forces from being an implicit equation",
+    )
+    initial_speed: float = setting(0.0, unit="m/s", low=-60.0, high=120.0, about="at the start, straight ahead")
+    initial_x: float = setting(0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start")
+    initial_y: float = setting(
+        0.0, unit="m", low=-1e6, high=1e6, about="centre of mass in odom at the start", lateral=True
+    )
+    initial_heading: float = setting(0.0, unit="rad", low=-10.0, high=10.0, about="at the start", lateral=True)
+    initial_drive_torque: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0, 0.0),
+        unit="N m",
+        low=-1e5,
+        high=1e5,
+        about="asked of each wheel: with any, the run begins in the equilibrium of straight running at constant speed "
+        "with these torques, wheels at the slip that holds them; without, the wheels begin without slip",
+        source="Ge & Ni 2005: straight running with T* comes before the turn",
+        per_wheel=True,
+    )
+    speed: str = parameter(
+        "free",
+        choices=SPEED_CHOICES,
+        about="longitudinal velocity of the centre of mass; held: that of the start; imposed: that of `imposed_speed`. "
+        "A force along the car in the plane of the road takes or gives what that needs, as an ideal dynamometer does",
+        source="Ge & Ni 2005: u is held; dissertation, chapter 3: the cycle imposes the speed (one of three readings)",
+    )
+    imposed_speed: SpeedProfileParameters = group(SpeedProfileParameters, time=(0.0,), speed=(0.0,))
+    road: RoadParameters = group(RoadParameters)
+    faults: tuple[str, ...] = faults_parameter()
+    puncture: PunctureParameters = group(PunctureParameters)
+
+
+def load_files(parameters: PlanarParameters) -> PlanarParameters:
+    """The parameters with the imposed speed from its file, if they name one; see `with_profile_from_file`."""
+    return dataclasses.replace(
+        parameters, imposed_speed=with_profile_from_file(parameters.imposed_speed, "imposed_speed")
+    )
+
+
+@dataclass(slots=True)
+class BodyConstants:
+    """Numbers of body, wheels and tyres that the vehicle description does not have itself."""
+
+    wheel_x: list[float] = per_wheel(unit="m", about="of the wheel centre from the centre of mass")
+    wheel_y: list[float] = per_wheel(unit="m", about="of the wheel centre from the centre of mass")
+    wheel_radius: list[float] = per_wheel(unit="m", about="true rolling radius")
+    wheel_inertia: list[float] = per_wheel(unit="kg m^2", about="with the part of the rotor behind its gear")
+    cornering_stiffness: list[float] = per_wheel(
+        unit="1/rad", about="over static load, of a linear lateral curve; itself [N/rad] of a constant stiffness"
+    )
+    number_of_wheels: float = entry(4.0, unit="1")
+    mf: MfTyres = part(MfTyres)
+    mf_is_plain: float = entry(unit="1", about="`is_plain` of the tyres")
+    damping_x: float = entry(unit="N s/m", about="of the carcass, along the wheel")
+    damping_y: float = entry(unit="N s/m", about="of the carcass, across the wheel")
+    drag: float = entry(unit="N s^2/m^2", about="rho c_d A / 2")
+    side_drag: float = entry(unit="N s^2/m^2", about="rho C_wy F_side / 2")
+
+
+def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The x and the y of the four wheel centres from the centre of mass [m]."""
+    rear = -vehicle.centre_of_mass_to_rear_axle
+    front = vehicle.wheelbase + rear
+    front_half, rear_half, offset = vehicle.front_track / 2, vehicle.rear_track / 2, vehicle.centre_of_mass_offset
+    y = (front_half - offset, -front_half - offset, rear_half - offset, -rear_half - offset)
+    return (front, front, rear, rear), y
+
+
+def body_constants(vehicle: Vehicle) -> BodyConstants:
+    """The constants of a vehicle; ParameterError if a file that it names has not been read."""
+    v, tyre = vehicle, vehicle.tyre
+    front_load = v.mass * GRAVITY * v.centre_of_mass_to_rear_axle / v.wheelbase
+    rear_load = v.mass * GRAVITY - front_load
+    front_stiffness, rear_stiffness = tyre.front_cornering_stiffness, tyre.rear_cornering_stiffness
+    if tyre.lateral_curve == "linear":
+        front_stiffness = 2 * front_stiffness / max(front_load, 1.0)
+        rear_stiffness = 2 * rear_stiffness / max(rear_load, 1.0)
+    for axle, file in (("front", tyre.front_file), ("rear", tyre.rear_file)):
+        if file:
+            raise ParameterError(f"vehicle.tyre.{axle}_file: {file} has not been read into {axle}_mf")
+    x, y = wheel_places(v)
+    mf = mf_tyres(tyre.front_mf, tyre.rear_mf)
+    return BodyConstants(
+        wheel_x=list(x),
+        wheel_y=list(y),
+        wheel_radius=[v.wheel_radius * ratio for ratio in v.wheel_radius_ratio],
+        wheel_inertia=wheel_inertias(v),
+        cornering_stiffness=[front_stiffness, front_stiffness, rear_stiffness, rear_stiffness],
+        mf=mf,
+        mf_is_plain=float(is_plain(mf)),
+        damping_x=tyre.longitudinal_stiffness * tyre.longitudinal_damping_time,
+        damping_y=tyre.lateral_stiffness * tyre.lateral_damping_time,
+        drag=0.5 * v.air_density * v.drag_coefficient * v.frontal_area,
+        side_drag=0.5 * v.air_density * v.side_drag_coefficient * v.side_area,
+    )

@@ -1,1 +1,0 @@
-"""Roads: surfaces along each track and the slope, as functions of travelled distance."""
