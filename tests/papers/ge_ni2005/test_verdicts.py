@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 from judging import verdict_on
 
-from ev_sim.verdicts.all_verdicts import declarations
+from ev_sim.verdicts.sources import published
 
 # A finding each: the radius comes from infinity, `increment` spins with u free, its layer is passed within one period,
 # and no reading is faster to its own final yaw rate.
 NOT_REPRODUCED = {"ge.fig4b.axis", "ge.claim.speed", "ge.claim.chatter", "ge.claim.response"}
 
 
-@pytest.mark.parametrize("id", declarations("ge_ni2005"))
+@pytest.mark.parametrize("id", published("ge_ni2005"))
 def test_verdict_is_the_expected_one(id: str):
     judgement = verdict_on(id).judgement
     assert (judgement == "not reproduced") == (id in NOT_REPRODUCED)

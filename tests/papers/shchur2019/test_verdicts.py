@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 from judging import verdict_on
 
-from ev_sim.verdicts.all_verdicts import declarations
+from ev_sim.verdicts.sources import published
 
 EXPECTED = {"reproduced", "follows from the inputs", "not judgeable", "no verdict"}
 
 
-@pytest.mark.parametrize("id", declarations("shchur2019"))
+@pytest.mark.parametrize("id", published("shchur2019"))
 def test_everything_that_can_be_judged_is_reproduced(id: str):
     assert verdict_on(id).judgement in EXPECTED
 
