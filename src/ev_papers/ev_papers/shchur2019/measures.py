@@ -263,15 +263,9 @@ def difference_beyond_the_law(driven: ScenarioRuns) -> float:
     """Largest distance of M_R* - M_L* from eq 4 with the column's own signals [N m]."""
     run = _cycle(driven)
     column = "steering_column.state"
-    law = (
-        paper.differential_torque(1.0, 0.0)
-        / paper.GAMMA
-        * (
-            paper.GAMMA * channel(run, f"{column}.hand_torque")
-            - paper.K_CK * channel(run, f"{column}.angle")
-            - paper.B_CK * channel(run, f"{column}.rate")
-        )
-    )
+    hand, angle, rate = (channel(run, f"{column}.{name}") for name in ("hand_torque", "angle", "rate"))
+    lever = paper.differential_torque(1.0, 0.0) / paper.GAMMA
+    law = lever * (paper.GAMMA * hand - paper.K_CK * angle - paper.B_CK * rate)
     return float(np.abs(motion.differential_torque(run) - law).max())
 
 
