@@ -11,7 +11,7 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_papers.dissertation.figures.slip_curve import slip_curve_figure
 from ev_papers.dissertation.figures.urban_cycle import cycle_figure
-from ev_papers.dissertation.figures.urban_mixed import QUANTITIES, electrical, over_friction, wheel_efficiency
+from ev_papers.dissertation.figures.urban_mixed import OF_A_CIRCUIT, electrical, over_friction, wheel_efficiency
 from ev_papers.dissertation.figures.urban_sheets import sheet_over_cycle
 from ev_papers.dissertation.measures.urban_cases import BENCH, FIVE, METHODS, SCENARIO, case
 from ev_sim.drives.field_weakening import voltage_limited_torque
@@ -88,7 +88,7 @@ def _model_and_bench(model: ScenarioRuns, bench: ScenarioRuns) -> Figure:
 _BENCH_PANELS = (
     *(
         each
-        for place, name in enumerate(QUANTITIES[:-1], start=1)
+        for place, name in enumerate(OF_A_CIRCUIT[:-1], start=1)
         for each in _on_bench(f"{name}s, methods 1 to 5", place, "", _quantity(name))
     ),
     *_on_bench("drive efficiency, right", 5, "a", _quantity("drive efficiency", "right")),

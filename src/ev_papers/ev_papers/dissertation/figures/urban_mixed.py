@@ -28,11 +28,17 @@ from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
 
 DETAIL = 15.0  # [s], length of the figure in which single pulses can be seen
-QUANTITIES = ("torque", "speed", "current", "voltage", "drive efficiency")  # of a circuit, by the figures of chapter 5
+OF_A_CIRCUIT = (
+    "torque",
+    "speed",
+    "current",
+    "voltage",
+    "drive efficiency",
+)  # of a circuit, by the figures of chapter 5
 
 
 def panels(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[str, list[Panel]]:
-    """Each of the QUANTITIES of both circuits, left and right; on a test bench as its transducers show them.
+    """Each of the OF_A_CIRCUIT of both circuits, left and right; on a test bench as its transducers show them.
 
     One battery feeds both circuits, so without a bench both have its voltage. The efficiency is that of eq 2.38.
     """
@@ -66,18 +72,18 @@ def panels(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[
             sides("Current of the motor's circuit", "current [A]", lambda wheel: _current(run, vehicle, wheel)),
             sides("Voltage", "voltage [V]", lambda wheel: Curve(run.time, channel(run, "battery.voltage"))),
         )
-    return dict(zip(QUANTITIES, (*shown, efficiency), strict=True))
+    return dict(zip(OF_A_CIRCUIT, (*shown, efficiency), strict=True))
 
 
 def electrical(
     run: Recording,
     vehicle: Vehicle,
     driver: Mapping[str, Any],
-    chosen: Sequence[str] = QUANTITIES,
+    chosen: Sequence[str] = OF_A_CIRCUIT,
     side: str = "",
     columns: int = 1,
 ) -> Figure:
-    """Some of the QUANTITIES over the cycle, of both sides or of one: figures 3.1, 3.3 to 3.9 and 5.1 to 5.25."""
+    """Some of the OF_A_CIRCUIT over the cycle, of both sides or of one: figures 3.1, 3.3 to 3.9 and 5.1 to 5.25."""
     of, wheels = panels(run, vehicle, driver), left_and_right(vehicle)
     shown = [each for name in chosen for wheel, each in zip(wheels, of[name], strict=True) if wheel.endswith(side)]
     figure = sheet_over_cycle(shown, run, driver, columns)
