@@ -7,11 +7,9 @@ from dataclasses import replace
 from functools import cache
 
 from ev_sim.study.case import Case, CaseResult, Measure, drive_case
-from ev_sim.verdicts.all_verdicts import declarations
-from ev_sim.verdicts.declaration import Declaration
 from ev_sim.verdicts.driving import Kept, drive, kept_by_user
 from ev_sim.verdicts.need import Driven, Need, ScenarioNeed, Value
-from ev_sim.verdicts.sources import published, sources
+from ev_sim.verdicts.sources import Published, published, sources
 from ev_sim.verdicts.verdict import Verdict, verdict
 
 
@@ -22,9 +20,8 @@ def verdict_on(id: str, *changed: Value) -> Verdict:
 
 def verdict_from(id: str, changed: Callable[[Need], Need]) -> Verdict:
     """The verdict on an id from what is driven for its changed needs, such as a study with other options."""
-    source, declaration = _find(id)
-    given = [driven(changed(need)) for need in declaration.needs]
-    return verdict(published(source)[id], declaration, given)
+    of = _find(id)
+    return verdict(of, [driven(changed(need)) for need in of.needs])
 
 
 @cache
@@ -38,8 +35,8 @@ def drive_here(cases: Sequence[Case], measures: Sequence[Measure]) -> list[CaseR
     return [drive_case(case, measure) for case, measure in zip(cases, measures, strict=True)]
 
 
-def _find(id: str) -> tuple[str, Declaration]:
-    return next((source, declarations(source)[id]) for source in sources() if id in declarations(source))
+def _find(id: str) -> Published:
+    return next(published(source)[id] for source in sources() if id in published(source))
 
 
 def _with(need: Need, changed: Sequence[Value]) -> Need:

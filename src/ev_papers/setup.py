@@ -40,7 +40,7 @@ setup(
     maintainer_email="maintainers@ev-control-stack.org",
     license="Apache-2.0",
     packages=find_packages(exclude=["test"]),
-    package_data={"": ["published.csv"]},
+    package_data={"": ["published.csv", "texts.csv"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_papers"]),
         ("share/ev_papers", ["package.xml"]),

@@ -10,12 +10,10 @@ from documentation.measured import is_long, read_measured, sample
 from documentation.verdict_tables import COUNTS, PAGE, count_table, rows
 from ev_sim.study.study import study_named
 from ev_sim.study.workers import drive_cases
-from ev_sim.verdicts.all_verdicts import declarations, verdicts, wanted
-from ev_sim.verdicts.declaration import Declaration
 from ev_sim.verdicts.driving import cases_of
 from ev_sim.verdicts.need import Driven, Need, StudyNeed
-from ev_sim.verdicts.sources import sources
-from ev_sim.verdicts.table import markdown_row
+from ev_sim.verdicts.sources import Published, published, sources
+from ev_sim.verdicts.verdict import markdown_row, verdict, wanted
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / PAGE).read_text()
@@ -26,7 +24,7 @@ SLOW = [each for each in ALL if each not in QUICK]
 
 
 def test_page_has_one_row_for_each_id():
-    assert list(ROWS) == [id for source in sources() for id in declarations(source)]
+    assert list(ROWS) == [id for source in sources() for id in published(source)]
     assert len(ROWS) == len(re.findall(r"^\| `[a-z]+\.", TEXT, re.MULTILINE))
 
 
@@ -35,15 +33,15 @@ def test_counts_are_those_of_the_rows():
     assert written.strip() == count_table(TEXT).strip()
 
 
-@pytest.mark.parametrize("source, declaration", QUICK, ids=[each.id for _, each in QUICK])
-def test_row_is_what_the_runs_say(source: str, declaration: Declaration):
-    compare(source, declaration)
+@pytest.mark.parametrize("of", [each for _, each in QUICK], ids=lambda of: of.id)
+def test_row_is_what_the_runs_say(of: Published):
+    compare(of)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("source, declaration", SLOW, ids=[each.id for _, each in SLOW])
-def test_row_is_what_longer_runs_say(source: str, declaration: Declaration):
-    compare(source, declaration)
+@pytest.mark.parametrize("of", [each for _, each in SLOW], ids=lambda of: of.id)
+def test_row_is_what_longer_runs_say(of: Published):
+    compare(of)
 
 
 LONG_STUDIES = list(dict.fromkeys(need for _, each in ALL for need in each.needs if is_long(need)))
@@ -65,10 +63,9 @@ def given(need: Need) -> Driven:
     return read_measured(ROOT, need) if isinstance(need, StudyNeed) and is_long(need) else driven(need)
 
 
-def compare(source: str, declaration: Declaration) -> None:
+def compare(of: Published) -> None:
     """Numbers, not text: another processor may round the last digit differently."""
-    (found,) = verdicts([(source, declaration)], {need: given(need) for need in declaration.needs})
-    written, now = ROWS[declaration.id], markdown_row(found)
+    written, now = ROWS[of.id], markdown_row(verdict(of, [given(need) for need in of.needs]))
     assert NUMBER.sub("", written) == NUMBER.sub("", now), "run scripts/document.sh --runs docs/verdicts.md"
     numbers = [float(number) for number in NUMBER.findall(written)]
     assert numbers == pytest.approx([float(n) for n in NUMBER.findall(now)], rel=1e-3, abs=1e-9)

@@ -7,88 +7,99 @@ import math
 import pytest
 
 from ev_sim.measures.metric import NotMeasured
-from ev_sim.verdicts.check import Number, absolute, between, holds, larger, relative, smaller
-from ev_sim.verdicts.declaration import judged, no_verdict, not_judgeable
+from ev_sim.verdicts.check import SHOWN, Check, Template, Tolerance, check_of
 from ev_sim.verdicts.sources import Published
-from ev_sim.verdicts.table import plain_table
-from ev_sim.verdicts.verdict import Verdict, verdict
-
-OF = Published("x.y", "follows", "eq 1", "a number", "2 m")
-
-
-def number(value: float, name: str = "") -> Number:
-    return Number("m", 2.0, relative(0.01, "algebra"), lambda: value, name)
+from ev_sim.verdicts.verdict import Verdict, plain_table, verdict
 
 
 def missing() -> float:
     raise NotMeasured("there is no run z")
 
 
-def of(*checks, **words) -> Verdict:
-    return verdict(OF, judged("x.y", (), *checks, **words), ())
+MEASURES = {"number": float, "missing": missing}
+
+
+def check(measure: str, value: str = "2", tolerance: str = "1 %", unit: str = "m", name: str = "") -> Check:
+    why = "" if value == SHOWN else "algebra"
+    row = {"measure": measure, "value": value, "tolerance": tolerance, "unit": unit, "name": name, "why": why}
+    return check_of(row, MEASURES, ())
+
+
+def of(*checks: Check, **notes: str) -> Verdict:
+    (note, text), *_ = *notes.items(), ("", "")
+    note = note.replace("_", " ")
+    return verdict(Published("x.y", "follows", "eq 1", "a number", "2 m", (), checks, note, Template((text,))), ())
 
 
 @pytest.mark.parametrize(
     ("tolerance", "unit", "band", "text"),
     [
-        (relative(0.01, "w"), "m", (1.98, 2.02), "1 %: w"),
-        (absolute(0.5, "w"), "m", (1.5, 2.5), "0.5 m: w"),
-        (absolute(0.5, "w"), "%", (1.5, 2.5), "0.5 points: w"),
-        (between(0.0, 3.0, "w"), "m", (0.0, 3.0), "0 .. 3 m: w"),
-        (between(1.0, math.inf, "w"), "1", (1.0, math.inf), "at least 1: w"),
-        (between(-math.inf, 1.0, "w"), "s", (-math.inf, 1.0), "at most 1 s: w"),
+        ("1 %", "m", (1.98, 2.02), "1 %: w"),
+        ("0 %", "m", (2.0, 2.0), "0 %: w"),
+        ("0.5", "m", (1.5, 2.5), "0.5 m: w"),
+        ("0.5", "%", (1.5, 2.5), "0.5 points: w"),
+        ("0 .. 3", "m", (0.0, 3.0), "0 .. 3 m: w"),
+        ("1 ..", "1", (1.0, math.inf), "at least 1: w"),
+        (".. 1", "s", (-math.inf, 1.0), "at most 1 s: w"),
     ],
 )
-def test_tolerances(tolerance, unit, band, text):
-    assert tolerance.band(2.0) == pytest.approx(band)
-    assert tolerance.text(unit) == text
+def test_tolerances(tolerance: str, unit: str, band, text: str):
+    found = Tolerance.of(tolerance, "w")
+    assert found.band(2.0) == pytest.approx(band)
+    assert found.text(unit) == text
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_comparison_needs_a_margin(sign: float):
+@pytest.mark.parametrize("sign", ["", "-"])
+def test_a_comparison_needs_a_margin(sign: str):
     """1 % of the larger number: 1.009 against 1 is no difference, 1.011 is one; equal magnitudes never are."""
 
-    def judgement(kind, a: float, b: float) -> str:
-        return of(kind("m", lambda: sign * a, lambda: b, 0.01, "noise")).judgement
+    def judgement(a: str, b: str) -> str:
+        one, relation, other = a, *b.split()
+        return of(check(f"number {sign}{one} {relation} number {other}", value="")).judgement
 
-    assert judgement(larger, 1.011, 1.0) == judgement(smaller, 1.0, 1.011) == "reproduced"
-    assert judgement(larger, 1.009, 1.0) == judgement(smaller, 1.0, 1.009) == "not reproduced"
-    assert judgement(larger, 1.0, 1.0) == judgement(smaller, 1.0, 1.0) == "not reproduced"
-    assert judgement(larger, 1.0, 1.011) == judgement(smaller, 1.011, 1.0) == "not reproduced"
+    assert judgement("1.011", "> 1.0") == judgement("1.0", "< 1.011") == "reproduced"
+    assert judgement("1.009", "> 1.0") == judgement("1.0", "< 1.009") == "not reproduced"
+    assert judgement("1.0", "> 1.0") == judgement("1.0", "< 1.0") == "not reproduced"
+    assert judgement("1.0", "> 1.011") == judgement("1.011", "< 1.0") == "not reproduced"
 
 
 def test_an_id_holds_if_all_of_its_numbers_do():
-    assert of(number(2.01), number(2.0, "b")).text == "reproduced"
-    assert of(number(2.01), number(2.1, "b")).text == "not reproduced"
-    assert of(number(2.01), number(2.1, "b")).ours == "2.01 m; b 2.1 m"
-    assert of(holds(lambda: False, "w")).judgement == "not reproduced"
+    assert of(check("number 2.01"), check("number 2.0", name="b")).text == "reproduced"
+    assert of(check("number 2.01"), check("number 2.1", name="b")).text == "not reproduced"
+    assert of(check("number 2.01"), check("number 2.1", name="b")).ours == "2.01 m; b 2.1 m"
 
 
 def test_words_of_verdicts():
-    assert of(number(2.0), assumption="A").text == "reproduced with assumption A"
-    assert of(number(3.0), assumption="A").text == "not reproduced"
-    assert of(number(2.0), inputs="I").text == "follows from the inputs: I"
-    assert of(number(3.0), inputs="I").text == "not reproduced"
-    assert of(number(math.nan)).text == "not measured: the result is nan"
-    assert of(Number("m", 2.0, relative(0.01, "w"), missing)).text == "not measured: there is no run z"
-    assert of(larger("m", missing, lambda: 1.0, 0.01, "w")).text == "not measured: there is no run z"
-    assert of(number(2.0)).run == "closed form"
+    assert of(check("number 2"), assumption="A").text == "reproduced with assumption A"
+    assert of(check("number 3"), assumption="A").text == "not reproduced"
+    assert of(check("number 2"), inputs="I").text == "follows from the inputs: I"
+    assert of(check("number 3"), inputs="I").text == "not reproduced"
+    assert of(check("number nan")).text == "not measured: the result is nan"
+    assert of(check("missing")).text == "not measured: there is no run z"
+    assert of(check("missing > number 1", value="")).text == "not measured: there is no run z"
+    assert of(check("number 2")).run == "closed form"
+
+
+def test_a_number_that_is_shown_is_not_judged():
+    found = of(check("number 2"), check("number 9", value=SHOWN, tolerance="", name="beside"))
+    assert (found.text, found.ours) == ("reproduced", "2 m; beside 9 m")
+    assert found.tolerance == "1 %: algebra; shown, not judged"
 
 
 def test_what_is_not_judged_shows_its_numbers_all_the_same():
-    shown = verdict(OF, not_judgeable("x.y", "lost", (), number(3.0)), ())
+    shown = of(check("number 3"), not_judgeable="lost")
     assert (shown.text, shown.ours) == ("not judgeable: lost", "3 m")
-    assert verdict(OF, no_verdict("x.y", "a scheme"), ()).text == "no verdict: a scheme"
+    assert of(no_verdict="a scheme").text == "no verdict: a scheme"
 
 
 def test_open_bands_are_valid_json():
-    entry = of(larger("m", lambda: 2.0, lambda: 1.0, 0.5, "w")).as_json()["values"][""]
+    entry = of(check("number 2 > number 1", value="", tolerance="50 %")).as_json()["values"][""]
     assert entry["band"] == [2.0, None]
     assert entry["source"] == "follows: eq 1; measured 2 against 1 m"
 
 
 def test_lines_for_the_terminal_are_cut():
-    found = [of(number(2.0), number(2.01, "a name that is too long for the line"), assumption="A")]
+    found = [of(check("number 2"), check("number 2.01", name="a name that is too long for the line"), assumption="A")]
     table = plain_table(found, 60).splitlines()
     assert table[0].split() == ["id", "verdict", "ours"]
     assert all(len(line) <= 60 for line in table)

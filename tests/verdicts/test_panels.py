@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from judging import driven
 
-from ev_papers.dissertation.figures.over_cycle import CYCLES, ON_BENCH
+from ev_papers.dissertation.figures.panels import CYCLES, ON_BENCH
 from ev_sim.verdicts.need import Need
 from ev_sim.verdicts.panels_page import draw_panels, file_name, panels, write_page
 from ev_sim.verdicts.sources import published, sources

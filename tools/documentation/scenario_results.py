@@ -11,13 +11,13 @@ from documentation.markdown import code, table
 from documentation.measured import is_long, write_measured
 from documentation.neutral_steer import neutral_steer_table, save_bode_plot
 from documentation.results import Driven
-from ev_papers.ge_ni2005.claims import CASES
-from ev_papers.tatar_chudzik.verdicts import SPEEDS
+from ev_papers.ge_ni2005.report import CASES
 from ev_sim.measures.metric import Metric
 from ev_sim.study.command import arguments
 from ev_sim.study.study import Results, study_named
 from ev_sim.verdicts.driving import drive, kept_by_user
 from ev_sim.verdicts.need import StudyNeed
+from ev_sim.verdicts.sources import published
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,10 @@ SCENARIO_PAGES = {
         "tatar_chudzik",
         (tuple(f"{layout}_{control}" for layout in ("front", "rear", "all") for control in ("equal", "corrected")),),
         ("forces_y", "fig3_to_fig11", "fig12_to_fig14"),
-        cases=tuple((f".at_{speed:g}_m/s", f"at {speed:g} m/s") for speed in SPEEDS),
+        cases=tuple(
+            (f".{check.name.replace(' ', '_')}", check.name)
+            for check in published("tatar_chudzik")["tatar.fig12.FL"].checks  # as all: at some speeds
+        ),
     ),
     "docs/zhileykin2018.md": Page(
         "zhileykin2018",

@@ -10,8 +10,7 @@ from pathlib import Path
 from documentation.markdown import table, with_blocks
 from documentation.measured import is_long, write_measured
 from ev_sim.verdicts.sources import published, sources
-from ev_sim.verdicts.table import markdown_table
-from ev_sim.verdicts.verdict import SORTS, sort_of
+from ev_sim.verdicts.verdict import SORTS, markdown_table, sort_of
 
 PAGE = "docs/verdicts.md"
 COUNTS = "verdict counts"

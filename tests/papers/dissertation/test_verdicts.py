@@ -10,8 +10,8 @@ from judging import verdict_from, verdict_on
 from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.studies import printed
 from ev_sim import surfaces
-from ev_sim.verdicts.all_verdicts import declarations
 from ev_sim.verdicts.need import Need, StudyNeed
+from ev_sim.verdicts.sources import published
 from ev_sim.verdicts.verdict import Verdict
 
 MODEL = [
@@ -102,8 +102,8 @@ def test_threshold_is_not_the_printed_one():
 @pytest.mark.parametrize("id", ["diss.eq2.39.product", "diss.gain.5.2"])
 def test_arithmetic_of_the_tables_is_called_so(id: str):
     """It follows from the inputs, and says nothing of our runs."""
-    declared = declarations("dissertation")[id]
-    assert declared.inputs.startswith("arithmetic of table 5.6")
+    of = published("dissertation")[id]
+    assert of.noted("inputs", dict.fromkeys(of.needs)).startswith("arithmetic of table 5.6")
 
 
 @pytest.mark.slow
@@ -132,9 +132,9 @@ def studied(id: str, *options: str) -> Verdict:
 
 def test_bands_hold_the_printed_numbers():
     """A band that leaves out what it is the band of is a slip of the pen."""
-    for declared in declarations("dissertation").values():
-        for check in declared.checks:
-            if declared.id.startswith(("diss.t3", "diss.t5")) and hasattr(check, "value"):
-                low, high = check.tolerance_for(()).band(check.value)
-                assert low <= check.value <= high, declared.id
+    for id, of in published("dissertation").items():
+        for check in of.checks if id.startswith(("diss.t3", "diss.t5")) else ():
+            if check.value is not None:
+                low, high = check.band()
+                assert low <= check.value <= high, id
     assert printed.WHEEL_EFFICIENCY[1] == 0.96

@@ -5,14 +5,15 @@ from __future__ import annotations
 import pytest
 from judging import verdict_on
 
-from ev_sim.verdicts.all_verdicts import declarations
+from ev_papers.ge_ni2005 import paper
+from ev_sim.verdicts.sources import published
 
 # A finding each: the radius comes from infinity, `increment` spins with u free, its layer is passed within one period,
 # and no reading is faster to its own final yaw rate.
 NOT_REPRODUCED = {"ge.fig4b.axis", "ge.claim.speed", "ge.claim.chatter", "ge.claim.response"}
 
 
-@pytest.mark.parametrize("id", declarations("ge_ni2005"))
+@pytest.mark.parametrize("id", published("ge_ni2005"))
 def test_verdict_is_the_expected_one(id: str):
     judgement = verdict_on(id).judgement
     assert (judgement == "not reproduced") == (id in NOT_REPRODUCED)
@@ -50,3 +51,24 @@ def test_full_car_in_place_of_the_sources_own_is_noticed():
     """With u free the source's car spins with `increment`, the full one drives off."""
     changed = (("*", "vehicle.load_transfer", "both"), ("*", "vehicle.tyre.lateral_curve", "linear"))
     assert verdict_on("ge.claim.speed", *changed).judgement == "reproduced"
+
+
+def test_values_that_follow_are_those_of_the_equations():
+    """published.csv has seven digits of what the printed equations give with the printed parameters."""
+    turn, speeds, slips = paper.steady_turn(), paper.rear_speeds(), [paper.slip_of(n) for n in paper.rear_loads()]
+    change = paper.turn_in_difference()
+    follows = {
+        "eq.yaw_rate": [turn.yaw_rate],
+        "eq.beta": [turn.sideslip],
+        "eq.v": [turn.lateral_speed],
+        "eq.radius": [turn.radius],
+        "eq.centripetal": [turn.centripetal_acceleration],
+        "eq.loads": paper.rear_loads(),
+        "eq.slips": [*slips, paper.slip_of(paper.REAR_LOAD)],
+        "eq.speeds": [*speeds, *(speed / (1.0 - slip) for speed, slip in zip(speeds, slips, strict=True))],
+        "target": [paper.target_torque()],
+        "turn_in": [change, paper.TARGET - change],
+    }
+    for id, values in follows.items():
+        written = [check.value for check in published("ge_ni2005")[f"ge.{id}"].checks]
+        assert written == pytest.approx(list(values), rel=1e-6), id

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from judging import verdict_on
 
-from ev_sim.verdicts.all_verdicts import declarations
+from ev_papers.shchur2019 import paper
+from ev_sim.verdicts.sources import published
 
 EXPECTED = {"reproduced", "follows from the inputs", "not judgeable", "no verdict"}
 
 
-@pytest.mark.parametrize("id", declarations("shchur2019"))
+@pytest.mark.parametrize("id", published("shchur2019"))
 def test_everything_that_can_be_judged_is_reproduced(id: str):
     assert verdict_on(id).judgement in EXPECTED
 
@@ -48,3 +51,49 @@ def test_everything_that_can_be_judged_is_reproduced(id: str):
 )
 def test_another_parameter_is_noticed(id: str, changed):
     assert verdict_on(id, changed).judgement == "not reproduced"
+
+
+def test_values_that_follow_are_those_of_the_equations():
+    """published.csv has seven digits of what the printed equations give with the printed parameters."""
+    one, two = paper.OBJECT, paper.CLOSED_LOOP
+    ends = one.steady_angle(paper.I_RATIO * 5.0), two.steady_angle((1 + paper.GAMMA) * paper.I_RATIO * 1.0)
+    time, lowest = paper.lowest_differential_torque()
+    slow, fast = paper.SPEED_LEFT_TURN, paper.SPEED_RIGHT_TURN
+    manual, assisted = paper.hand_torque_manual(paper.TURN_ANGLE), paper.hand_torque_assisted(paper.TURN_ANGLE)
+    holding = paper.differential_torque(assisted, paper.TURN_ANGLE)
+    turn = paper.turn(paper.TURN_ANGLE)
+    follows = {
+        "fig1a.1.steady": [ends[0]],
+        "fig1a.1.overshoot": [one.overshoot, one.peak_angle(ends[0]), one.peak_time, 2 * one.peak_time],
+        "fig1a.1.settling": [one.settling_time(0.05)],
+        "fig1a.2.steady": [ends[1]],
+        "fig1a.2.overshoot": [two.overshoot, two.peak_time],
+        "fig1a.2.settling": [two.settling_time(0.05)],
+        "fig1b.start": [paper.differential_torque(1.0, 0.0)],
+        "fig1b.minimum": [lowest, time],
+        "fig1b.end": [paper.differential_torque(1.0, ends[1])],
+        "hold30.manual": [manual],
+        "hold30.assisted": [assisted],
+        "hold30.dm": [holding],
+        "fig4.M.plateau": [paper.resisting_torque(slow**2), paper.resisting_torque(fast**2)],
+        "fig4.M.acceleration": [
+            paper.accelerating_torque(0.0, slow, 4.0),
+            paper.accelerating_torque(slow, fast, 4.0),
+        ],
+        "fig4.delta.left": [math.radians(30.0)],
+        "fig4.delta.right": [-math.radians(30.0)],
+        "fig4.dM.left": [holding],
+        "fig4.dM.right": [-holding],
+        "fig4.wheel_speeds": [
+            *paper.wheel_speeds(slow, paper.TURN_ANGLE),
+            *paper.wheel_speeds(fast, -paper.TURN_ANGLE),
+        ],
+        "fig4.dV": [
+            paper.speed_difference(slow, paper.TURN_ANGLE),
+            paper.speed_difference(fast, -paper.TURN_ANGLE),
+        ],
+        "angles30": [turn.left_angle, turn.right_angle, turn.left_radius, turn.right_radius, turn.radius],
+    }
+    for id, values in follows.items():
+        written = [check.value for check in published("shchur2019")[f"shchur.{id}"].checks]
+        assert written == pytest.approx(values, rel=1e-6), id

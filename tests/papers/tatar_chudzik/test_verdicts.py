@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 from judging import verdict_on
 
-from ev_sim.verdicts.all_verdicts import declarations
+from ev_sim.verdicts.sources import published
 
 NOT_REPRODUCED = {"tatar.fig14.FR"}  # it rises in the axes of the car
-SIGNS = [id for id in declarations("tatar_chudzik") if id.startswith(("tatar.fig12.", "tatar.fig13.", "tatar.fig14."))]
+SIGNS = [id for id in published("tatar_chudzik") if id.startswith(("tatar.fig12.", "tatar.fig13.", "tatar.fig14."))]
 
 
-@pytest.mark.parametrize("id", declarations("tatar_chudzik"))
+@pytest.mark.parametrize("id", published("tatar_chudzik"))
 def test_verdict_is_the_expected_one(id: str):
     judgement = verdict_on(id).judgement
     assert (judgement == "not reproduced") == (id in NOT_REPRODUCED)

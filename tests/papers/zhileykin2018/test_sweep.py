@@ -14,10 +14,10 @@ from documentation.scenario_results import study_table
 from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018 import sweep as sweep
 from ev_papers.zhileykin2018 import variants as variants
-from ev_papers.zhileykin2018.paper import LIMIT
-from ev_papers.zhileykin2018.runs import SWEEP
+from ev_papers.zhileykin2018.quantities import LIMIT
 from ev_sim.study.case import CaseResult, drive_case
 from ev_sim.study.workers import drive_cases
+from ev_sim.verdicts.need import StudyNeed
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "zhileykin2018.md").read_text()
@@ -38,7 +38,7 @@ def block(name: str) -> str:
 
 def test_sweep_table_of_the_page_is_that_of_its_cases():
     """All of it, from the measured numbers beside docs/verdicts.md, of which tests/docs drives some."""
-    kept = read_measured(ROOT, SWEEP).results
+    kept = read_measured(ROOT, StudyNeed("zhileykin2018_sweep")).results
     assert len(kept) == 10 * 40
     assert block("zhileykin2018_sweep") == study_table("zhileykin2018_sweep", kept).strip()
 

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from judging import driven, verdict_on
 
 from ev_papers.zhileykin2018 import grid as grid
-from ev_papers.zhileykin2018.paper import BEND
 from ev_sim.study.case import CaseResult
 from ev_sim.study.command import arguments
-from ev_sim.verdicts.all_verdicts import declarations
-from ev_sim.verdicts.need import StudyCases
+from ev_sim.verdicts.need import ScenarioNeed, StudyCases
 from ev_sim.verdicts.sources import published
 from ev_sim.verdicts.verdict import Verdict, verdict
 
 SOURCE = "zhileykin2018"
 EXPECTED = {"reproduced", "follows from the inputs", "not judgeable", "no verdict"}
-QUICK = [id for id, each in declarations(SOURCE).items() if not any(need.slow for need in each.needs)]
-ON_SWEEP = [id for id in declarations(SOURCE) if id not in QUICK]
+QUICK = [id for id, each in published(SOURCE).items() if not any(need.slow for need in each.needs)]
+ON_SWEEP = [id for id in published(SOURCE) if id not in QUICK]
 LAW = "electronic_differential"
 
 
@@ -31,9 +27,9 @@ def on_sweep(id: str, changed=(), **peaks: float) -> Verdict:
         case.name: CaseResult(case.name, {"peak_sideslip": peak[case.run], **calm})
         for case in grid.cases_of(grid.CONTROLS)
     }
-    runs = driven(replace(BEND, values=changed))
+    runs = driven(ScenarioNeed(SOURCE, values=changed))
     sweep = StudyCases(results, arguments("zhileykin2018_sweep", ()))
-    return verdict(published(SOURCE)[id], declarations(SOURCE)[id], [runs, sweep])
+    return verdict(published(SOURCE)[id], [runs, sweep])
 
 
 @pytest.mark.parametrize("id", [id for id in QUICK if id != "zhil.eq5.derivation"])

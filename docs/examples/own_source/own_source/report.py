@@ -4,8 +4,8 @@ from ev_sim.figures.drawing import sheet
 from ev_sim.figures.panels import over_time
 from ev_sim.measures import motion
 from ev_sim.measures.samples import channel
-from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
+from ev_sim.verdicts.verdict import metrics_at_hand
 
 
 def metrics(runs, vehicle, parameters):

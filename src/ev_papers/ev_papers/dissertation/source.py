@@ -1,20 +1,12 @@
-"""How what the source published (published.csv) is judged and drawn."""
+"""The place of the dissertation among the sources, what measures the numbers of published.csv, and the figures."""
 
 from __future__ import annotations
 
-from ev_papers.dissertation import bench, cycle, efficiencies, gains, regulation, surfaces, survey, vehicle
+from ev_papers.dissertation import judged_car, judged_cycle, judged_methods
 from ev_papers.dissertation.figures.panels import PANELS
+from ev_sim.verdicts.check import measures_of
 
-__all__ = ["DECLARATIONS", "ORDER", "PANELS"]
+__all__ = ["MEASURES", "ORDER", "PANELS"]
 
 ORDER = 3  # among the sources, in tables
-DECLARATIONS = (
-    *survey.DECLARATIONS,
-    *vehicle.DECLARATIONS,
-    *surfaces.DECLARATIONS,
-    *cycle.DECLARATIONS,
-    *regulation.DECLARATIONS,
-    *efficiencies.DECLARATIONS,
-    *gains.DECLARATIONS,
-    *bench.DECLARATIONS,
-)
+MEASURES = measures_of(judged_car, judged_cycle, judged_methods)

@@ -9,12 +9,13 @@ the law estimates the speed, `_rear_steered` where the rear wheels turn, too.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.ge_ni2005 import claims, paper, steady
-from ev_papers.ge_ni2005.claims import BASELINE, CASES, FREE_SPEED, READINGS
+from ev_papers.ge_ni2005 import paper
+from ev_papers.ge_ni2005.measures import BASELINE
 from ev_papers.ge_ni2005.quantities import QUANTITIES, SIDES, ground_speed, rim_speed, slip
 from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure
@@ -23,10 +24,21 @@ from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.measures.samples import Parameters, Runs, channel, run_named
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.all_verdicts import metrics_at_hand
+from ev_sim.verdicts.check import Check, Template
 from ev_sim.verdicts.need import ScenarioRuns
+from ev_sim.verdicts.sources import Published, published
+from ev_sim.verdicts.verdict import metrics_at_hand
 
-CHATTER_ALONE = (steady.SWITCHED, "_lower_target")  # runs that differ from others in this only
+READINGS = ("rate", "offset", "increment")
+FREE_SPEED, FULL_CAR = "_free_speed", "_full_car"
+CASES = ("", FREE_SPEED, FULL_CAR, FULL_CAR + FREE_SPEED)  # what the names of runs end with: car and speed
+# What the law is said to change against equal torques; on the speed of the car with u free, on all else with u held.
+ORDERINGS = tuple(
+    f"ge.claim.{name}" for name in ("beta", "radius", "centripetal", "yaw_rate", "v", "slip_use", "speed")
+)
+SWITCHED = "_switched"
+LOWER_TARGET = 0.088  # of the runs *_lower_target: between the slips of both wheels with equal torques [1]
+CHATTER_ALONE = (SWITCHED, "_lower_target")  # runs that differ from others in this only
 CHATTERING = ("rate_lower_target", "offset_lower_target", "increment")  # runs that come to their target slip
 SETTLED = (2.0, 3.0)  # [s], where the steady turn with equal torques is drawn that follows from the printed equations
 WIDEST_RADIUS = 200.0  # [m], beyond which fig. (b) shows nothing: the path begins straight
@@ -42,7 +54,45 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
         if quantity == "chatter" or not any(case in name for case in CHATTER_ALONE)
     }
     judged = metrics_at_hand("ge_ni2005", "ge_ni2005", driven)
-    return values | judged | claims.elsewhere(driven) | steady.within_the_figures(driven)
+    return values | judged | _elsewhere(driven) | _within_the_figures(driven)
+
+
+def _elsewhere(driven: ScenarioRuns) -> dict[str, Metric]:
+    """The orderings in the other cases of car and speed: u free, and the car whose forces follow the loads."""
+    found: dict[str, Metric] = {}
+    for id in ORDERINGS:
+        of = published("ge_ni2005")[id]
+        judged = FREE_SPEED if id == "ge.claim.speed" else ""
+        for case in CASES:
+            if case != judged and case.endswith(judged):
+                runs = {run + judged: run + case for run in (BASELINE, *READINGS)}
+                ending = (judged.replace("_", " "), case.replace("_", " "))
+                checks = [
+                    replace(check.renamed(runs), name=check.name.removesuffix(ending[0]) + ending[1])
+                    for check in of.checks
+                ]
+                found |= _metrics(of, checks, driven)
+    return found
+
+
+def _within_the_figures(driven: ScenarioRuns) -> dict[str, Metric]:
+    """The chatter within the 3 s of the figures: at the printed target, and at a lower one of ours."""
+    of = published("ge_ni2005")["ge.claim.chatter"]
+    check, *_ = of.checks
+    found = _metrics(replace(of, text=Template(("T = k sgn(D) read as increment",))), [check], driven)
+    for reading in ("rate", "offset"):
+        run = f"{reading}_lower_target"
+        words = {"increment": run, f"increment{SWITCHED}": run + SWITCHED, paper.TARGET: LOWER_TARGET}
+        changed = f"T = k sgn(D) read as {reading}; target slip CHANGED from {paper.TARGET:g} to {LOWER_TARGET:g}"
+        lower = replace(check.renamed(words), name=run)
+        found |= _metrics(replace(of, text=Template((changed,))), [lower], driven)
+    return found
+
+
+def _metrics(of: Published, checks: Sequence[Check], driven: ScenarioRuns) -> dict[str, Metric]:
+    """The numbers of an id on other runs than those that it is judged on, by id and run."""
+    found = replace(of, checks=tuple(checks)).metrics(dict.fromkeys(of.needs, driven))
+    return {f"{of.id}.{name.replace(' ', '_')}": metric for name, metric in found.items()}
 
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
@@ -52,7 +102,7 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Figure]:
             f"{name.replace('_', ' ')}: torque, rear {side}",
             "torque [N m]",
             lambda name=name, side=side: _curves(
-                runs, (name, name + steady.SWITCHED), lambda run: channel(run, f"torque_request.drive.rear_{side}")
+                runs, (name, name + SWITCHED), lambda run: channel(run, f"torque_request.drive.rear_{side}")
             ),
             scale=name,
         )

@@ -13,7 +13,7 @@ import numpy as np
 
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_papers.tatar_chudzik.verdicts import CONTROLS, CORRECTED, EQUAL, LAYOUTS, SPEED
+from ev_papers.tatar_chudzik.measures import CONTROLS, CORRECTED, EQUAL, LAYOUTS
 from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.panels import Curve, Panel, panel
@@ -29,9 +29,10 @@ from ev_sim.measures.passing_speed import (
 )
 from ev_sim.measures.samples import Parameters, Runs, channel, run_named
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
+from ev_sim.verdicts.verdict import metrics_at_hand
 
+SPEED = 8.5  # [m/s], which every run passes in the bend
 Values = Callable[[Recording], np.ndarray]
 
 

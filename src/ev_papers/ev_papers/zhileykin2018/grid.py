@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_papers.zhileykin2018.paper import CALM, LIMIT, SWING
-from ev_papers.zhileykin2018.quantities import SHARES, turn_arounds
+from ev_papers.zhileykin2018.quantities import CALM, LIMIT, SHARES, SWING, turn_arounds
 from ev_sim.measures.handling import peak_sideslip
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run, load_scenario

@@ -1,12 +1,23 @@
-"""Shares of the drive torque that a law asks for, and how calm they are."""
+"""Shares of the drive torque that a law asks for, how calm they are, and the thresholds that the source's words need.
+
+M. M. Zhileykin, A. V. Eranosyan, "Improvement of four-wheel drive vehicle controllability with a connected front axle
+through the redistribution of torque" (in Russian), Bauman University, 2018.
+"""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
+
+LIMIT = math.radians(15.0)  # sideslip angle beyond which the rear axle has slid out [rad]; assumed, the source has none
+SWING = 0.005  # [1], least way of a share between two turn-arounds; assumed: what moves less is no oscillation
+CALM = 1  # turn-arounds of one share that entering the bend explains
+NOMINAL = "k1"  # the run whose law has the factor 1 of its proportionalities
 
 
 def deviation_from_circle(run: Recording, begin: float) -> float:

@@ -10,8 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ev_core.vehicle.description import Vehicle
-from ev_papers.zhileykin2018.paper import LIMIT, SWING
-from ev_papers.zhileykin2018.quantities import SHARES, turn_arounds
+from ev_papers.zhileykin2018.quantities import LIMIT, SHARES, SWING, turn_arounds
 from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.panels import Curve, Panel, motion_panels, over_time
@@ -21,8 +20,8 @@ from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.measures.samples import Parameters, Runs, channel, run_named
 from ev_sim.recording.recording import Recording
-from ev_sim.verdicts.all_verdicts import metrics_at_hand
 from ev_sim.verdicts.need import ScenarioRuns
+from ev_sim.verdicts.verdict import metrics_at_hand
 
 SCENARIO = "zhileykin2018"
 BY_LAW = ("k05", "k1", "equality", "k1_estimated")

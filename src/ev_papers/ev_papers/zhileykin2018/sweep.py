@@ -10,8 +10,7 @@ import numpy as np
 
 from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018.grid import ANGLES, FIXED, FORCES, REAR_DRIVE, SWEPT
-from ev_papers.zhileykin2018.paper import LIMIT
-from ev_papers.zhileykin2018.quantities import SHARES
+from ev_papers.zhileykin2018.quantities import LIMIT, SHARES
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.over_values import HeatMap, heat_maps
 from ev_sim.measures.metric import Metric, metric

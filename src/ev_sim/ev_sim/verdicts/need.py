@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.refusal import ParameterError, quoted
+from ev_sim.command_line.options import add_changes, overrides
 from ev_sim.measures.samples import Parameters, Runs
-from ev_sim.study.study import Results
+from ev_sim.study.study import Results, study_names
 
 Value = tuple[str, str, Any]  # node, parameter, value
 
@@ -56,6 +59,39 @@ class StudyNeed:
 
 
 Need = ScenarioNeed | StudyNeed
+
+
+def need_of(text: str) -> Need:
+    """The need that a text means, which is as on the command line: a scenario, or a study with its options.
+
+    A scenario may have --set, --duration, --runs (those that are driven, all if it is left out) and --slow; a study
+    counts as slow unless there is --quick. ParameterError if the text is refused.
+    """
+    name, *words = shlex.split(text) or [""]
+    if name in study_names():
+        return StudyNeed(name, tuple(word for word in words if word != "--quick"), slow="--quick" not in words)
+    parser = _Parser(add_help=False)
+    add_changes(parser)
+    parser.add_argument("--runs", nargs="+", default=())
+    parser.add_argument("--slow", action="store_true")
+    given, unknown = parser.parse_known_args(words)
+    if not name or unknown:
+        refused = quoted(" ".join(unknown) or text)
+        raise ParameterError(
+            f"what is driven: {refused} is refused, allowed is a scenario with --set, --duration, --runs"
+        )
+    found = overrides(given)
+    values = tuple((node, name, _frozen(value)) for node, name, value in found.values)
+    return ScenarioNeed(name, values, tuple(given.runs), found.duration, given.slow)
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise ParameterError(f"what is driven: {message}")
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value
 
 
 @dataclass(frozen=True)

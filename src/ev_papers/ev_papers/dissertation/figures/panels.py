@@ -3,69 +3,97 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
-from ev_papers.dissertation.figures.over_cycle import (
-    CYCLES,
-    ON_BENCH,
-    drive_efficiency,
-    driver_of,
-    of_each_method,
-    over_friction,
-    recorded,
-    run_of,
-    speeds,
-    torques,
-    wheel_efficiency,
-)
+from ev_core.vehicle.description import Vehicle
 from ev_papers.dissertation.figures.slip_curve import slip_curve_figure
 from ev_papers.dissertation.figures.urban_cycle import cycle_figure
+from ev_papers.dissertation.figures.urban_mixed import OF_A_CIRCUIT, electrical, over_friction, wheel_efficiency
 from ev_papers.dissertation.figures.urban_sheets import sheet_over_cycle
-from ev_sim.drives.electrical_side import loss_power
+from ev_papers.dissertation.measures.urban_cases import BENCH, FIVE, METHODS, SCENARIO, case
 from ev_sim.drives.synchronous_motor import voltage_limited_torque
+from ev_sim.drives.electrical_side import loss_power
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.over_values import contours
 from ev_sim.figures.panels import Curve, Panel, panel
 from ev_sim.measures.samples import channel
 from ev_sim.profiles.speed_profile import SpeedProfileParameters, with_profile_from_file
+from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
-from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
+from ev_sim.verdicts.panels_page import Draw, PublishedPanel, cannot_be_drawn, over_time
 
+CYCLES, ON_BENCH = (
+    {METHODS[name].number: ScenarioNeed(scenario, case(name, "pulse", 1).values, slow=True) for name in FIVE}
+    for scenario in (SCENARIO, BENCH)
+)
 _FIGURES_OF_A_METHOD = 5
-_TORQUES = recorded("Torques at the transducers", "torque [N m]", "bench.shafts.torque")
-_SPEEDS = recorded("Speeds at the transducers", "speed [rad/s]", "bench.shafts.speed")
-_CURRENTS = recorded("Currents of the machines under test", "current [A]", "bench.electrical.current")
-_VOLTAGES = recorded("Voltages of the machines under test", "voltage [V]", "bench.electrical.voltage")
+_OfRun = Callable[[Recording, Vehicle, Mapping[str, Any]], Figure]  # of the run, its car, the parameters of its driver
 
 
-def _figure(place: int) -> Callable[[int], str]:
-    return lambda method: f"5.{_FIGURES_OF_A_METHOD * (method - 1) + place}"
+def _of_run(draw: _OfRun) -> Draw:
+    """What draws the only run of a scenario."""
+
+    def drawn(driven: ScenarioRuns) -> Figure:
+        (run,) = driven.runs.values()
+        return draw(run, driven.vehicle, driven.parameters["driver"])
+
+    return drawn
+
+
+def _of_each_method(
+    row: str, figure: Callable[[int], str], letter: str, draw: _OfRun, cycles: Mapping[int, ScenarioNeed]
+) -> tuple[PublishedPanel, ...]:
+    """The same panel for methods 1 to 5; `figure` gives the number of the figure of a method."""
+    ending = f".{letter}" if letter else ""
+    return tuple(
+        PublishedPanel(figure(number), letter, row, (f"diss.fig{figure(number)}{ending}",), (need,), _of_run(draw))
+        for number, need in cycles.items()
+    )
+
+
+def _quantity(name: str, side: str = "") -> _OfRun:
+    return lambda run, vehicle, driver: electrical(run, vehicle, driver, (name,), side)
+
+
+def _efficiency_of_wheel(side: str) -> _OfRun:
+    return lambda run, vehicle, driver: wheel_efficiency(run, vehicle, driver, (f"front_{side}",))
+
+
+def _on_bench(row: str, place: int, letter: str, draw: _OfRun) -> tuple[PublishedPanel, ...]:
+    return _of_each_method(
+        f"Bench, {row}", lambda method: f"5.{_FIGURES_OF_A_METHOD * (method - 1) + place}", letter, draw, ON_BENCH
+    )
+
+
+def _simulated(row: str, first: int, letter: str, draw: _OfRun) -> tuple[PublishedPanel, ...]:
+    return _of_each_method(f"Simulation, {row}", lambda method: f"3.{2 * method - 2 + first}", letter, draw, CYCLES)
 
 
 def _model_and_bench(model: ScenarioRuns, bench: ScenarioRuns) -> Figure:
     """Right torque of both runs of method 1."""
+    (one,), (other,) = model.runs.values(), bench.runs.values()
 
     def curves() -> list[Curve]:
-        one, other = run_of(model), run_of(bench)
         return [
             Curve(one.time, channel(one, "motor_states.effort.front_right"), "model"),
             Curve(other.time, channel(other, "bench.shafts.torque.front_right"), "bench"),
         ]
 
-    shown = panel("Right torque, method 1", "torque [N m]", curves)
-    return sheet_over_cycle([shown], run_of(model), driver_of(model))
+    return sheet_over_cycle([panel("Right torque, method 1", "torque [N m]", curves)], one, model.parameters["driver"])
 
 
 _BENCH_PANELS = (
-    *of_each_method("Bench, torques, methods 1 to 5", _figure(1), "", _TORQUES, ON_BENCH),
-    *of_each_method("Bench, speeds, methods 1 to 5", _figure(2), "", _SPEEDS, ON_BENCH),
-    *of_each_method("Bench, currents, methods 1 to 5", _figure(3), "", _CURRENTS, ON_BENCH),
-    *of_each_method("Bench, voltages, methods 1 to 5", _figure(4), "", _VOLTAGES, ON_BENCH),
-    *of_each_method("Bench, drive efficiency, right", _figure(5), "a", drive_efficiency("right"), ON_BENCH),
-    *of_each_method("Bench, drive efficiency, left", _figure(5), "b", drive_efficiency("left"), ON_BENCH),
-    *of_each_method("Bench, torques and friction", _figure(5), "v", over_friction(_TORQUES), ON_BENCH),
+    *(
+        each
+        for place, name in enumerate(OF_A_CIRCUIT[:-1], start=1)
+        for each in _on_bench(f"{name}s, methods 1 to 5", place, "", _quantity(name))
+    ),
+    *_on_bench("drive efficiency, right", 5, "a", _quantity("drive efficiency", "right")),
+    *_on_bench("drive efficiency, left", 5, "b", _quantity("drive efficiency", "left")),
+    *_on_bench("torques and friction", 5, "v", over_friction),
     PublishedPanel("5.26", "", "Model against bench", ("diss.fig5.26",), (CYCLES[1], ON_BENCH[1]), _model_and_bench),
 )
 
@@ -74,12 +102,7 @@ _CYCLES = "Speed over time of urban cycles"
 _NO_DATA = "the source draws it from a catalogue, no data are in the text"
 
 
-def _slip_curve(driven: ScenarioRuns) -> Figure:
-    return slip_curve_figure(run_of(driven), driven.vehicle)
-
-
-def _road(driven: ScenarioRuns) -> Figure:
-    return cycle_figure(run_of(driven), driven.vehicle, driver_of(driven))
+_slip_curve = _of_run(lambda run, vehicle, driver: slip_curve_figure(run, vehicle))
 
 
 def _cycle(title: str, file: str) -> Callable[[], Panel]:
@@ -104,7 +127,7 @@ _CYCLE_PANELS = (
     PublishedPanel(
         "2.12", "", _CYCLES, ("diss.fig2.12",), draw=over_time(_cycle("TRRL 1.1, table 2.4", "cycles/trrl_1_1.csv"))
     ),
-    PublishedPanel("2.13", "", "Cycle and road", ("diss.fig2.13",), (CYCLES[1],), _road),
+    PublishedPanel("2.13", "", "Cycle and road", ("diss.fig2.13",), (CYCLES[1],), _of_run(cycle_figure)),
 )
 
 
@@ -178,20 +201,12 @@ _SCHEMES_PANELS = tuple(
 )
 
 
-def _signals(method: int) -> str:
-    return f"3.{2 * method - 1}"
-
-
-def _efficiencies(method: int) -> str:
-    return f"3.{2 * method}"
-
-
 _SIMULATION_PANELS = (
-    *of_each_method("Simulation, torques at the shafts, methods 1 to 5", _signals, "a", torques),
-    *of_each_method("Simulation, speeds of the shafts, methods 1 to 5", _signals, "b", speeds),
-    *of_each_method("Simulation, wheel efficiency, right", _efficiencies, "a", wheel_efficiency("right")),
-    *of_each_method("Simulation, wheel efficiency, left", _efficiencies, "b", wheel_efficiency("left")),
-    *of_each_method("Simulation, torques beside the efficiencies", _efficiencies, "v", torques),
+    *_simulated("torques at the shafts, methods 1 to 5", 1, "a", _quantity("torque")),
+    *_simulated("speeds of the shafts, methods 1 to 5", 1, "b", _quantity("speed")),
+    *_simulated("wheel efficiency, right", 2, "a", _efficiency_of_wheel("right")),
+    *_simulated("wheel efficiency, left", 2, "b", _efficiency_of_wheel("left")),
+    *_simulated("torques beside the efficiencies", 2, "v", _quantity("torque")),
 )
 
 

@@ -1,16 +1,13 @@
-"""Figures of the urban cycle on mixed surfaces, like the dissertation's 2.13, 3.1 to 3.10 and 5.1 to 5.25."""
+"""Figures of a run of the urban cycle on mixed surfaces, like the dissertation's 3.1 to 3.10 and 5.1 to 5.25."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from ev_core.vehicle.description import Vehicle
-from ev_papers.dissertation.figures.circuit_curves import (
-    circuit_current,
-    running_drive_efficiency,
-    running_wheel_efficiency,
-)
 from ev_papers.dissertation.figures.urban_sheets import (
     TIME,
     WIDTH,
@@ -20,7 +17,8 @@ from ev_papers.dissertation.figures.urban_sheets import (
     sheet_over_cycle,
     thin_sheet,
 )
-from ev_papers.dissertation.measures import traction_windows as cycle
+from ev_papers.dissertation.measures.circuits import CircuitShares, circuit_shares
+from ev_papers.dissertation.measures.traction_windows import traction
 from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Axes, Figure
 from ev_sim.figures.panels import Curve, Panel, panel
@@ -30,45 +28,133 @@ from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
 
 DETAIL = 15.0  # [s], length of the figure in which single pulses can be seen
+OF_A_CIRCUIT = (
+    "torque",
+    "speed",
+    "current",
+    "voltage",
+    "drive efficiency",
+)  # of a circuit, by the figures of chapter 5
 
 
-def torques_and_speeds(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
-    """Figures 3.1, 3.3, 3.5, 3.7 and 3.9: torques and speeds at the shafts of the motors, left and right."""
-    return sheet_over_cycle(
-        [
-            *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
-            *each_side(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
-        ],
-        run,
-        driver,
+def panels(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> dict[str, list[Panel]]:
+    """Each of the OF_A_CIRCUIT of both circuits, left and right; on a test bench as its transducers show them.
+
+    One battery feeds both circuits, so without a bench both have its voltage. The efficiency is that of eq 2.38.
+    """
+    on_bench = any(name.startswith("bench.shafts.") for name in run.channels)
+
+    def sides(title: str, ylabel: str, curve: Callable[[str], Curve]) -> list[Panel]:
+        return [
+            panel(f"{title}, {wheel.replace('_', ' ')}", ylabel, lambda wheel=wheel: [curve(wheel)])
+            for wheel in left_and_right(vehicle)
+        ]
+
+    def recorded(title: str, ylabel: str, quantity: str) -> list[Panel]:
+        return each_side(run, vehicle, title, ylabel, quantity)
+
+    efficiency = sides(
+        "Drive efficiency in the traction windows since the start",
+        "efficiency [1]",
+        lambda wheel: _drive_efficiency(run, vehicle, driver, wheel),
     )
+    if on_bench:
+        shown = (
+            recorded("Torque at the transducer", "torque [N m]", "bench.shafts.torque"),
+            recorded("Speed at the transducer", "speed [rad/s]", "bench.shafts.speed"),
+            recorded("Current of the machine under test", "current [A]", "bench.electrical.current"),
+            recorded("Voltage of the machine under test", "voltage [V]", "bench.electrical.voltage"),
+        )
+    else:
+        shown = (
+            recorded("Motor torque", "torque [N m]", "motor_states.effort"),
+            recorded("Motor speed", "speed [rad/s]", "motor_states.velocity"),
+            sides("Current of the motor's circuit", "current [A]", lambda wheel: _current(run, vehicle, wheel)),
+            sides("Voltage", "voltage [V]", lambda wheel: Curve(run.time, channel(run, "battery.voltage"))),
+        )
+    return dict(zip(OF_A_CIRCUIT, (*shown, efficiency), strict=True))
 
 
-def wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
-    """Figures 3.2, 3.4, 3.6, 3.8 and 3.10: running wheel efficiency over the friction under the wheel, and torques."""
-    wheels = left_and_right(vehicle)
-    figure = thin_sheet(
-        [
-            *(
-                panel(
-                    f"Wheel efficiency since the start, {wheel.replace('_', ' ')} (grey: largest friction of the road)",
-                    "efficiency, friction [1]",
-                    lambda wheel=wheel: [running_wheel_efficiency(run, vehicle, driver, wheel)],
-                )
-                for wheel in wheels
-            ),
-            *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
-        ],
-    )
-    for axes, wheel in zip(figure.axes, wheels, strict=False):
-        lay_over_friction(axes, run, wheel)
+def electrical(
+    run: Recording,
+    vehicle: Vehicle,
+    driver: Mapping[str, Any],
+    chosen: Sequence[str] = OF_A_CIRCUIT,
+    side: str = "",
+    columns: int = 1,
+) -> Figure:
+    """Some of the OF_A_CIRCUIT over the cycle, of both sides or of one: figures 3.1, 3.3 to 3.9 and 5.1 to 5.25."""
+    of, wheels = panels(run, vehicle, driver), left_and_right(vehicle)
+    shown = [each for name in chosen for wheel, each in zip(wheels, of[name], strict=True) if wheel.endswith(side)]
+    figure = sheet_over_cycle(shown, run, driver, columns)
+    for axes, each in zip(figure.axes, shown, strict=True):
+        if each in of["drive efficiency"]:
+            axes.set_ylim(0.5, 1.0)
     return figure
+
+
+def over_friction(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
+    """Figures 5.5v to 5.25v: the torques, with the friction of the road under each wheel on an axis of its own."""
+    figure = electrical(run, vehicle, driver, ("torque",))
+    for axes, wheel in zip(list(figure.axes), left_and_right(vehicle), strict=True):
+        friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
+        beside = axes.twinx()
+        beside.step(run.time[::10], friction[::10], where="post", color="0.6", linewidth=0.7)
+        beside.set_ylim(0.0, 1.05)
+        beside.set_ylabel("friction [1]", fontsize=8.0)
+        beside.tick_params(labelsize=8.0)
+    figure.subplots_adjust(right=0.93)
+    return figure
+
+
+def wheel_efficiency(
+    run: Recording, vehicle: Vehicle, driver: Mapping[str, Any], wheels: Sequence[str], below: Sequence[Panel] = ()
+) -> Figure:
+    """Figures 3.2, 3.4 to 3.10: running efficiency (eq 2.37) of wheels over the friction there, and panels below."""
+    of_wheels = [
+        panel(
+            f"Wheel efficiency since the start, {wheel.replace('_', ' ')} (grey: largest friction of the road)",
+            "efficiency, friction [1]",
+            lambda wheel=wheel: [_wheel_efficiency(run, vehicle, driver, wheel)],
+        )
+        for wheel in wheels
+    ]
+    figure = thin_sheet([*of_wheels, *below])
+    for axes, wheel in zip(figure.axes, wheels, strict=False):
+        _lay_over_friction(axes, run, wheel)
+    return figure
+
+
+def _wheel_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any], wheel: str) -> Curve:
+    """Eq 2.37 from the start of the cycle up to each sample; a gap where fractions of a turn give nonsense."""
+    found = _shares(run, vehicle, wheel).running_efficiency(traction(run, driver))
+    return Curve(run.time, np.where((found >= 0.0) & (found <= 1.0), found, np.nan))
+
+
+def _drive_efficiency(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any], wheel: str) -> Curve:
+    """Eq 2.38 from the start of the cycle up to each sample."""
+    found = _shares(run, vehicle, wheel).running_drive_efficiency(traction(run, driver))
+    return Curve(run.time, np.where(found >= 0.0, found, np.nan))
+
+
+def _current(run: Recording, vehicle: Vehicle, wheel: str) -> Curve:
+    """What the circuit takes from the battery [A]."""
+    period = np.diff(run.time, prepend=run.time[0] - 1.0)  # the first sample has no period before it
+    work = _shares(run, vehicle, wheel).electrical_work
+    return Curve(run.time, work / period / channel(run, "battery.voltage"))
+
+
+def _shares(run: Recording, vehicle: Vehicle, wheel: str) -> CircuitShares:
+    shares = circuit_shares(run, vehicle)
+    if wheel not in shares:
+        raise NotMeasured(f"{wheel.replace('_', ' ')} is not driven")
+    return shares[wheel]
 
 
 def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
     """Some seconds of the first window in which the accelerator is pressed: what the torque control does."""
     try:
-        begin = run.time[motion.first(cycle.traction(run, driver), "traction")] - 0.5
+        begin = run.time[motion.first(traction(run, driver), "traction")] - 0.5
     except NotMeasured:
         begin = run.time[0]
     part = (run.time >= begin) & (run.time <= begin + DETAIL)
@@ -111,40 +197,7 @@ def detail(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figur
     return figure
 
 
-def electrical(run: Recording, vehicle: Vehicle, driver: Mapping[str, Any]) -> Figure:
-    """Figures 5.1 to 5.25: torques, speeds, currents and voltages of both circuits, and their efficiency (eq 2.38).
-
-    One battery feeds both circuits, so both have its voltage.
-    """
-
-    def sides(title: str, ylabel: str, curve: Callable[[str], Curve]) -> list[Panel]:
-        return [
-            panel(f"{title}, {wheel.replace('_', ' ')}", ylabel, lambda wheel=wheel: [curve(wheel)])
-            for wheel in left_and_right(vehicle)
-        ]
-
-    figure = sheet_over_cycle(
-        [
-            *each_side(run, vehicle, "Motor torque", "torque [N m]", "motor_states.effort"),
-            *each_side(run, vehicle, "Motor speed", "speed [rad/s]", "motor_states.velocity"),
-            *sides("Current of the motor's circuit", "current [A]", lambda wheel: circuit_current(run, vehicle, wheel)),
-            *sides("Voltage", "voltage [V]", lambda wheel: Curve(run.time, channel(run, "battery.voltage"))),
-            *sides(
-                "Drive efficiency in the traction windows since the start",
-                "efficiency [1]",
-                lambda wheel: running_drive_efficiency(run, vehicle, driver, wheel),
-            ),
-        ],
-        run,
-        driver,
-        columns=2,
-    )
-    for axes in figure.axes[-2:]:
-        axes.set_ylim(0.5, 1.0)
-    return figure
-
-
-def lay_over_friction(axes: Axes, run: Recording, wheel: str) -> None:
+def _lay_over_friction(axes: Axes, run: Recording, wheel: str) -> None:
     """The largest friction of the road under a wheel as a ground of its efficiency, whose curves become bolder."""
     axes.set_ylim(0.0, 1.05)
     for line in axes.lines:

@@ -1,23 +1,28 @@
-"""Gains of method 1 over the other four (dissertation, eqs 3.1, 5.1 and 5.2), by both denominators."""
+"""The tables of the dissertation by method, and gains of method 1 over the other four (eqs 3.1, 5.1 and 5.2)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import NamedTuple
 
-# Tables 3.1 to 3.5, and the same numbers again in tables 5.1 to 5.5, which print no mean.
-WHEEL_EFFICIENCY_RIGHT = {1: 0.96, 2: 0.79, 3: 0.90, 4: 0.90, 5: 0.86}
-WHEEL_EFFICIENCY_LEFT = {1: 0.96, 2: 0.79, 3: 0.90, 4: 0.90, 5: 0.83}
-WHEEL_EFFICIENCY = {1: 0.96, 2: 0.79, 3: 0.90, 4: 0.90, 5: 0.85}  # mean, table 3.6
+from ev_sim.verdicts.sources import published_value
 
-DRIVE_EFFICIENCY_RIGHT = {1: 0.68, 2: 0.61, 3: 0.61, 4: 0.64, 5: 0.55}  # tables 5.1 to 5.5
-DRIVE_EFFICIENCY_LEFT = {1: 0.70, 2: 0.61, 3: 0.62, 4: 0.69, 5: 0.61}
+_METHODS = range(1, 6)
 
-# Table 5.6, printed in per cent.
-BENCH_WHEEL_EFFICIENCY = {1: 0.9595, 2: 0.7869, 3: 0.8960, 4: 0.8954, 5: 0.8437}
-DRIVE_EFFICIENCY = {1: 0.6848, 2: 0.6083, 3: 0.6110, 4: 0.6657, 5: 0.5798}
-TOTAL_EFFICIENCY = {1: 0.6571, 2: 0.4787, 3: 0.5475, 4: 0.5961, 5: 0.4892}
-ENERGY = {1: 99.66, 2: 107.28, 3: 107.01, 4: 101.56, 5: 110.12}  # printed as kWh
+
+def _table(id: str, unit: float = 1.0) -> dict[int, float]:
+    """By method what published.csv has of an id, in which it is written as {}, in multiples of a unit."""
+    return {method: published_value("dissertation", id.format(method)) * unit for method in _METHODS}
+
+
+# Table 3.6. Tables 3.1 to 3.5 have right and left, and tables 5.1 to 5.5 the same numbers again, but no mean.
+WHEEL_EFFICIENCY = _table("diss.t3.6.m{}.mean")
+
+# Table 5.6, printed in per cent, and the energy as kWh.
+BENCH_WHEEL_EFFICIENCY = _table("diss.t5.6.wheel.m{}", 0.01)
+DRIVE_EFFICIENCY = _table("diss.t5.6.drive.m{}", 0.01)
+TOTAL_EFFICIENCY = _table("diss.t5.6.total.m{}", 0.01)
+ENERGY = _table("diss.t5.6.energy.m{}")
 
 KILOWATT_MINUTE = 60e3  # [J]; 99.66 kWh in 580 s would be 619 kW
 KILOWATT_HOUR = 3.6e6  # [J]

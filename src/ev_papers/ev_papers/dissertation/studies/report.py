@@ -15,7 +15,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_papers.dissertation.figures.channels import motors_and_cells
 from ev_papers.dissertation.figures.slip_curve import slip_curve_figure
 from ev_papers.dissertation.figures.urban_cycle import cycle_figure
-from ev_papers.dissertation.figures.urban_mixed import detail, electrical, torques_and_speeds, wheel_efficiency
+from ev_papers.dissertation.figures.urban_mixed import detail, electrical, panels, wheel_efficiency
+from ev_papers.dissertation.figures.urban_sheets import left_and_right
 from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.measures import traction_windows as cycle
 from ev_papers.dissertation.measures.circuits import CircuitSums
@@ -46,10 +47,12 @@ def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, F
     figures = {
         "figure_2_8": slip_curve_figure(run, vehicle),
         "figure_2_13": cycle_figure(run, vehicle, driver),
-        "figure_3_torques_and_speeds": torques_and_speeds(run, vehicle, driver),
-        "figure_3_wheel_efficiency": wheel_efficiency(run, vehicle, driver),
+        "figure_3_torques_and_speeds": electrical(run, vehicle, driver, ("torque", "speed")),
+        "figure_3_wheel_efficiency": wheel_efficiency(
+            run, vehicle, driver, left_and_right(vehicle), panels(run, vehicle, driver)["torque"]
+        ),
         "figure_3_detail": detail(run, vehicle, driver),
-        "figure_5_electrical": electrical(run, vehicle, driver),
+        "figure_5_electrical": electrical(run, vehicle, driver, columns=2),
     }
     if is_modelled(run):
         figures["motors_and_cells"] = motors_and_cells(run, vehicle, driver)

@@ -15,13 +15,20 @@ from ev_sim.report.tables import WIDTH_OF_A_PIPE
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.study.case import Case, CaseResult, Measure
 from ev_sim.study.workers import drive_cases
-from ev_sim.verdicts.all_verdicts import needs_of, verdicts, wanted
 from ev_sim.verdicts.driving import drive, kept_by_user
 from ev_sim.verdicts.need import Driven, Need
 from ev_sim.verdicts.panels_page import images_by_id
 from ev_sim.verdicts.sources import sources
-from ev_sim.verdicts.table import FILES, counts, plain_table, write
-from ev_sim.verdicts.verdict import Verdict
+from ev_sim.verdicts.verdict import (
+    FILES,
+    Verdict,
+    counts,
+    needs_of,
+    plain_table,
+    verdicts,
+    wanted,
+    write,
+)
 
 
 def run_verdicts(argv: Sequence[str]) -> None:

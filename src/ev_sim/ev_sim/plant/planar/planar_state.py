@@ -114,7 +114,7 @@ GRAVITY_WORK, HOLDING_WORK = index("gravity_work"), index("holding_work")
 
 @dataclass(slots=True)
 class TyreRecord:
-    """The tyre of one wheel on the surface under it, as `surfaces.table.TyreOnRoad`."""
+    """The tyre of one wheel on the surface under it, as `surfaces.TyreOnRoad`."""
 
     c0: float = entry(unit="1", about="coefficient of the friction curve")
     c1: float = entry(unit="1", about="coefficient of the friction curve")

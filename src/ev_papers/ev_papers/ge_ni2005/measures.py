@@ -1,0 +1,102 @@
+"""What Ge & Ni (2005) are judged by: the steady turn with equal torques, and what the law is said to change against it.
+
+Each public function measures one number of published.csv; `run` is the run of the scenario that it is measured on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ev_papers.ge_ni2005 import paper, quantities
+from ev_papers.ge_ni2005.quantities import CHATTER_WINDOW, QUANTITIES, response_time, slip
+from ev_sim.measures import motion
+from ev_sim.measures.samples import channel, run_named
+from ev_sim.recording.recording import Recording
+from ev_sim.verdicts.need import ScenarioRuns
+
+BASELINE = "equal_torque"
+# A boundary layer as wide as any slip: what the reading `offset` adds to T* is k D, which tells the target.
+WIDE = 1.0
+OUTER_GAIN = 100.0  # k_R [N m]
+
+
+def quantity(driven: ScenarioRuns, name: str, run: str) -> float:
+    """One of the QUANTITIES of a turn, in its unit."""
+    return QUANTITIES[name][1](run_named(driven.runs, run))
+
+
+def load(driven: ScenarioRuns, side: str, run: str) -> float:
+    """Load of a rear wheel at the end of the figures [N]."""
+    recording = run_named(driven.runs, run)
+    return motion.value_at(recording, channel(recording, f"tire_forces.load.rear_{side}"), paper.INSTANT)
+
+
+def slip_ahead(driven: ScenarioRuns, run: str) -> float:
+    """Slip of the driven wheels straight ahead [1]."""
+    return float(slip(run_named(driven.runs, run), "left")[0])
+
+
+def _speed(of: Callable[..., np.ndarray], driven: ScenarioRuns, side: str, run: str) -> float:
+    recording = run_named(driven.runs, run)
+    return motion.value_at(recording, of(recording, side, driven.vehicle), paper.INSTANT)
+
+
+def ground_speed(driven: ScenarioRuns, side: str, run: str) -> float:
+    """Speed of the centre of a rear wheel along the wheel at the end of the figures [m/s]."""
+    return _speed(quantities.ground_speed, driven, side, run)
+
+
+def rim_speed(driven: ScenarioRuns, side: str, run: str) -> float:
+    """Speed of the rim of a rear wheel at the end of the figures [m/s]."""
+    return _speed(quantities.rim_speed, driven, side, run)
+
+
+def _largest(run: Recording, values: np.ndarray, since: float) -> float:
+    return float(np.abs(values[(run.time >= since) & (run.time <= paper.INSTANT)]).max())
+
+
+def largest_radius(driven: ScenarioRuns, run: str, since: float) -> float:
+    """Largest radius of the path from an instant [s] to the end of the figures [m]; it comes down from infinity."""
+    return _largest(run_named(driven.runs, run), motion.radius_of_path(run_named(driven.runs, run)), since)
+
+
+def largest_acceleration(driven: ScenarioRuns, run: str) -> float:
+    """Largest centripetal acceleration up to the end of the figures [m/s^2]."""
+    recording = run_named(driven.runs, run)
+    return _largest(recording, motion.lateral_acceleration_on_path(recording), 0.0)
+
+
+def time_to_own_yaw_rate(driven: ScenarioRuns, run: str) -> float:
+    """Time to 90 % of the yaw rate that the run itself reaches [s]."""
+    return quantities.own_response_time(run_named(driven.runs, run))
+
+
+def time_to_that_of_equal_torques(driven: ScenarioRuns, run: str) -> float:
+    """Time to 90 % of the yaw rate that equal torques reach [s]."""
+    return response_time(run_named(driven.runs, run), quantity(driven, "yaw_rate", BASELINE))
+
+
+def chatter(driven: ScenarioRuns, run: str, target: float) -> float:
+    """Chatter of the torques of a run that comes to its target slip [1], in [N m/s]."""
+    return quantities.chatter_at_its_target(run_named(driven.runs, run), target)
+
+
+def mean_torque(driven: ScenarioRuns, run: str) -> float:
+    """Mean torque request of a rear wheel over its chatter [N m]."""
+    recording = run_named(driven.runs, run)
+    late = recording.time >= recording.time[-1] - CHATTER_WINDOW
+    return float(channel(recording, "torque_request.drive.rear_left")[late].mean())
+
+
+def outer_target(driven: ScenarioRuns) -> float:
+    """The law's target slip of the outer wheel when the wheels have just been turned [1]."""
+    run = run_named(driven.runs, "offset")
+    added = channel(run, "torque_request.drive.rear_right")[0] - paper.TORQUE
+    return float(slip(run, "right")[0] + added * WIDE / OUTER_GAIN)
+
+
+def change_of_target(driven: ScenarioRuns) -> float:
+    """How far the printed target lies above that [1]."""
+    return paper.TARGET - outer_target(driven)

@@ -1,0 +1,297 @@
+"""What Shchur (2019) is judged by: steps of the hand torque (fig 1), the cycle (fig 4), angles and radii (fig 2).
+
+Each public function from `steady` on measures one number of published.csv; the words behind its name there are its last
+arguments, such as the name of a run or of a window of the cycle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ev_papers.shchur2019 import paper
+from ev_sim.measures import motion
+from ev_sim.measures.metric import NotMeasured
+from ev_sim.measures.samples import channel, last, mean_between, run_named
+from ev_sim.plant.ackermann import front_wheel_angles, path_curvature, wheel_speed_ratios
+from ev_sim.recording.recording import Recording
+from ev_sim.verdicts.need import ScenarioRuns
+
+
+@dataclass(frozen=True, slots=True)
+class StepResponse:
+    """What a step response is judged by.
+
+    steady_value: mean over the last second, in the unit of the response.
+    overshoot: how far the extreme in the direction of the step lies beyond the steady value, as a percentage of the
+        change from the value at the step to the steady value; zero if it never does.
+    settling_time: from the step to the last crossing into the band around the steady value [s]; the crossing is
+        interpolated linearly between two samples; zero if the response never leaves the band.
+    """
+
+    steady_value: float
+    overshoot: float
+    settling_time: float
+
+
+def step_response(
+    time: np.ndarray, response: np.ndarray, step_time: float, band: float = 0.05, window: float = 1.0
+) -> StepResponse:
+    """Judge the response to a step at `step_time`, sampled as (n,) over time (n,) [s].
+
+    `band` is the half width of the settling band as a fraction of the change. NotMeasured if fewer than two windows
+    were recorded after the step, if the response does not change, or if it has not settled into the band by the
+    beginning of the last window (its mean would not be the steady value then).
+    """
+    after = time >= step_time
+    time, response = time[after], response[after]
+    if len(time) < 2 or time[-1] - time[0] < 2 * window:
+        raise NotMeasured(f"less than {2 * window:g} s were recorded after the step")
+    steady_value = float(response[time >= time[-1] - window].mean())
+    change = steady_value - response[0]
+    if change == 0.0:
+        raise NotMeasured("there is no change after the step")
+    deviation = (response - steady_value) / change
+    settling_time = _settling_time(time, deviation, band)
+    if settling_time > time[-1] - window - step_time:
+        raise NotMeasured(f"the response has not settled to {100 * band:g} % before the last {window:g} s of the run")
+    return StepResponse(steady_value, 100 * max(0.0, float(deviation.max())), settling_time)
+
+
+def first_peaks(time: np.ndarray, response: np.ndarray) -> list[tuple[float, float]]:
+    """Time [s] and value of the local maxima of a response (n,), in their order; NotMeasured if there are not two."""
+    inner = response[1:-1]
+    peaks = np.flatnonzero((inner > response[:-2]) & (inner >= response[2:])) + 1
+    if len(peaks) < 2:
+        raise NotMeasured("the response has less than two peaks")
+    return [(float(time[at]), float(response[at])) for at in peaks]
+
+
+def _settling_time(time: np.ndarray, deviation: np.ndarray, band: float) -> float:
+    outside = np.flatnonzero(np.abs(deviation) > band)
+    if not len(outside):
+        return 0.0
+    last = outside[-1]
+    if last == len(time) - 1:
+        return float("inf")
+    edge = np.copysign(band, deviation[last])
+    fraction = (deviation[last] - edge) / (deviation[last] - deviation[last + 1])
+    return float(time[last] + fraction * (time[last + 1] - time[last]) - time[0])
+
+
+SETTLING_BAND = 0.05
+WINDOW = 1.0  # mean values are taken over the last second [s]
+CLOSED_LOOP = "closed_loop"
+WINDOWS = {  # of the cycle: accelerations, and the last second of turns and of straight running [s]
+    "first": paper.FIRST_ACCELERATION,
+    "second": paper.SECOND_ACCELERATION,
+    "slow": (paper.SECOND_ACCELERATION[0] - 1.0, paper.SECOND_ACCELERATION[0]),
+    "fast": (49.0, 50.0),
+    "left": (paper.LEFT_TURN[1] - 1.0, paper.LEFT_TURN[1]),
+    "right": (paper.RIGHT_TURN[1] - 1.0, paper.RIGHT_TURN[1]),
+}
+
+
+def _angle(run: Recording) -> np.ndarray:
+    return channel(run, motion.ROAD_WHEEL_ANGLE)
+
+
+def _response(driven: ScenarioRuns, name: str) -> StepResponse:
+    run = run_named(driven.runs, name)
+    return step_response(run.time, _angle(run), motion.hand_torque_step_time(run), SETTLING_BAND, WINDOW)
+
+
+def steady(driven: ScenarioRuns, run: str) -> float:
+    """Road-wheel angle in the end [rad]."""
+    return _response(driven, run).steady_value
+
+
+def overshoot(driven: ScenarioRuns, run: str) -> float:
+    """How far the road-wheel angle goes beyond that [%]."""
+    return _response(driven, run).overshoot
+
+
+def settling_time(driven: ScenarioRuns, run: str) -> float:
+    """From the step to within 5 % of that [s]."""
+    return _response(driven, run).settling_time
+
+
+def ratio_of_ends(driven: ScenarioRuns) -> float:
+    """Final angle of the closed loop over that of the object [1]."""
+    return steady(driven, CLOSED_LOOP) / steady(driven, "object")
+
+
+def _peaks(driven: ScenarioRuns, name: str) -> list[tuple[float, float]]:
+    run = run_named(driven.runs, name)
+    return first_peaks(run.time - motion.hand_torque_step_time(run), _angle(run))
+
+
+def peak_time(driven: ScenarioRuns, run: str) -> float:
+    """From the step to the first peak of the road-wheel angle [s]."""
+    return _peaks(driven, run)[0][0]
+
+
+def peak_angle(driven: ScenarioRuns, run: str) -> float:
+    """The first peak [rad]."""
+    return _peaks(driven, run)[0][1]
+
+
+def period(driven: ScenarioRuns, run: str) -> float:
+    """From the first peak to the second one [s]."""
+    first, second, *_ = _peaks(driven, run)
+    return second[0] - first[0]
+
+
+def _torque_after_step(driven: ScenarioRuns) -> tuple[np.ndarray, np.ndarray]:
+    """Time after the step [s] and differential torque [N m], from the first instant at which the law answers."""
+    run = run_named(driven.runs, CLOSED_LOOP)
+    torque = motion.differential_torque(run)
+    answering = np.flatnonzero(torque)
+    if not len(answering):
+        raise NotMeasured("the law never answers")
+    return run.time[answering[0] :] - motion.hand_torque_step_time(run), torque[answering[0] :]
+
+
+def first_torque(driven: ScenarioRuns) -> float:
+    """Differential torque at the step [N m]."""
+    return _torque_after_step(driven)[1][0]
+
+
+def lowest_torque(driven: ScenarioRuns) -> float:
+    """The lowest differential torque after the step [N m]."""
+    return _torque_after_step(driven)[1].min()
+
+
+def time_of_lowest_torque(driven: ScenarioRuns) -> float:
+    """When after the step that is [s]."""
+    time, torque = _torque_after_step(driven)
+    return time[np.argmin(torque)]
+
+
+def final_torque(driven: ScenarioRuns) -> float:
+    """Differential torque in the end [N m]."""
+    run = run_named(driven.runs, CLOSED_LOOP)
+    return mean_between(run, motion.differential_torque(run), *last(run, WINDOW))
+
+
+def _while_held(run: Recording, values: np.ndarray) -> float:
+    return motion.mean_while_held(run, values, paper.TURN_ANGLE, *last(run, WINDOW))
+
+
+def hand_torque(driven: ScenarioRuns, run: str) -> float:
+    """Hand torque that holds 30 deg [N m]."""
+    return _while_held(run_named(driven.runs, run), channel(run_named(driven.runs, run), motion.HAND_TORQUE))
+
+
+def holding_torque(driven: ScenarioRuns, run: str) -> float:
+    """Differential torque while 30 deg are held [N m]."""
+    return _while_held(run_named(driven.runs, run), motion.differential_torque(run_named(driven.runs, run)))
+
+
+def _drive(driven: ScenarioRuns) -> str:
+    return driven.parameters.get("plant", {}).get("drive", "ideal")
+
+
+def held_within(driven: ScenarioRuns) -> str:
+    """The tolerance of torques while an angle is held at rest."""
+    return "1 %" if _drive(driven) == "switched" else "0.5 %"
+
+
+def held_why(driven: ScenarioRuns) -> str:
+    """Its reason."""
+    return (
+        "ripple of switched drives"
+        if _drive(driven) == "switched"
+        else "algebra, only the end of the window is left open"
+    )
+
+
+def drives(driven: ScenarioRuns) -> str:
+    """What the assumption adds where the drives are ideal."""
+    return "; ideal drives" if _drive(driven) == "ideal" else ""
+
+
+def _cycle(driven: ScenarioRuns) -> Recording:
+    return run_named(driven.runs, "shchur2019")
+
+
+def _mean(run: Recording, values: np.ndarray, window: str) -> float:
+    return mean_between(run, values, *WINDOWS[window])
+
+
+def speed(driven: ScenarioRuns, window: str) -> float:
+    """Mean speed in a window of the cycle [km/h]."""
+    return _mean(_cycle(driven), 3.6 * motion.path_speed(_cycle(driven)), window)
+
+
+def reached(driven: ScenarioRuns, speed: float, acceleration: str) -> float:
+    """When a speed [km/h] is reached within 1 % since an acceleration has begun [s], at the end if it never is."""
+    run, wanted = _cycle(driven), speed / 3.6
+    near = np.abs(motion.path_speed(run) - wanted) <= 0.01 * wanted
+    there = run.time[(run.time >= WINDOWS[acceleration][0]) & near]
+    return float(there[0] if len(there) else run.time[-1])
+
+
+def drive_torque(driven: ScenarioRuns, window: str) -> float:
+    """Mean drive torque of all wheels in a window of the cycle [N m]."""
+    return _mean(_cycle(driven), motion.total_drive_torque(_cycle(driven)), window)
+
+
+def road_wheel_angle(driven: ScenarioRuns, turn: str) -> float:
+    """Mean road-wheel angle at the end of a turn [rad]."""
+    return _mean(_cycle(driven), _angle(_cycle(driven)), turn)
+
+
+def differential_torque(driven: ScenarioRuns, turn: str) -> float:
+    """Mean differential torque at the end of a turn, in which 30 deg are held [N m]."""
+    run, angle = _cycle(driven), paper.TURN_ANGLE if turn == "left" else -paper.TURN_ANGLE
+    return motion.mean_while_held(run, motion.differential_torque(run), angle, *WINDOWS[turn])
+
+
+def wheel_speed(driven: ScenarioRuns, side: str, turn: str) -> float:
+    """Mean speed of a front wheel at the end of a turn [rad/s]."""
+    return _mean(_cycle(driven), channel(_cycle(driven), f"wheel_states.velocity.front_{side}"), turn)
+
+
+def speed_difference(driven: ScenarioRuns, turn: str) -> float:
+    """Mean difference of the linear speeds of the front wheels at the end of a turn [m/s]."""
+    return _mean(_cycle(driven), motion.speed_difference(_cycle(driven), driven.vehicle), turn)
+
+
+def difference_beyond_the_law(driven: ScenarioRuns) -> float:
+    """Largest distance of M_R* - M_L* from eq 4 with the column's own signals [N m]."""
+    run = _cycle(driven)
+    column = "steering_column.state"
+    hand, angle, rate = (channel(run, f"{column}.{name}") for name in ("hand_torque", "angle", "rate"))
+    lever = paper.differential_torque(1.0, 0.0) / paper.GAMMA
+    law = lever * (paper.GAMMA * hand - paper.K_CK * angle - paper.B_CK * rate)
+    return float(np.abs(motion.differential_torque(run) - law).max())
+
+
+def sum_beyond_the_driver(driven: ScenarioRuns) -> float:
+    """Largest distance of M_R* + M_L* from M* [N m]."""
+    run = _cycle(driven)
+    both = channel(run, "torque_request.drive.front_right") + channel(run, "torque_request.drive.front_left")
+    return float(np.abs(both - channel(run, "driver.command.drive_torque")).max())
+
+
+def radius(driven: ScenarioRuns) -> float:
+    """Radius of the path of the centre of mass at 30 deg [m], by the geometry of the plant."""
+    car = driven.vehicle
+    return 1 / path_curvature(paper.TURN_ANGLE, car.wheelbase, car.centre_of_mass_to_rear_axle)
+
+
+def front_radius(driven: ScenarioRuns, side: str) -> float:
+    """Radius of the path of a front wheel at 30 deg [m], by the geometry of the plant."""
+    car = driven.vehicle
+    ratios = wheel_speed_ratios(
+        paper.TURN_ANGLE, car.wheelbase, car.front_track, car.rear_track, car.centre_of_mass_to_rear_axle
+    )
+    return radius(driven) * getattr(ratios, f"front_{side}")
+
+
+def front_angle(driven: ScenarioRuns, side: str) -> float:
+    """Angle of a front wheel at 30 deg [rad], by the geometry of the plant."""
+    left, right = front_wheel_angles(paper.TURN_ANGLE, driven.vehicle.wheelbase, driven.vehicle.front_track)
+    return left if side == "left" else right
