@@ -21,9 +21,9 @@ from ev_core.nodes import ros_parameters
 from ev_core.nodes.master.time_services import TIME_SERVICES
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import quoted
-from ev_sim.dashboard.server import line
 from ev_sim.scenarios.parameter_file import read_yaml
 
+_LONGEST_LINE = 400  # characters
 _LONGEST_TEXT = 100_000  # characters; YAML of more would hold the pages up
 _WHOLE = range(-(2**63), 2**63)
 _KINDS = {
@@ -32,6 +32,13 @@ _KINDS = {
     Parameter.Type.BOOL: bool,
     Parameter.Type.STRING: str,
 }  # all others are arrays: an empty one does not tell of what
+
+
+def line(text: str, refused: bool) -> dict[str, Any]:
+    """The message that has a page show a text, as one line of bearable length."""
+    text = " ".join(text.split())
+    shown = text if len(text) <= _LONGEST_LINE else f"{text[:_LONGEST_LINE]}..."
+    return {"kind": "word", "text": shown, "refused": refused}
 
 
 def wished(name: str, kind: Parameter.Type, value: Any) -> Parameter:

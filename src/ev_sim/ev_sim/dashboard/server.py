@@ -12,21 +12,14 @@ import tornado.websocket
 from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 
+from ev_sim.dashboard.controls import line
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.page.writing import filled
 
 ADDRESS = "127.0.0.1"  # nobody else's machine can ask
 _KEPT = 1200  # rows that a page gets when it is opened
-_LONGEST_LINE = 400  # characters
 _LONGEST_WISH = 1 << 20  # bytes
 _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:"
-
-
-def line(text: str, refused: bool) -> dict[str, Any]:
-    """The message that has a page show a text, as one line of bearable length."""
-    text = " ".join(text.split())
-    shown = text if len(text) <= _LONGEST_LINE else f"{text[:_LONGEST_LINE]}..."
-    return {"kind": "word", "text": shown, "refused": refused}
 
 
 class Pages:

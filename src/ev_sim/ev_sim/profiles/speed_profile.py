@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from ev_core.parameters.data_file import read_csv
-from ev_core.parameters.declaration import flatten, parameter, setting
+from ev_core.law import ParameterError, parameter, setting
+from ev_core.parameters.declaration import flatten
 from ev_core.parameters.values import build
-from ev_msgs_py.refusal import ParameterError
 from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of
 
 

@@ -12,7 +12,7 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.recording.files_of_run import BAG, PARAMETERS, SIGNALS
+from ev_sim.recording import files_of_run
 from ev_sim.recording.recording import load
 from ev_sim.replay.bag import read_bag
 from ev_sim.replay.recorded import Recorded, refuse_short
@@ -28,7 +28,7 @@ def find_recorded(path: Path, namespace: str = "") -> Recorded:
     `namespace` is that of the topics, where a bag has several. ParameterError, in one line, if nothing can be read.
     """
     storage, folder = _found(path)
-    parameters = folder / PARAMETERS
+    parameters = folder / files_of_run.PARAMETERS
     told = ParameterFile(parameters) if parameters.exists() else None
     if storage.name.endswith(".npz"):
         return _of_signals(storage, told)
@@ -40,11 +40,11 @@ def _found(path: Path) -> tuple[Path, Path]:
     if path.is_dir():
         if (path / _METADATA).exists():
             return path, path.parent
-        if (path / BAG / _METADATA).exists():
-            return path / BAG, path
-        if (path / SIGNALS).exists():
-            return path / SIGNALS, path
-        below = sorted(each.name for each in path.iterdir() if (each / BAG).is_dir() or (each / SIGNALS).exists())
+        if (path / files_of_run.BAG / _METADATA).exists():
+            return path / files_of_run.BAG, path
+        if (path / files_of_run.SIGNALS).exists():
+            return path / files_of_run.SIGNALS, path
+        below = sorted(each.name for each in path.iterdir() if (each / files_of_run.BAG).is_dir() or (each / files_of_run.SIGNALS).exists())
         if below:
             raise ParameterError(f"{path} has several runs, allowed is one: {', '.join(str(path / b) for b in below)}")
     elif path.suffix in (".mcap", ".db3"):

@@ -5,13 +5,15 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-
-from distributed import Client, as_completed
+from typing import TYPE_CHECKING
 
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.summary import versions
 from ev_sim.study.case import Case, CaseResult, Measure, drive_case
 from ev_sim.study.depends import digest_of_sources
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 _PATIENCE = 60.0  # s for a scheduler to answer and for its first worker to join
 
@@ -24,6 +26,8 @@ def drive_on_cluster(
     The cases of a worker that is lost are driven again by others. RunFailed if there is no such scheduler, if it has no
     workers, or if a worker computes with other versions, sources or config files than this process.
     """
+    from distributed import as_completed  # dask is slow to import
+
     with _client(scheduler) as client:
         refuse_others(client)
         # The same case driven twice is no matter of a cache: whoever asks wants it driven.
@@ -35,6 +39,8 @@ def drive_on_cluster(
 
 @contextmanager
 def _client(scheduler: str) -> Iterator[Client]:
+    from distributed import Client
+
     logging.getLogger("distributed").setLevel(logging.ERROR)
     try:
         client = Client(scheduler, timeout=_PATIENCE)

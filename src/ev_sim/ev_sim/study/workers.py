@@ -10,6 +10,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 
 from ev_sim.recording.outcome import RunFailed
+from ev_sim.study.cluster import drive_on_cluster
 from ev_sim.running.children import ends_with_us
 from ev_sim.study.case import Case, CaseResult, Measure, drive_case, run_of
 
@@ -100,8 +101,6 @@ def drive_cases(
     """
     jobs = [*zip(cases, [measure] * len(cases) if callable(measure) else measure, strict=True)]
     if scheduler is not None:
-        from ev_sim.study.cluster import drive_on_cluster  # dask is slow to import
-
         return drive_on_cluster(jobs, progress, scheduler)
     return _drive_here(jobs, progress, workers or len(os.sched_getaffinity(0)))
 
