@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
-from ev_sim.study.case import Case, CaseResult, Measure, drive_case
+from ev_sim.study.study import Case, CaseResult, Measure, drive_case
 from ev_sim.verdicts.all_verdicts import declarations
 from ev_sim.verdicts.declaration import Declaration
 from ev_sim.verdicts.driving import Kept, drive, kept_by_user

@@ -23,7 +23,7 @@ from ev_sim.running.processes import run_in_processes
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.study import bench_faults
 from ev_sim.study.bench_faults import FAULTS, trial
-from ev_sim.study.case import drive_case
+from ev_sim.study.study import drive_case
 
 pytestmark = pytest.mark.slow
 

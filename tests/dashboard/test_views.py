@@ -16,7 +16,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.wire.layout import empty_message, message_class
-from ev_sim.commands.urdf import main
+from ev_sim.commands.exports import print_urdf
 from ev_sim.dashboard import ros_views
 from ev_sim.report.page.top_view import PREFIX
 
@@ -93,7 +93,7 @@ def test_tf_has_a_frame_for_each_link_of_the_urdf(monkeypatch):
 
 
 def test_the_urdf_has_the_geometry_of_the_vehicle_file(capsys):
-    main(["audi_a2"])
+    print_urdf(["audi_a2"])
     robot = fromstring(capsys.readouterr().out)
     joints = {joint.get("name"): joint for joint in robot.findall("joint")}
     assert tuple(joints) == WHEEL_NAMES
@@ -107,4 +107,4 @@ def test_the_urdf_has_the_geometry_of_the_vehicle_file(capsys):
 
 def test_an_unknown_vehicle_is_one_line():
     with pytest.raises(SystemExit, match="error: unknown vehicle 'audi'; known: audi_a2"):
-        main(["audi"])
+        print_urdf(["audi"])

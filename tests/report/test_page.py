@@ -19,9 +19,8 @@ from ev_sim.commands.run_scenario import main
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.recording import Recording, save
 from ev_sim.report import page as package
-from ev_sim.report.page.content import Packed, envelope, measured_signals, pack, signal_data, unpack
 from ev_sim.report.page.top_view import groups_of
-from ev_sim.report.page.writing import Signals
+from ev_sim.report.page.writing import Packed, Signals, envelope, measured_signals, pack, signal_data, unpack
 from ev_sim.report.summary import write_summary
 from ev_sim.scenarios.differences import EVERY_NODE, differences
 from ev_sim.scenarios.scenario import Overrides, load_scenario

@@ -16,8 +16,8 @@ from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording
 from ev_sim.recording.truth import true_motion
 from ev_sim.study import asr_shootout
-from ev_sim.study.asr_cases import VARIANTS
-from ev_sim.study.case import CaseResult, drive_case, run_of
+from ev_sim.study.asr_shootout import VARIANTS
+from ev_sim.study.study import CaseResult, drive_case, run_of
 
 pytestmark = pytest.mark.slow
 

@@ -16,7 +16,7 @@ from ev_papers.zhileykin2018 import sweep as sweep
 from ev_papers.zhileykin2018 import variants as variants
 from ev_papers.zhileykin2018.paper import LIMIT
 from ev_papers.zhileykin2018.runs import SWEEP
-from ev_sim.study.case import CaseResult, drive_case
+from ev_sim.study.study import CaseResult, drive_case
 from ev_sim.study.workers import drive_cases
 
 ROOT = Path(__file__).parents[3]

@@ -9,8 +9,8 @@ from judging import driven, verdict_on
 
 from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018.paper import BEND
-from ev_sim.study.case import CaseResult
-from ev_sim.study.command import arguments
+from ev_sim.study.run_study import arguments
+from ev_sim.study.study import CaseResult
 from ev_sim.verdicts.all_verdicts import declarations
 from ev_sim.verdicts.need import StudyCases
 from ev_sim.verdicts.sources import published

@@ -12,8 +12,7 @@ from ev_sim.measures.metric import Metric, metric
 from ev_sim.recording.recording import Recording
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 ABOUT = "Ge & Ni 2005: chatter of the torques with boundary layer by control period, for two readings of eq 8"
 SCENARIO = "ge_ni2005"

@@ -11,8 +11,7 @@ from ev_papers.zhileykin2018.grid import BY_LAW, CONTROLS, REAR_DRIVE, Values
 from ev_sim.figures.figure import Figure
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.report.tables import text_table
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 ABOUT = "Zhileykin 2018: the sweep with other tyres, cars and readings of the source, where the law holds"
 COLUMNS = ("variant", "rear drive spins in", *(f"{name} holds" for name in CONTROLS if name != REAR_DRIVE))

@@ -14,7 +14,7 @@ import yaml
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.command_line.refusal import Parser
-from ev_sim.scenarios.cycle import cycle_values
+from ev_sim.profiles.profile import cycle_values
 from ev_sim.scenarios.parameter_file import read_yaml
 from ev_sim.scenarios.scenario import Overrides
 

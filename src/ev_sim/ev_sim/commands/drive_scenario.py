@@ -15,8 +15,7 @@ from ev_msgs_py.refusal import LINE, quoted, shown, unknown_name
 from ev_sim.command_line.options import overrides, own_nodes
 from ev_sim.figures.saving import figure_files
 from ev_sim.recording.files_of_run import BAG, OF_ALL_RUNS, PARAMETERS, SIGNALS
-from ev_sim.recording.outcome import Outcome, Progress, RunFailed
-from ev_sim.recording.progress_bar import progress_bar
+from ev_sim.recording.outcome import Outcome, Progress, RunFailed, progress_bar
 from ev_sim.recording.recording import save
 from ev_sim.report.result import Result
 from ev_sim.report.tables import in_words, print_metrics

@@ -6,7 +6,6 @@ import io
 import os
 import sys
 import traceback
-from importlib import import_module
 
 from ev_core.methods.register import all_methods, not_loaded
 from ev_msgs_py.contract.fields import SignalError
@@ -18,7 +17,7 @@ from ev_sim.scenarios.about import describe_scenario
 from ev_sim.scenarios.scenario import scenario_names
 from ev_sim.study.study import study_named, study_names
 
-REVIEWS = {  # commands of their own, in modules of their names
+REVIEWS = {  # commands of their own, run_NAME of `reviews`
     "verdicts": "a verdict on every number, curve and claim of all sources, in one table",
     "report": "one page about the folders of several runs of scenarios, side by side with their differences",
     "replay": "recorded inputs into a law or a node, and where its answers differ from the recorded ones",
@@ -41,8 +40,9 @@ def main(argv: list[str] | None = None) -> None:
             run_study(words[0], words[1:])
             return
         if words and words[0] in REVIEWS:
-            command = import_module(f"ev_sim.commands.reviews.{words[0]}")
-            getattr(command, f"run_{words[0]}")(words[1:])
+            from ev_sim.commands import reviews
+
+            getattr(reviews, f"run_{words[0]}")(words[1:])
             return
         given = arguments(words)
         if given.list:

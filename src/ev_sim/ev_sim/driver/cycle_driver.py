@@ -14,8 +14,13 @@ from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, 
 from ev_sim.driver.path import Path, edge_notes, path_of
 from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.profiles.cycle_windows import TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
-from ev_sim.profiles.profile import Profile, value_at
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_speed_profile_from_file
+from ev_sim.profiles.profile import (
+    Profile,
+    SpeedProfileParameters,
+    value_at,
+    wanted_speed,
+    with_speed_profile_from_file,
+)
 
 D = TypeVar("D", bound=Callable[..., float])
 

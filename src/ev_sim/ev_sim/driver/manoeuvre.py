@@ -8,8 +8,16 @@ from typing import NamedTuple
 from ev_core.law import Car, Vehicle, compilable, entry, group, method, part, setting, speed_along_path
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant
 from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
-from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_speed_profile_from_file
+from ev_sim.profiles.profile import (
+    Profile,
+    SpeedProfileParameters,
+    check_points,
+    interpolation_parameter,
+    profile_of,
+    value_at,
+    wanted_speed,
+    with_speed_profile_from_file,
+)
 
 UNBOUNDED = 1e9  # [m/s], of a driver whom nothing but the profile bounds
 

@@ -10,7 +10,7 @@ from ev_msgs_py.contract.signals import BodyPose, BodyVelocity, DriverCommand, I
 from ev_sim.driver.lane_keeping import LaneKeepingParameters, LaneKeepingState, keep_lane
 from ev_sim.driver.manoeuvre import UNBOUNDED, FeetParameters, FeetProfiles, FeetState, feet_profiles, work_pedals
 from ev_sim.driver.path import Path, edge_notes, path_of
-from ev_sim.profiles.speed_profile import with_speed_profile_from_file
+from ev_sim.profiles.profile import with_speed_profile_from_file
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,14 @@ from ev_core.law import Car, Vehicle, compilable, group, method, part, speed_alo
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_sim.driver.speed_control import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.driver.steering import HAND_TORQUE, AngleControlState, SteeringParameters, turn_to_angle
-from ev_sim.profiles.profile import Profile, profile_of, value_at
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_speed_profile_from_file
+from ev_sim.profiles.profile import (
+    Profile,
+    SpeedProfileParameters,
+    profile_of,
+    value_at,
+    wanted_speed,
+    with_speed_profile_from_file,
+)
 
 
 @dataclass(frozen=True, slots=True)

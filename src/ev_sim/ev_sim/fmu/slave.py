@@ -14,9 +14,8 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import units
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.fmu.content import read_content, versions
-from ev_sim.interface.law import SteppedLaw
-from ev_sim.interface.simulation import Simulation
+from ev_sim.fmu.export import read_content, versions
+from ev_sim.interface.simulation import Simulation, SteppedLaw
 
 
 class Slave(Fmi2Slave):

@@ -11,9 +11,9 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.batches.batch import BatchResult
 from ev_sim.batches.batch import batch as batch_of
 from ev_sim.batches.observer import Reduction
+from ev_sim.profiles.profile import cycle_values
 from ev_sim.report.result import Result
 from ev_sim.running.offline import drive_offline
-from ev_sim.scenarios.cycle import cycle_values
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ev_core.parameters.data_file import TIME, RecordingError, read_arrays
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.topics import Topic
-from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.files_of_run import atomic_file
 
 _LITTLE_ENDIAN = np.dtype("<f8")
 _BLOCK = 256  # instants that are turned over at once: they fit into the cache, as frames and as series

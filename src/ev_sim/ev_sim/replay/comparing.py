@@ -19,8 +19,7 @@ from ev_sim.figures.timing import histogram_sheet
 from ev_sim.recording.recording import Recording
 from ev_sim.replay.graph import Replay
 from ev_sim.replay.recorded import Recorded
-from ev_sim.report.table_files import cell, write_tables
-from ev_sim.report.tables import text_table
+from ev_sim.report.tables import cell, text_table, write_tables
 
 _JITTER, _LATENCY = "jitter", "latency"
 

@@ -13,8 +13,7 @@ from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.figures.saving import FORMATS, figure_files, save_figures
-from ev_sim.recording.atomic import atomic_file
-from ev_sim.recording.files_of_run import LOG, OF_ALL_RUNS, PAGE, PARAMETERS, SIGNALS, SUMMARY
+from ev_sim.recording.files_of_run import LOG, OF_ALL_RUNS, PAGE, PARAMETERS, SIGNALS, SUMMARY, atomic_file
 from ev_sim.recording.outcome import Outcome
 from ev_sim.recording.recording import Recording, save
 from ev_sim.replay.comparing import (
@@ -28,7 +27,7 @@ from ev_sim.replay.comparing import (
 )
 from ev_sim.replay.graph import Replay
 from ev_sim.report.summary import Summary, write_summary
-from ev_sim.report.table_files import TABLES
+from ev_sim.report.tables import TABLES
 from ev_sim.running.node_parameters import write_parameter_file
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.scenario import Run

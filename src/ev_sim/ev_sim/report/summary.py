@@ -14,7 +14,7 @@ from ev_core.parameters.declaration import flatten
 from ev_core.vehicle.description import Vehicle
 from ev_sim.measures.metric import Metric
 from ev_sim.measures.samples import Parameters, Runs
-from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.files_of_run import atomic_file
 from ev_sim.recording.recording import combined_hash, signal_hash
 from ev_sim.scenarios.differences import Difference
 

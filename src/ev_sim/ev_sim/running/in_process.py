@@ -20,8 +20,7 @@ from ev_core.run_role import OF_ROS, node_maker, one_line, security_is_asked_for
 from ev_msgs_py.contract.roles import RECORDER
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.recording.files_of_run import PARAMETERS, SIGNALS
-from ev_sim.recording.outcome import Outcome, Progress, RunFailed
-from ev_sim.recording.progress_bar import announce
+from ev_sim.recording.outcome import Outcome, Progress, RunFailed, announce
 from ev_sim.recording.recording import load
 from ev_sim.running.domain import free_domain, own_namespace
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 from ev_core.parameters.data_file import TABLE, read_data
-from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.files_of_run import atomic_file
 
 NAME = "ev_stack_manifest.json"
 _FORMAT = 1

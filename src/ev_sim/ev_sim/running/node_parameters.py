@@ -10,7 +10,7 @@ import yaml
 
 from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.files_of_run import atomic_file
 from ev_sim.scenarios.scenario import Run
 
 

@@ -14,7 +14,7 @@ from types import TracebackType
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.recording.files_of_run import _BEFORE_RESET, BAG, LOG, PARAMETERS, RECORDED
-from ev_sim.recording.progress_bar import announce
+from ev_sim.recording.outcome import announce
 from ev_sim.running import manifest
 from ev_sim.running.manifest import Files, content, digest_of, is_file, is_folder, there
 from ev_sim.scenarios.scenario import Run

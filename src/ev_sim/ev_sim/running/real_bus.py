@@ -12,8 +12,7 @@ from typing import Any
 
 from ev_core.bus.parameters import CIRCUITS, LOOPBACK, BusInterface
 from ev_core.bus.socketcand_hub import HOST
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.recording.progress_bar import announce
+from ev_sim.recording.outcome import RunFailed, announce
 from ev_sim.running.children import ends_with_us
 from ev_sim.scenarios.scenario import Run
 

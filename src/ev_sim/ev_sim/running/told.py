@@ -19,7 +19,7 @@ from ev_msgs_py.contract.frame import PLACES, SIZE, Frame, places
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import shown
-from ev_sim.recording.progress_bar import announce
+from ev_sim.recording.outcome import announce
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
 

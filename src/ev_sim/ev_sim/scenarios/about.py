@@ -14,6 +14,7 @@ from ev_core.parameters.data_file import files_in_config, refuse_outside
 from ev_core.parameters.declaration import entries, group, setting
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.files import with_files
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.measures.samples import parsed
 from ev_sim.scenarios.parameter_file import ParameterFile
@@ -59,6 +60,13 @@ def vehicle_file(name: str) -> ParameterFile:
     if missing := [each for each in own if each not in said]:
         raise ParameterError(f"{file.path}: a vehicle says everything about itself, missing: {', '.join(missing)}")
     return file
+
+
+def vehicle_of(name: str) -> Vehicle:
+    """The vehicle itself, with what its files say; ParameterError, in one line, if there is none or it is refused."""
+    values = vehicle_file(name).values_for("/ev/plant")
+    own = {key: value for key, value in values.items() if key.startswith(f"{VEHICLE}.")}
+    return with_files(build(Vehicle, own, f"{VEHICLE}."))
 
 
 NAMESPACE = "/ev"  # of all nodes; of one run among several /ev/RUN

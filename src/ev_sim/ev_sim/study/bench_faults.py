@@ -17,8 +17,7 @@ from ev_sim.measures.metric import Metric, metric
 from ev_sim.recording.recording import Recording
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.case import Case, CaseResult
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, CaseResult, Results
 
 SCENARIO = "bench_fault"
 CYCLE = 0.001  # s, of the bus

@@ -22,8 +22,7 @@ from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run, load_scenario
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 from ev_sim.surfaces.road import RoadParameters, left_and_right
 from ev_sim.surfaces.table import Surface
 

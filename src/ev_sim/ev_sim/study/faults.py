@@ -19,8 +19,7 @@ from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 BEGIN = 5.0  # of the fault [s]
 DURATION = 10.0  # [s]

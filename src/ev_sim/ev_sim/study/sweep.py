@@ -18,12 +18,10 @@ from ev_sim.measures.metric import Metric
 from ev_sim.measures.samples import own_metrics
 from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import report_for
-from ev_sim.report.table_files import cell
-from ev_sim.report.tables import text_table
+from ev_sim.report.tables import cell, text_table
 from ev_sim.scenarios.parameter_file import read_yaml
 from ev_sim.scenarios.scenario import Run, load_scenario
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"
 SEED = "seed"

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.files_of_run import atomic_file
 from ev_sim.report.tables import text_table
 from ev_sim.verdicts.verdict import SORTS, Verdict, sort_of
 

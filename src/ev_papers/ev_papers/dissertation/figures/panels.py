@@ -29,7 +29,7 @@ from ev_sim.figures.figure import Figure
 from ev_sim.figures.over_values import contours
 from ev_sim.figures.panels import Curve, Panel, panel
 from ev_sim.measures.samples import channel
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, with_profile_from_file
+from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
 from ev_sim.verdicts.need import ScenarioNeed, ScenarioRuns
 from ev_sim.verdicts.panels_page import PublishedPanel, cannot_be_drawn, over_time
 

@@ -13,8 +13,7 @@ from ev_papers.dissertation.studies.bench_cases import apart, away_from_switches
 from ev_sim.figures.figure import Figure
 from ev_sim.measures.metric import Metric
 from ev_sim.report.tables import text_table
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 ABOUT = "The urban cycle on the bench beside the virtual run - difference against each parameter of the bench"
 COLUMNS = (

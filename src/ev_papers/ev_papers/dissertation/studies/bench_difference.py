@@ -17,8 +17,7 @@ from ev_sim.figures.figure import Figure
 from ev_sim.figures.panels import Curve, Panel
 from ev_sim.measures.metric import Metric
 from ev_sim.report.tables import text_table
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 ABOUT = "Dissertation, figure 5.26 - torque of model and bench for five methods, and what their difference comes from"
 COLUMNS = (

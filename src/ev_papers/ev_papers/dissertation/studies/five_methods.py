@@ -13,10 +13,9 @@ from ev_papers.dissertation.studies.printed import gains
 from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
 from ev_sim.figures.figure import Figure, new_figure
 from ev_sim.measures.metric import Metric, mean_over_seeds
+from ev_sim.profiles.profile import LISTED
 from ev_sim.report.tables import text_table
-from ev_sim.scenarios.cycle import LISTED
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 _OURS, _PRINTED = STROKES[0][0], STROKES[1][0]
 

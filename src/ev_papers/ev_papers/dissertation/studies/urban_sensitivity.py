@@ -13,8 +13,7 @@ from ev_papers.dissertation.studies.five_methods import judged_quantity
 from ev_sim.figures.figure import Figure
 from ev_sim.measures.metric import Metric, mean_over_seeds
 from ev_sim.report.tables import text_table
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 from ev_sim.surfaces.table import SURFACES
 
 ABOUT = "Dissertation, five methods - what the wheel efficiencies hang on, one assumption changed at a time"

@@ -21,7 +21,7 @@ from ev_sim.driver.preview.speed_plan import (
 )
 from ev_sim.driver.preview.steering import Preview, PreviewState, look_ahead, preview_of
 from ev_sim.driver.steering import AngleControlState, turn_to_angle
-from ev_sim.profiles.speed_profile import with_speed_profile_from_file
+from ev_sim.profiles.profile import with_speed_profile_from_file
 
 
 @dataclass(frozen=True, slots=True)

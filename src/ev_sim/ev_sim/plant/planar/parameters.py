@@ -9,7 +9,7 @@ from ev_core.faults.fault import faults_parameter
 from ev_core.parameters.declaration import group, parameter, setting
 from ev_sim.drives.drive import DRIVES, DriveParameters
 from ev_sim.plant.planar.car_faults import PunctureParameters
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, with_profile_from_file
+from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
 from ev_sim.surfaces.road import RoadParameters
 
 TORQUE_CONTROLLED = len(DRIVES)
