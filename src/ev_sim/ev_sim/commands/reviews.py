@@ -21,9 +21,9 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.command_line.options import add_changes, add_outputs, command_of, overrides
 from ev_sim.command_line.refusal import Parser
-from ev_sim.recording.files_of_run import PAGE, PARAMETERS, SIGNALS, SUMMARY
+from ev_sim.recording.files_of_run import PAGE, SIGNALS, SUMMARY
 from ev_sim.recording.outcome import Outcome, bar_of_runs, progress_bar
-from ev_sim.recording.recording import load, save
+from ev_sim.recording.recording import load
 from ev_sim.replay.comparing import differences_of
 from ev_sim.replay.graph import Replay, replay_of
 from ev_sim.replay.outputs import Replayed, prepared, replay_folder
@@ -31,8 +31,7 @@ from ev_sim.replay.recorded import find_recorded
 from ev_sim.report.page.writing import Page, Signals, write_page
 from ev_sim.report.tables import WIDTH_OF_A_PIPE
 from ev_sim.running.manifest import stays_within
-from ev_sim.running.node_parameters import node_parameters, write_parameter_file
-from ev_sim.running.offline import drive_offline
+from ev_sim.running.offline import run_offline_into
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, CaseResult, Measure
@@ -165,10 +164,7 @@ def _meant(role: str, text: str) -> tuple[str, list[str]]:
 def _play(replay: Replay, run: Run, folder: Path, command: list[str]) -> Outcome:
     with progress_bar(f"replay of {replay.role}", run.duration) as progress:
         if not command:
-            write_parameter_file(folder / PARAMETERS, run, node_parameters(run, folder, bag=False))
-            outcome = drive_offline(run, progress)
-            save(outcome.recording, folder / SIGNALS)  # which else the recorder does
-            return outcome
+            return run_offline_into(run, folder, False, progress)
         from ev_sim.running.processes import run_in_processes
 
         return run_in_processes(run, folder, False, progress, {replay.role: command})

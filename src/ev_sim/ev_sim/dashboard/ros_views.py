@@ -93,15 +93,11 @@ class RosViews:
         self._send("/tf", lambda kind: kind(transforms=_transforms(stamp, at, car)))
         self._send("odometry", lambda kind: _odometry(kind(), stamp, at))
         if f"tire_forces.longitudinal_force.{WHEEL_NAMES[0]}" in at:
-            marker = self._marker()
-            self._send("tyre_force_markers", lambda kind: kind(markers=_arrows(marker, stamp, at, car)))
+            self._send("tyre_force_markers", lambda kind: kind(markers=_arrows(stamp, at, car)))
 
     def _send(self, name: str, make: Callable[[Any], Any]) -> None:
         if name in self._publishers:
             self._publishers[name].publish(make(self._classes[name]))
-
-    def _marker(self) -> Any:
-        return message_class("visualization_msgs/msg/Marker") if "tyre_force_markers" in self._classes else None
 
 
 def _headed(message: Any, stamp: Mapping[str, int], frame: str) -> Any:
@@ -139,8 +135,9 @@ def _odometry(message: Any, stamp: Mapping[str, int], at: Mapping[str, float]) -
     return message
 
 
-def _arrows(kind: Any, stamp: Mapping[str, int], at: Mapping[str, float], car: Vehicle) -> list[Any]:
+def _arrows(stamp: Mapping[str, int], at: Mapping[str, float], car: Vehicle) -> list[Any]:
     """Force of the road on each tyre, in the axes of the wheel; 1 m is 2/3 of a mean wheel load, as on the page."""
+    kind = message_class("visualization_msgs/msg/Marker")
     per_metre = car.mass * GRAVITY / len(WHEEL_NAMES) / 1.5
     found = []
     for i, name in enumerate(WHEEL_NAMES):

@@ -11,7 +11,6 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.batches.batch import BatchResult
 from ev_sim.batches.batch import batch as batch_of
 from ev_sim.batches.observer import Reduction
-from ev_sim.profiles.profile import cycle_values
 from ev_sim.report.result import Result
 from ev_sim.running.offline import drive_offline
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
@@ -67,18 +66,14 @@ def overrides(
     cycle: str | PathLike[str] | None = None,
 ) -> Overrides:
     """What differs from a scenario's file; ParameterError for a name in `set` that has no dot."""
-    prepared, length = cycle_values(fspath(cycle)) if cycle is not None else ([], None)
     values: list[tuple[str, str, Any]] = [(node, "method", name) for node, name in (method or {}).items()]
     for place, value in (set or {}).items():
         node, _, parameter = place.partition(".")
         if not parameter:
             raise ParameterError(f"set: {quoted(place)} is refused, allowed is NODE.PARAMETER")
         values.append((node, parameter, value))
-    if seed is not None:
-        values.append(("*", "seed", seed))
-    duration = length if duration is None else duration
-    files = [Path(path) for path in params]
-    return Overrides(files, values, duration, fspath(vehicle) if vehicle else None, prepared)
+    car, of_cycle = fspath(vehicle) if vehicle else None, None if cycle is None else fspath(cycle)
+    return Overrides.of(values, seed, duration, car, [Path(path) for path in params], of_cycle)
 
 
 def only_run(scenario: str | PathLike[str], run: str, told: Overrides) -> Run:

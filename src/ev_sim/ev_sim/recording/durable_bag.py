@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
-from types import TracebackType
 from typing import ClassVar
 
 from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
@@ -100,10 +99,6 @@ class TwinWriter(Writer):
             self.storage = storage
         storage.committed()
 
-    def name_for_good(self) -> None:
-        """Let the next commit use the name that every bag has, NAME.mcap."""
-        self.storage.path = self.storage.final
-
     def finish(self) -> None:
         """Remove the spare; nothing can be written from now on."""
         self.storage.spare.unlink()
@@ -177,19 +172,14 @@ class DurableBag:
         """Leave a bag of one file, NAME.mcap, in the directory NAME."""
         if self._writer.storage is None:
             return
-        self._writer.name_for_good()
+        self._writer.storage.path = self._writer.storage.final  # the name that every bag has
         self._commit()
         self._writer.finish()
 
     def __enter__(self) -> DurableBag:
         return self
 
-    def __exit__(
-        self,
-        exception_type: type[BaseException] | None,
-        exception: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def _commit(self) -> None:

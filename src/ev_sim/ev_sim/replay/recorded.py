@@ -9,7 +9,7 @@ import resource
 import sys
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
@@ -151,28 +151,19 @@ def _room_at_most(more: int) -> Iterator[None]:
     A compressed chunk unfolds to any size, whatever it says, and a compressed file does on the disk. Only Linux keeps
     the limit of memory.
     """
-    files = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (_within(files[0], more), files[1]))
+    limits = {resource.RLIMIT_FSIZE: more}
+    if sys.platform == "linux":
+        taken = int(Path("/proc/self/statm").read_text().split()[5]) * resource.getpagesize()
+        limits[resource.RLIMIT_DATA] = taken + more
+    before = {kind: resource.getrlimit(kind) for kind in limits}
     try:
-        with _memory_limit(more) if sys.platform == "linux" else nullcontext():
-            yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, files)
-
-
-def _within(limit: int, most: int) -> int:
-    return most if limit == resource.RLIM_INFINITY else min(limit, most)
-
-
-@contextmanager
-def _memory_limit(more: int) -> Iterator[None]:
-    before = soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    most = int(Path("/proc/self/statm").read_text().split()[5]) * resource.getpagesize() + more
-    resource.setrlimit(resource.RLIMIT_DATA, (_within(soft, most), hard))
-    try:
+        for kind, most in limits.items():
+            soft, hard = before[kind]
+            resource.setrlimit(kind, (most if soft == resource.RLIM_INFINITY else min(soft, most), hard))
         yield
     finally:
-        resource.setrlimit(resource.RLIMIT_DATA, before)
+        for kind, limit in before.items():
+            resource.setrlimit(kind, limit)
 
 
 def _refuse_what_blocks(bag: Path) -> None:
@@ -303,10 +294,6 @@ def _of_signals(file: Path, told: ParameterFile | None) -> Recorded:
         raise ParameterError(f"{file}: its instants are not those of a control period from time zero on")
     topics = [TOPICS[signal] for signal in RECORDED if set(TOPICS[signal].channels) <= set(recording.channels)]
     there = np.ones(len(steps), bool)
-    return Recorded(file, namespace_of(told), period, recording, dict.fromkeys(topics, there), parameters=told)
-
-
-def namespace_of(told: ParameterFile | None) -> str:
-    """That of the nodes which a parameter file tells something."""
-    sections: Sequence[str] = list(told.sections) if told else []
-    return sections[0].rpartition("/")[0] if sections else NAMESPACE
+    sections = list(told.sections) if told else []
+    namespace = sections[0].rpartition("/")[0] if sections else NAMESPACE  # that of the nodes with parameters
+    return Recorded(file, namespace, period, recording, dict.fromkeys(topics, there), parameters=told)

@@ -153,14 +153,13 @@ def _judgement(metric: Metric, notes: list[str]) -> str:
 def html_of(metrics: Mapping[str, Metric], figures: Mapping[str, Figure], signal_hash: str) -> str:
     """A piece of HTML that needs nothing else."""
     table = f"<pre>{escape(metric_table(metrics))}\nsignal hash {signal_hash}</pre>"
-    return table + "".join(_image(name, figure) for name, figure in figures.items())
-
-
-def _image(name: str, figure: Figure) -> str:
-    file = io.BytesIO()
-    figure.savefig(file, format="png", dpi=DPI)
-    text = base64.b64encode(file.getvalue()).decode()
-    return f'<img alt="{escape(name)}" src="data:image/png;base64,{text}">'
+    images = []
+    for name, figure in figures.items():
+        file = io.BytesIO()
+        figure.savefig(file, format="png", dpi=DPI)
+        text = base64.b64encode(file.getvalue()).decode()
+        images.append(f'<img alt="{escape(name)}" src="data:image/png;base64,{text}">')
+    return "".join([table, *images])
 
 
 def quantile(histogram: Mapping[str, Any], share: float) -> float:

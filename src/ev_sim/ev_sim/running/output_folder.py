@@ -9,7 +9,6 @@ import os
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, nullcontext, suppress
 from pathlib import Path, PurePosixPath
-from types import TracebackType
 
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.refusal import ParameterError, quoted
@@ -59,7 +58,8 @@ class OutputFolder:
                 for folder in {self.of(run) for run in runs} - {self.directory}:
                     self._hold(folder, locks)
                 kept = mine.intersection(keeps)
-                self._remove(finished.keys() - kept)
+                for name in finished.keys() - kept:
+                    (self.directory / name).unlink()
                 self._move(sorted(set(unfinished) - kept))
                 self._prune([*map(glob.escape, mine), *claims], [self.of(run) for run in runs])
                 self._files: Files = {glob.escape(name): finished.get(name) for name in sorted(kept)}
@@ -87,9 +87,7 @@ class OutputFolder:
     def __enter__(self) -> OutputFolder:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
         # What somebody has put there while we drove is not ours, even if it has one of our names.
         theirs = {error.filename} if isinstance(error, FileExistsError) else set()
         with self._locks, suppress(OSError) if error else nullcontext():
@@ -171,10 +169,6 @@ class OutputFolder:
 
     def _refused(self, name: str, why: str) -> ParameterError:
         return ParameterError(f"{self._given}: {name} there {why}, allowed is another folder")
-
-    def _remove(self, names: Iterable[str]) -> None:
-        for name in names:
-            (self.directory / name).unlink()
 
     def _move(self, names: Sequence[str]) -> None:
         if not names:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -112,15 +111,10 @@ def said_by(file: ParameterFile) -> ScenarioParameters:
     """What the file of a scenario says; ParameterError if it is refused."""
     try:
         about = build(ScenarioParameters, file.values_for(f"{NAMESPACE}/{SCENARIO_NODE}", by_name=True))
-        refuse_unknown_report(about.report, about.metrics)
+        if about.report and about.report not in offered(REPORTS):
+            raise unknown_name("report", about.report, sorted(offered(REPORTS)))
+        for text in about.metrics:
+            parsed(text)  # refuses what is no metric
         return about
     except ParameterError as error:
         raise ParameterError(f"{file.path}: {error}") from None
-
-
-def refuse_unknown_report(report: str, metrics: Sequence[str]) -> None:
-    """ParameterError if a scenario names a report that there is not, or a metric of its own that is none."""
-    if report and report not in offered(REPORTS):
-        raise unknown_name("report", report, sorted(offered(REPORTS)))
-    for text in metrics:
-        parsed(text)

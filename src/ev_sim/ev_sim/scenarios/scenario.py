@@ -15,6 +15,7 @@ from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
+from ev_sim.profiles.profile import cycle_values
 from ev_sim.scenarios.about import (
     NAMESPACE,
     SCENARIO_NODE,
@@ -26,8 +27,6 @@ from ev_sim.scenarios.about import (
 )
 from ev_sim.scenarios.parameter_file import ParameterFile, matches
 from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
-
-_SPEED_PROFILE = "speed_profile."
 
 
 @dataclass(frozen=True)
@@ -67,6 +66,21 @@ class Overrides:
     duration: float | None = None
     vehicle: str | None = None
     prepared: Sequence[tuple[str, str, Any]] = ()
+
+    @classmethod
+    def of(
+        cls,
+        values: Sequence[tuple[str, str, Any]],
+        seed: int | None,
+        duration: float | None,
+        vehicle: str | None,
+        files: Sequence[Path],
+        cycle: str | None,
+    ) -> Overrides:
+        """Those with a seed of everything random and a speed cycle, whose duration counts where none is given."""
+        prepared, length = cycle_values(cycle) if cycle is not None else ([], None)
+        seeds = [] if seed is None else [("*", "seed", seed)]
+        return cls(files, [*values, *seeds], length if duration is None else duration, vehicle, prepared)
 
     @property
     def told(self) -> tuple[tuple[str, str, Any], ...]:
@@ -138,9 +152,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
 def _is_told(name: str, namespace: str, overrides: Overrides) -> bool:
     """Whether the command line or its files give a value to a parameter, NODE.PARAMETER."""
     role, _, parameter = name.partition(".")
-    files = (ParameterFile(path).values_for(f"{namespace}/{role}") for path in overrides.files)
-    told = (key for node, key, _ in overrides.told if node in ("*", role))
-    return parameter in told or any(parameter in values for values in files)
+    return parameter in _values(role, namespace, [*map(ParameterFile, overrides.files)], overrides)
 
 
 def _means_all(pattern: str, namespaces: Iterable[str]) -> bool:
@@ -185,7 +197,7 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
 
 def _refuse_unfollowed_speed(told: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
     """ParameterError for a speed over time, or a cycle, that is told where nobody ever follows one."""
-    names = [key for node, key, _ in told if node in ("*", "driver") and key.startswith(_SPEED_PROFILE)]
+    names = [key for node, key, _ in told if node in ("*", "driver") and key.startswith("speed_profile.")]
     if names and not any(map(_follows_a_speed, runs)):
         raise ParameterError(
             f"driver.{names[0]} is refused: the driver goes by the pedals from the start on, "

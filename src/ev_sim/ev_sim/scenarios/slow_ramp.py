@@ -97,15 +97,12 @@ def on_its_own_car(run: Run, own: Run, ramp: SlowRampParameters, found: dict[str
 
 def _car(run: Run) -> dict[str, Any]:
     """What the angle depends on: the car, its road, its speed."""
-    values = {
-        f"{role}.{name}" if role != MASTER else name: value
-        for role, configuration in run.configurations.items()
-        if role in (MASTER, "rear_steering")
-        for name, value in configuration.values().items()
-    }
     return {
         name: value
-        for name, value in values.items()
+        for role in (MASTER, "rear_steering")
+        if role in run.configurations
+        for short, value in run.configurations[role].values().items()
+        for name in [short if role == MASTER else f"{role}.{short}"]
         if name.startswith(_OF_THE_CAR) and name not in _HOW_A_ROAD_IS_DRAWN
     }
 

@@ -17,25 +17,15 @@ from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.panels import Curve, Panel
 from ev_sim.measures.metric import Metric, metric
-from ev_sim.report.tables import text_table
 from ev_sim.study.asr_measured import PERIOD
 from ev_sim.study.asr_measured import measure as measure
 from ev_sim.study.study import Case, Results
 
-
-@dataclass(frozen=True, slots=True)
-class Variant:
-    """A method of the role asr with other parameters than its own."""
-
-    method: str
-    values: tuple[tuple[str, Any], ...]
-
-
-VARIANTS = {
-    "least_squares_error_bound": Variant("least_squares", (("largest_error", 0.001),)),
-    "least_squares_square": Variant("least_squares", (("template", "square"),)),
-    "maximum_transmissible_torque_always": Variant("maximum_transmissible_torque", (("limits", "always"),)),
-    "slip_window_side_force": Variant("slip_window", (("side_force.correction", "ellipse"),)),
+VARIANTS = {  # methods of the role asr with another parameter than their own
+    "least_squares_error_bound": ("least_squares", "largest_error", 0.001),
+    "least_squares_square": ("least_squares", "template", "square"),
+    "maximum_transmissible_torque_always": ("maximum_transmissible_torque", "limits", "always"),
+    "slip_window_side_force": ("slip_window", "side_force.correction", "ellipse"),
 }
 
 
@@ -48,13 +38,10 @@ def controls() -> list[str]:
 
 def values_of(control: str) -> tuple[tuple[str, str, Any], ...]:
     """What a control is told, and the plant if it needs a certain one: (node, parameter, value)."""
-    variant = VARIANTS.get(control, Variant(control, ()))
-    plant = find_method("asr", variant.method).requires.get(MASTER)
-    return (
-        ("asr", "method", variant.method),
-        *(("asr", parameter, value) for parameter, value in variant.values),
-        *(((MASTER, "method", plant),) if plant else ()),
-    )
+    method, *changed = VARIANTS.get(control, (control,))
+    plant = find_method("asr", method).requires.get(MASTER)
+    values = [("asr", "method", method), *([("asr", *changed)] if changed else [])]
+    return (*values, (MASTER, "method", plant)) if plant else tuple(values)
 
 
 STRAIGHT, BEND = 5.0, 200.0  # lengths of a path with a bend [m]
@@ -73,26 +60,20 @@ class Situation:
 
     def values(self) -> tuple[tuple[str, str, Any], ...]:
         """What differs from the scenario's own file."""
-        return (
+        values = [
             ("driver", "pedals.time", [0.0, 0.5, 0.7, 1.5]),
             ("driver", "pedals.drive_torque", [0.0, 0.0, 0.2 * self.torque, self.torque]),
             ("driver", "pedals.brake_torque", [1000.0, 1000.0, 0.0, 0.0]),  # holds the car on the hill
             ("plant", "road.left", list(self.left)),
             ("plant", "road.right", list(self.right or self.left)),
             ("plant", "road.grade", [self.grade]),
-            *(
-                [("plant", "road.pattern", "segments"), ("plant", "road.length", list(self.lengths))]
-                * bool(self.lengths)
-            ),
-            *(
-                [
-                    ("driver", "path.shape", "arcs"),
-                    ("driver", "path.length", [STRAIGHT, BEND]),
-                    ("driver", "path.curvature", [0.0, self.curvature]),
-                ]
-                * bool(self.curvature)
-            ),
-        )
+        ]
+        if self.lengths:
+            values += [("plant", "road.pattern", "segments"), ("plant", "road.length", list(self.lengths))]
+        if self.curvature:
+            values += [("driver", "path.shape", "arcs"), ("driver", "path.length", [STRAIGHT, BEND])]
+            values.append(("driver", "path.curvature", [0.0, self.curvature]))
+        return tuple(values)
 
 
 SITUATIONS = {
@@ -131,6 +112,7 @@ QUANTITIES = {  # what is measured -> heading of its column and digits
     "recovery": ("torque back after [s]", 2),
 }
 COLUMNS = ("road", "asr", *(heading_ for heading_, _ in QUANTITIES.values()))
+LEFT = 2
 SUMS = ("distance_", "mean_slip_", "slip_energy_", "false_triggers_")
 
 
@@ -197,11 +179,6 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
         return tuple(shown(of.get(key), digits) for key, (_, digits) in QUANTITIES.items())
 
     return [(*name.split(": "), *numbers(result.measured)) for name, result in results.items()]
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

@@ -17,7 +17,6 @@ from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
-from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results
 
@@ -95,16 +94,9 @@ ABOUT = (
 )
 ROLE, DRAWN = "electronic_differential", "power_steering"
 OFF, LIMP = "off", "limp_home"
-COLUMNS = (
-    "fault",
-    "law",
-    "asr",
-    *(
-        f"{road}: {what}"
-        for road in ROADS
-        for what in ("path error [m]", "yaw rate error [deg/s]", "sideslip [deg]", "safe")
-    ),
-)
+_ON_A_ROAD = ("path error [m]", "yaw rate error [deg/s]", "sideslip [deg]", "safe")
+COLUMNS = ("fault", "law", "asr", *(f"{road}: {what}" for road in ROADS for what in _ON_A_ROAD))
+LEFT = 3
 SUMS = ("safe_",)
 SHORTEST = BEGIN
 
@@ -198,15 +190,8 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 
 
 def _cells(given: argparse.Namespace, measured: Mapping[str, Any]) -> tuple[str, ...]:
-    safe = "yes" if is_safe(given, measured) else "no"
-    return (
-        f"{measured['path_error']:.2f}", f"{measured['yaw_rate_error']:.1f}", f"{measured['sideslip']:.1f}", safe
-    )  # fmt: skip
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:3])
+    numbers = (f"{measured[name]:.{n}f}" for name, n in (("path_error", 2), ("yaw_rate_error", 1), ("sideslip", 1)))
+    return (*numbers, "yes" if is_safe(given, measured) else "no")
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

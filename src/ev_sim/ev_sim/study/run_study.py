@@ -20,7 +20,7 @@ from ev_sim.measures.metric import Metric
 from ev_sim.recording.files_of_run import OF_ALL_RUNS, PAGE, SUMMARY
 from ev_sim.recording.outcome import RunFailed, bar_of_runs
 from ev_sim.report.summary import versions, write_summary
-from ev_sim.report.tables import TABLES, print_metrics, write_tables
+from ev_sim.report.tables import TABLES, print_metrics, text_table, write_tables
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Overrides, refuse_unused_values
@@ -206,14 +206,21 @@ def _summed_up(
 ) -> tuple[dict[str, Metric], dict[str, Figure], str, Any]:
     """Metrics, figures, tables and, if the study has it, the table for files; RunFailed if a case lacks for them."""
     try:
-        metrics, figures = study.metrics(given, results), study.figures(given, results)
+        figures = study.figures(given, results) if hasattr(study, "figures") else {}
         table = study.table(given, results) if hasattr(study, "table") else None
-        return metrics, figures, study.tables(given, results), table
+        return study.metrics(given, results), figures, printed(study, given, results), table
     except Exception as error:
         lacking = next((result for result in results.values() if result.refused), None)
         if lacking is None or isinstance(error, ParameterError):
             raise
         raise RunFailed(f"this study needs all of its cases; {lacking.name}: {lacking.refused}") from error
+
+
+def printed(study: Study, given: argparse.Namespace, results: Results) -> str:
+    """What a study prints above its metrics, as aligned text; may be empty."""
+    if hasattr(study, "tables"):
+        return study.tables(given, results)
+    return text_table(study.COLUMNS, study.rows(given, results), left=study.COLUMNS[: getattr(study, "LEFT", 1)])
 
 
 def _print_notes(results: Sequence[CaseResult]) -> None:

@@ -12,7 +12,6 @@ from typing import Any, Protocol
 
 from ev_core.methods.offered import offered, offered_module
 from ev_msgs_py.refusal import unknown_name
-from ev_sim.figures.figure import Figure
 from ev_sim.measures.metric import Metric, NotMeasured
 from ev_sim.recording.recording import Recording, signal_hash
 from ev_sim.recording.truth import true_motion
@@ -123,14 +122,14 @@ class Study(Protocol):
     def rows(self, given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
         """The table that a page of the documentation shows."""
 
-    def tables(self, given: argparse.Namespace, results: Results) -> str:
-        """What is printed above the metrics, as aligned text; may be empty."""
-
-    # A study may also have `table(given, results)`, whose columns and rows of values are kept as files, and `SHORTEST`,
-    # the least simulated time with which there is anything to measure [s].
-
-    def figures(self, given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-        """Figures by the name of their file without suffix."""
+    # A study may also have
+    #
+    # - `figures(given, results)`, by the name of their file without suffix,
+    # - `tables(given, results)`, the text that is printed above the metrics; without it these are its rows below
+    #   COLUMNS, of which the first LEFT ones are set to the left,
+    # - `table(given, results)`, whose columns and rows of values are kept as files,
+    # - `variations(given)`, by NODE.PARAM the values that it varies itself,
+    # - `SHORTEST`, the least simulated time with which there is anything to measure [s].
 
 
 def study_names() -> list[str]:

@@ -63,14 +63,6 @@ def pack(values: np.ndarray, planes: int, step: float | None = None) -> Packed:
     return Packed(text, low, step, len(values), planes)
 
 
-def unpack(packed: Packed) -> np.ndarray:
-    """The values (count,), NaN where there is a gap, as the page computes them."""
-    raw = np.frombuffer(zlib.decompress(base64.b64decode(packed.text)), np.uint8)
-    rows = raw.reshape(packed.planes, packed.count).astype(np.int64)
-    codes = np.cumsum(sum(row << 8 * plane for plane, row in enumerate(rows))) & (256**packed.planes - 1)
-    return np.where(codes == GAP, np.nan, packed.low + (codes - 1) * packed.step)
-
-
 def envelope(run: Recording, every: int) -> Recording:
     """Two samples of each 2 `every`: lowest and highest of every channel, in the order in which they came.
 
