@@ -14,8 +14,6 @@ from ev_core.bus.database_file import load_database
 from ev_core.bus.model import SENT
 from ev_core.bus.parameters import CIRCUITS
 from ev_core.lockstep.configuration import Configuration
-from ev_core.lockstep.parts import compiled_parts
-from ev_core.lockstep.run import call
 from ev_core.parameters.record import names
 from ev_msgs_py.can.payload import joined
 from ev_msgs_py.contract import frame
@@ -58,6 +56,9 @@ def write_can_log(log: BusLog, recording: Recording, bench: Configuration) -> st
 
 def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[LoggedFrame], float]:
     """The frames on the wire, one after the other as they end, and until when [s] the bench is the recorded one."""
+    from ev_core.lockstep.parts import compiled_parts  # numba is slow to import
+    from ev_core.lockstep.run import call
+
     layouts = {c: channel_layouts(load_database(bench.parameters.bus.database), c) for c in CIRCUITS}
     rate = bench.parameters.bus.bit_rate
     counts = {c: names(CanCircuitsState()).index(f"line_{c}.channel.sent_count") for c in CIRCUITS}

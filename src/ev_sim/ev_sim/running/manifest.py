@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 from ev_core.parameters.data_file import TABLE, read_data
 from ev_sim.recording.files_of_run import atomic_file
 
-NAME = "ev_stack_manifest.json"
+MANIFEST = "ev_stack_manifest.json"
 _FORMAT = 1
 
 # Path below the folder -> SHA-256; or the pattern of files that are being written -> None.
@@ -22,7 +22,7 @@ Files = dict[str, str | None]
 
 def read_manifest(folder: Path) -> dict[str, Files]:
     """The files of each command by its name; ValueError if there is something else of that name."""
-    path = folder / NAME
+    path = folder / MANIFEST
     if not os.path.lexists(path):
         return {}
     if not is_file(path):
@@ -50,7 +50,7 @@ def stays_within(name: str) -> bool:
 
 def write_manifest(folder: Path, written: Mapping[str, Files]) -> None:
     """Replace the manifest of a folder."""
-    with atomic_file(folder / NAME, replaces=True) as file:
+    with atomic_file(folder / MANIFEST, replaces=True) as file:
         file.write(json.dumps({"format": _FORMAT, "written": written}, indent=1).encode() + b"\n")
 
 

@@ -14,8 +14,7 @@ from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_sim.recording.files_of_run import _BEFORE_RESET, BAG, LOG, PARAMETERS, RECORDED
 from ev_sim.recording.outcome import announce
-from ev_sim.running import manifest
-from ev_sim.running.manifest import Files, content, digest_of, is_file, is_folder, there
+from ev_sim.running.manifest import MANIFEST, Files, read_manifest, write_manifest, stays_within, content, digest_of, is_file, is_folder, there
 from ev_sim.scenarios.scenario import Run
 
 
@@ -111,12 +110,12 @@ class OutputFolder:
 
     def _manifest(self) -> dict[str, Files]:
         try:
-            return manifest.read_manifest(self.directory)
+            return read_manifest(self.directory)
         except (ValueError, RecursionError):
-            raise self._refused(manifest.NAME, "is not a manifest of ours") from None
+            raise self._refused(MANIFEST, "is not a manifest of ours") from None
 
     def _write(self, files: Files) -> None:
-        manifest.write_manifest(self.directory, {**self._others, **({self._writer: files} if files else {})})
+        write_manifest(self.directory, {**self._others, **({self._writer: files} if files else {})})
 
     def _finished(self, before: Files) -> Files:
         """What is as the writer has left it; a file that the user has removed is simply gone."""
@@ -141,7 +140,7 @@ class OutputFolder:
         """ParameterError if a name is taken by what is not `mine`, or its folder, which is ours alone, holds such."""
         places = set()
         for pattern in claims:
-            if not manifest.stays_within(pattern):
+            if not stays_within(pattern):
                 raise ParameterError(
                     f"{self._given}: {quoted(pattern)} is refused, allowed is the name of a file there"
                 )
