@@ -81,7 +81,7 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
     if not file or run.realtime:  # in real time the node that speaks on the bus writes its log
         return _driven(run, directory, given)
     from ev_core.bus.channel import BusLog
-    from ev_sim.recording.can_log import write_can_log
+    from ev_sim.recording.truth import write_can_log
 
     try:
         log = BusLog(str(directory / file))

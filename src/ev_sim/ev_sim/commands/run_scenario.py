@@ -65,6 +65,11 @@ def main(argv: list[str] | None = None) -> None:
         refuse(f"out of memory{why}")
 
 
+def list_all(argv: list[str]) -> None:
+    """ev-stack list"""
+    main(["--list", *argv])
+
+
 def _out_of_memory(error: BaseException | None) -> str | None:
     """What an error says besides that memory is short, as that of a library not loaded; None if it has other causes."""
     while error is not None and not isinstance(error, MemoryError):
