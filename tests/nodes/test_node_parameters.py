@@ -19,7 +19,7 @@ from ev_core.parameters.declaration import entries
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES
 from ev_sim.recording.run_recorder import RecorderParameters
-from ev_sim.running.told import Told
+from ev_sim.running.node_reports import NodeReports as Told
 
 pytestmark = pytest.mark.slow
 

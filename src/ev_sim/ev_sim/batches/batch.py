@@ -35,7 +35,7 @@ _SEED = entries_by_name(CommonParameters)["seed"]
 class Variation:
     """What differs from run to run; names are ROLE.PARAMETER, or *.PARAMETER for all roles.
 
-    `runs` is their number by role where initial states say it. ParameterError for unknown names, for what cannot
+    `runs` is their number by role where initial states give it. ParameterError for unknown names, for what cannot
     differ, and if the numbers of values are not the same.
     """
 
@@ -47,8 +47,8 @@ class Variation:
         lengths = {name: len(column) for name, column in columns.items()}
         lengths.update({f"initial_states of {role}": count for role, count in runs.items()})
         if len(set(lengths.values())) > 1:
-            said = ", ".join(f"{name} {length}" for name, length in lengths.items())
-            raise ParameterError(f"numbers of runs differ: {said}; allowed is one number of values for all")
+            listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
+            raise ParameterError(f"numbers of runs differ: {listed}; allowed is one number of values for all")
         self.names = tuple(columns)
         self.runs = next(iter(lengths.values()), 1)
         self._by_role: dict[str, dict[str, Sequence[Any]]] = {role: {} for role in configurations}
@@ -153,7 +153,7 @@ class Runs:
             _refuse_states(role, states, made[role].state.size)
 
     def drive_some(self, runs: Iterable[int]) -> dict[int, str]:
-        """Drive some of the runs; the answer names those in which a number was not finite, says when and which one."""
+        """Drive some of the runs; the answer has those in which a number was not finite, with when and which one."""
         return {run: text for run in runs if (text := self._drive(run))}
 
     def _drive(self, run: int) -> str:

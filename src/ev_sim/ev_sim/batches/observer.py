@@ -84,9 +84,9 @@ P = types.voidptr
 @cfunc(types.int32(P, P, P, P), error_model="numpy")
 def step(now, next, state, constants):
     head = carray(constants, {HEAD}, FLOAT)
-    told = carray(constants, {HEAD} + int(head[1] + 2.0 * head[2]), FLOAT)
+    asked = carray(constants, {HEAD} + int(head[1] + 2.0 * head[2]), FLOAT)
     kept = carray(state, 1 + int(head[2] + head[1] * head[3]), FLOAT)
-    observe(carray(now, {frame.SIZE}, FLOAT), kept, told)
+    observe(carray(now, {frame.SIZE}, FLOAT), kept, asked)
     return 0
 '''
 
@@ -105,10 +105,10 @@ class Observation:
     ) -> None:
         places = frame.channels()
         self._samples = (instants - 1) // every + 1
-        told = [every, len(channels), len(reductions), self._samples, *(places[name] for name in channels)]
+        asked = [every, len(channels), len(reductions), self._samples, *(places[name] for name in channels)]
         for reduction in reductions:
-            told += [reduction.kind, places[reduction.channel]]
-        self._constants = np.array(told, float)
+            asked += [reduction.kind, places[reduction.channel]]
+        self._constants = np.array(asked, float)
         self._channels, self._head = channels, 1 + len(reductions)
         self._kept = np.full((runs, self._head + len(channels) * self._samples), np.nan)
         self._kept[:, : self._head] = 0.0

@@ -67,7 +67,7 @@ def add_changes(parser: argparse.ArgumentParser) -> None:
 
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:
-    """Declare the options that say what a run or a study leaves behind besides its summary."""
+    """Declare the options of what a run or a study leaves behind besides its summary."""
     parser.add_argument(
         "--figures", type=_formats, default=(), metavar="pdf,svg", help="figures also so, as wide as a paper's column"
     )
@@ -101,7 +101,7 @@ def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
 
 
 def overrides(given: argparse.Namespace) -> Overrides:
-    """What the command line says beyond the files; ParameterError, in one line, for words without NODE, name or =."""
+    """What the command line sets beyond the files; ParameterError, in one line, for words without NODE, name or =."""
     values: list[tuple[str, str, Any]] = []
     for word in getattr(given, "method", ()):
         node, name = _split(word, "=", "--method", "NODE=NAME")

@@ -52,7 +52,7 @@ def _sharing(methods: Iterable[Method]) -> list[list[tuple[str, str]]]:
 
 
 def _cost(group: list[Method]) -> tuple[bool, int, int]:
-    """What says roughly how long methods take: whether they are heavy, how many they are, how much they read."""
+    """A rough order of how long methods take: whether they are heavy, how many they are, how much they read."""
     read = [places(signal) for signal in group[0].reads if signal in PLACES]
     return group[0].law.heavy, len(group), sum(map(len, read))
 

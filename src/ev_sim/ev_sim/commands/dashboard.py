@@ -34,7 +34,7 @@ def main(argv: list[str] | None = None) -> None:
     try:
         with _domain(bool(words)) as domain, _run_of(words, domain) as run:
             ended = asyncio.run(attached(given.namespace, domain, given.port, run))
-            if run is not None and ended is None:  # Ctrl-C: the run says so itself
+            if run is not None and ended is None:  # Ctrl-C: the run prints that itself
                 run.send_signal(signal.SIGINT)
     except RunFailed as error:
         refuse(error)

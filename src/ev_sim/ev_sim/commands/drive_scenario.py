@@ -78,7 +78,7 @@ def _can_be_loaded() -> bool:
 def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
     gateway = run.configurations.get("inverter_gateway")
     file = gateway.parameters.bus.log if gateway else ""
-    if not file or run.realtime:  # in real time the node that speaks on the bus writes its log
+    if not file or run.realtime:  # in real time the node that sends on the bus writes its log
         return _driven(run, directory, given)
     from ev_core.bus.channel import BusLog
     from ev_sim.recording.truth import write_can_log

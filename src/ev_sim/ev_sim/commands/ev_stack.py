@@ -32,7 +32,10 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
         "a car or a law as an FMU (FMI 2.0 co-simulation): ev-stack fmu SCENARIO --out NAME.fmu",
     ),
     "urdf": ("exports.print_urdf", "a car as URDF, for RViz and Foxglove: ev-stack urdf VEHICLE"),
-    "parameters": ("exports.write_parameters", "what the nodes of a run are told, as files, and how they are started"),
+    "parameters": (
+        "exports.write_parameters",
+        "all parameters of the nodes of a run, as files, and how they start",
+    ),
     "visualization": ("graph.visualize", "tf, odometry and markers of tyre forces beside a run, for RViz and Foxglove"),
     "dashboard": ("dashboard.main", "a local page: live signals, the car from above, parameters, time"),
     "header": ("exports.print_header", "ev_laws.h, the interface of laws in C and C++"),
@@ -57,7 +60,7 @@ def main() -> None:
 
 
 def perform(words: Sequence[str]) -> None:
-    """Do what the words of a command line say; SystemExit, KeyboardInterrupt."""
+    """Do what the words of a command line ask for; SystemExit, KeyboardInterrupt."""
     if not words or words[0] in ("-h", "--help"):
         print("ev-stack COMMAND [options]; COMMAND is one of")
         for name, (_, about) in COMMANDS.items():

@@ -45,8 +45,8 @@ def print_urdf(argv: list[str]) -> None:
 
 
 _ABOUT_PARAMETERS = """
-ev-stack parameters SCENARIO: what every node of a run is told, as a ROS parameter file, and how it is started. For who
-starts nodes by other means than scripts/run.sh, such as launch files (launch/scenario.launch.py).
+ev-stack parameters SCENARIO: all parameters of every node of a run, as a ROS parameter file, and how it is started. For
+starting nodes by other means than scripts/run.sh, such as launch files (launch/scenario.launch.py).
 """
 
 
@@ -76,8 +76,8 @@ def write_parameters(argv: list[str]) -> None:
     except (ParameterError, RunFailed, LookupError, OSError) as error:
         refuse(error)
     layout = config_folders()[-1] / "layouts" / "car.rviz"
-    told = {"namespace": run.namespace, "parameters": str(file), "nodes": started, "rviz": str(layout)}
-    print(json.dumps(told, indent=2))
+    started_by = {"namespace": run.namespace, "parameters": str(file), "nodes": started, "rviz": str(layout)}
+    print(json.dumps(started_by, indent=2))
 
 
 def export_fmu(argv: list[str]) -> None:
@@ -141,7 +141,7 @@ def _section(name: str) -> dict[str, Any]:
 
 
 def _entries(role: str) -> list[Entry]:
-    """All that a node of a role may be told, whatever its method."""
+    """All parameters that a node of a role may have, whatever its method."""
     found = {entry.name: entry for method in methods_of(role).values() for entry in entries(method.parameters)}
     rest = [*entries(CommonParameters), *(entries(MasterParameters) if role == MASTER else ())]
     rest += entries(sensors_for(ROLES[role].writes), "sensors.")

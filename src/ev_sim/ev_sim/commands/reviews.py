@@ -53,7 +53,7 @@ def _parser(name: str, about: str) -> Parser:
 
 
 def run_verdicts(argv: Sequence[str]) -> None:
-    """Drive, judge, print and write; raises what `ev_sim.commands.run_scenario.main` catches."""
+    """Drive, judge, print and write."""
     parser = _parser("verdicts", "drive what the verdicts on all published numbers need, and print and write them.")
     parser.add_argument("--only", nargs="+", default=[], metavar="SOURCE", help="sources, ids or beginnings of ids")
     parser.add_argument("--quick", action="store_true", help="leave out what takes more than a few seconds to drive")
@@ -92,7 +92,7 @@ def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> l
 
 
 def run_figures(argv: Sequence[str]) -> None:
-    """Drive, draw and write; raises what `ev_sim.commands.run_scenario.main` catches."""
+    """Drive, draw and write."""
     parser = _parser("figures", "draw every panel of the sources in its quantity and axes, on one page.")
     parser.add_argument("--only", nargs="+", default=[], metavar="SOURCE", help="sources")
     given = parser.parse_args(argv)
@@ -116,7 +116,7 @@ def run_figures(argv: Sequence[str]) -> None:
 
 
 def run_replay(argv: Sequence[str]) -> None:
-    """Replay one role of a recorded run, say what differs, and write it; raises what `run_scenario.main` catches."""
+    """Replay one role of a recorded run, and print and write what differs."""
     parser = _parser("replay", "recorded inputs into a law or a node, its answers beside the recorded ones.")
     parser.add_argument("bag", type=Path, metavar="BAG", help="a bag, the folder of a run, or its signals.npz")
     parser.add_argument(

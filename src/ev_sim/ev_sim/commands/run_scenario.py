@@ -23,8 +23,8 @@ REVIEWS = {  # commands of their own, run_NAME of `reviews`
     "replay": "recorded inputs into a law or a node, and where its answers differ from the recorded ones",
     "figures": "every panel of the sources' figures, drawn from our runs, on one page",
 }
-_NOT_READ = 141  # what a shell says of a command whose output nobody reads any more
-_NOT_LOADED = "failed to map segment"  # what the loader says of a library for which there is no memory
+_NOT_READ = 141  # the status of a command whose output nobody reads any more
+_NOT_LOADED = "failed to map segment"  # in the words of the loader: there is no memory for a library
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -52,7 +52,7 @@ def main(argv: list[str] | None = None) -> None:
 
             drive_scenario(given)
         sys.stdout.flush()
-    except BrokenPipeError:  # who reads, such as `head`, has seen enough; at its end Python would write the rest again
+    except BrokenPipeError:  # the reader, such as `head`, has seen enough; at its end Python would write the rest again
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(_NOT_READ)
     except (ParameterError, SignalError, RunFailed, OSError) as error:
@@ -71,7 +71,7 @@ def list_all(argv: list[str]) -> None:
 
 
 def _out_of_memory(error: BaseException | None) -> str | None:
-    """What an error says besides that memory is short, as that of a library not loaded; None if it has other causes."""
+    """What a lack of memory has prevented, such as to load a library; None if an error has other causes."""
     while error is not None and not isinstance(error, MemoryError):
         if _NOT_LOADED in str(error):
             return ": " + next(line for line in str(error).splitlines() if _NOT_LOADED in line)

@@ -31,7 +31,7 @@ _KINDS = {
     Parameter.Type.INTEGER: int,
     Parameter.Type.BOOL: bool,
     Parameter.Type.STRING: str,
-}  # all others are arrays: an empty one does not tell of what
+}  # all others are arrays: the kind of an empty one is not known
 
 
 def line(text: str, refused: bool) -> dict[str, Any]:
@@ -88,7 +88,7 @@ class Controls:
     def __init__(self, context: Context, namespace: str, name: str, tell: Tell) -> None:
         # A node of its own: the executor, which only services need, would take the messages of another one.
         node = Node(name, context=context, namespace=namespace, start_parameter_services=False, enable_rosout=False)
-        self.nodes: dict[str, dict[str, Any]] = {}  # by name, what was told of the parameters of the present nodes
+        self.nodes: dict[str, dict[str, Any]] = {}  # by name, the message with the parameters of the present nodes
         self._node, self._tell = node, tell
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(node)

@@ -1,6 +1,6 @@
-"""What is heard of a running graph: the newest numbers of all topics as one row, and what nodes report in /diagnostics.
+"""What comes from a running graph: the newest numbers of all topics as one row, and what nodes report in /diagnostics.
 
-The graph tells of whom a report is, and anybody may call himself so.
+The graph knows of whom a report is, and any node may take that name.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _MOST = 1000  # different ones that are remembered
 
 
 class Reported:
-    """Hears the nodes of a graph whose names are those of roles."""
+    """Takes the reports of nodes whose names are those of roles."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -46,14 +46,14 @@ class Reported:
         self._reader = Reader(node, DiagnosticArray, "/diagnostics", self._note, self)
 
     def look(self) -> list[tuple[str, bool]]:
-        """What was said since the last look, and whether it was about time alone; anything else is told once."""
+        """What was reported since the last look, and whether it was about time alone; anything else is given once."""
         while (message := self._reader.take(HELD)) is not None:
             self._reader.receive(message)
         new, self._new = self._new, []
         return new
 
     def admits(self, info: Mapping[str, Any]) -> bool:
-        """Whether a report is one of a node with the name of a role, as the graph tells it."""
+        """Whether a report is one of a node with the name of a role, by what the graph knows."""
         gid = (info.get("publisher_gid") or {}).get("data")
         if gid not in self._names:
             self._names = {
@@ -88,7 +88,7 @@ _TELLS_TIME = BodyVelocity  # of the master, at every instant: one topic never g
 
 
 class LiveFrames:
-    """Hears all topics; `refuse` is told, with a key that names the cause, of messages that are not taken.
+    """Takes all topics; `refuse` is called, with a key that names the cause, for messages that are not taken.
 
     With the `vehicle` of the plant the rows also hold what the car seen from above needs.
     """
@@ -138,7 +138,7 @@ class LiveFrames:
         return True
 
     def take_car(self, message: Mapping[str, Any]) -> None:
-        """Take car and control period over where `Controls` tells the parameters of the plant."""
+        """Take car and control period over where `Controls` gives the parameters of the plant."""
         if (message["kind"], message.get("node")) != ("node", MASTER):
             return
         values = {each["name"]: each["value"] for each in message["parameters"]}

@@ -17,7 +17,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.wire.layout import message_class
 from ev_sim.report.page.top_view import PREFIX, car_of
 
-_HEIGHT, _OVERHANG = 1.0, 1.35  # m, of the body that is drawn; the vehicle file says nothing of its looks
+_HEIGHT, _OVERHANG = 1.0, 1.35  # m, of the body that is drawn; the vehicle file has nothing about its looks
 _WIDTH = 0.64  # of a wheel that is drawn, over its radius
 
 
@@ -61,13 +61,13 @@ TOPICS = {  # name -> type; relative ones stand in the namespace of the graph
     "robot_description": "std_msgs/msg/String",
 }
 _ODOM, _BASE = "odom", "base_link"
-_HELD = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for who comes later
+_HELD = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for subscribers that come later
 _FORCE = (0.75, 0.16, 0.26, 1.0)  # colour
 _SHAFT, _HEAD = 0.04, 0.1  # m, diameters of an arrow
 
 
 class RosViews:
-    """Publishes the car of a row of values; `say` is told of each message package that is missing."""
+    """Publishes the car of a row of values; `say` gets a line on each message package that is missing."""
 
     def __init__(self, node: Node, say: Callable[[str], None]) -> None:
         self._publishers: dict[str, Any] = {}
@@ -83,7 +83,7 @@ class RosViews:
             self._publishers[name] = node.create_publisher(self._classes[name], name, quality)
 
     def publish(self, time: float, at: Mapping[str, float], car: Vehicle) -> None:
-        """Publish what the channels `at` an instant [s] say about a car; without a pose nothing but the car."""
+        """Publish what the channels `at` an instant [s] show of a car; without a pose nothing but the car."""
         if car != self._described:
             self._described = car
             self._send("robot_description", lambda kind: kind(data=urdf(car)))

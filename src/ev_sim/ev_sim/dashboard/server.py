@@ -154,7 +154,7 @@ _PATIENCE = 10.0  # s for a graph to be found to which we are to attach
 
 
 async def attached(namespace: str, domain: int, port: int, run: subprocess.Popen | None) -> str | None:
-    """Serve pages until the run has ended, and say so in words; None if Ctrl-C or SIGTERM came first.
+    """Serve pages until the run has ended, and return the reason in words; None if Ctrl-C or SIGTERM came first.
 
     Without a `run` of our own the graph has ended when its master of time has left. RunFailed if there is none.
     """
@@ -180,11 +180,11 @@ async def attached(namespace: str, domain: int, port: int, run: subprocess.Popen
             return None
         finally:
             dashboard.close()
-            await asyncio.sleep(0)  # so that the pages hear of it
+            await asyncio.sleep(0)  # so that the pages get it
 
 
 class _Dashboard:
-    """What is heard, what can be asked, and the pages that show it."""
+    """What comes from the graph, what can be asked, and the pages that show it."""
 
     def __init__(self, observer: Any, port: int) -> None:
         self.was_there = False

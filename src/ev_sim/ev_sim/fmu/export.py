@@ -39,8 +39,8 @@ class Content:
     def as_json(self) -> str:
         """All of it, and the versions that it was made with."""
         roles = {role: configuration.values() for role, configuration in self.run.configurations.items()}
-        said = {"name": self.run.name, "duration": self.run.duration, "law": self.law, "without": [*self.without]}
-        return json.dumps({**said, "versions": versions(), "roles": roles}, indent=1)
+        content = {"name": self.run.name, "duration": self.run.duration, "law": self.law, "without": [*self.without]}
+        return json.dumps({**content, "versions": versions(), "roles": roles}, indent=1)
 
 
 def versions() -> dict[str, str]:
@@ -49,17 +49,17 @@ def versions() -> dict[str, str]:
 
 
 def read_content(folder: Path) -> Content:
-    """What the file in a folder says; RuntimeError if this machine has other versions than it was made with."""
-    said: Mapping[str, Any] = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    """What the file in a folder holds; RuntimeError if this machine has other versions than it was made with."""
+    content: Mapping[str, Any] = json.loads((folder / FILE).read_text(encoding="utf-8"))
     here = versions()
-    others = [f"{name} {made}, here {here[name]}" for name, made in said["versions"].items() if here[name] != made]
+    others = [f"{name} {made}, here {here[name]}" for name, made in content["versions"].items() if here[name] != made]
     if others:
         raise RuntimeError(f"this FMU was made with {'; '.join(others)}: its numbers would not be the same")
     configurations: dict[str, Configuration] = {}
-    for role, values in said["roles"].items():
+    for role, values in content["roles"].items():
         configurations[role] = configure(role, values, MasterParameters if role == MASTER else None)
-    run = Run(said["name"], "", configurations, said["duration"])
-    return Content(run, said["law"], said["without"])
+    run = Run(content["name"], "", configurations, content["duration"])
+    return Content(run, content["law"], content["without"])
 
 
 _MODULE = '''"""An FMU of ev_sim; all about it is in {file}."""

@@ -22,15 +22,15 @@ class Slave(Fmi2Slave):
     """Steps a `Simulation` or a `SteppedLaw`; the content is in the folder of the resources.
 
     What is shown after a step is the instant to which it leads. A law shows what it answers to the inputs at the
-    beginning of the step: who couples it with a car steps the law first and hands its answer to the car for the step
-    of the same interval.
+    beginning of the step: coupled with a car, the law is to be stepped first, and its answer is the car's input for the
+    step of the same interval.
     """
 
     author = "EV Control Stack maintainers"
     license = "Apache-2.0"
 
-    def __init__(self, **told: Any) -> None:
-        super().__init__(**told)
+    def __init__(self, **given: Any) -> None:
+        super().__init__(**given)
         content = read_content(Path(self.resources))
         needs = ", ".join(f"{name} {number}" for name, number in versions().items())
         self.description = f"{content.law or 'car'} of {content.run.name}; needs Python with {needs} where it is run"
@@ -43,8 +43,8 @@ class Slave(Fmi2Slave):
         else:
             self._car = Simulation.of_run(content.run, content.without, record=False)
             read = {signal for role in self._car.kept for signal in content.run.configurations[role].method.reads}
-            heard = {name for signal in read if signal in TOPICS for name in TOPICS[signal].channels}
-            self._period, inputs = self._car.period, tuple(name for name in self._car.inputs if name in heard)
+            taken = {name for signal in read if signal in TOPICS for name in TOPICS[signal].channels}
+            self._period, inputs = self._car.period, tuple(name for name in self._car.inputs if name in taken)
             self._shown = self._car.frame
         self._given = dict.fromkeys(inputs, 0.0)
         self.default_experiment = DefaultExperiment(0.0, content.run.duration, stamps.to_seconds(self._period))
@@ -70,7 +70,7 @@ class Slave(Fmi2Slave):
         return set_value
 
     def to_xml(self, model_options: Mapping[str, Any] | None = None) -> Any:
-        """The description, with what PythonFMU does not say by itself.
+        """The description, with what PythonFMU leaves out.
 
         All outputs have a value before the first step; and a second instance in one process ends it in PythonFMU.
         """

@@ -5,7 +5,7 @@ from typing import Any
 
 
 def extra(module: str, name: str) -> Any:
-    """A module of an extra of ev_sim, which only some uses need; ImportError that says how to get it."""
+    """A module of an extra of ev_sim, which only some uses need; ImportError with how to get it."""
     try:
         return import_module(module)
     except ImportError as error:

@@ -76,9 +76,9 @@ def overrides(
     return Overrides.of(values, seed, duration, car, [Path(path) for path in params], of_cycle)
 
 
-def only_run(scenario: str | PathLike[str], run: str, told: Overrides) -> Run:
+def only_run(scenario: str | PathLike[str], run: str, changed: Overrides) -> Run:
     """One run of a scenario, whose name may be empty if there is one only; ParameterError that lists them if not."""
-    loaded = load_scenario(fspath(scenario), told, only=(run,) if run else ())
+    loaded = load_scenario(fspath(scenario), changed, only=(run,) if run else ())
     if len(loaded.runs) > 1:
         raise unknown_name(f"run of {loaded.name}", run, [each.name for each in loaded.runs])
     return loaded.runs[0]

@@ -94,7 +94,7 @@ def _channels(signals: Iterable[type]) -> list[str]:
 class SimulationState:
     """All that lasts between steps: number of the instant, its frame, and by role the seed and the states of its parts.
 
-    `of` says what it is the state of: control period [ns], numbers of a frame, and by role method, sensors and faults.
+    `of` names what it is the state of: control period [ns], numbers of a frame, and by role method, sensors and faults.
     """
 
     instant: int
@@ -266,16 +266,16 @@ class Simulation:
             if configurations[role].common.seed != seed:
                 configurations[role] = configurations[role].changed({"seed": seed})
                 parts[role] = compiled_parts(configurations[role])
-        told = [
+        states = [
             (role, part, state)
             for role in self.kept
             for part, state in zip(parts[role], saved.parts[role], strict=True)
         ]
-        for role, part, state in told:
+        for role, part, state in states:
             size, fits = np.size(state), np.size(part.state)
             if size != fits:
                 raise ParameterError(f"state: {role} had {size} numbers, here it has {fits}; allowed is as many")
-        for _, part, state in told:
+        for _, part, state in states:
             part.state = copy.deepcopy(state)
         self.configurations, self._parts = configurations, parts
         self._instant = saved.instant

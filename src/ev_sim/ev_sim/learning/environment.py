@@ -1,8 +1,8 @@
 """A Gymnasium environment around `ev_sim.Simulation`: any scenario, one role of it played by a learner.
 
-An action says whose place the learner takes, and how its numbers become what that role writes. Rewards that an
-environment has if nobody brings one are simple, bounded below by what a car can do badly. A reward is a function of the
-frame after the step, the action, and the action that stands for what the scenario's own law wrote at the same instant.
+An action names the role whose place the learner takes, and how its numbers become what that role writes. The rewards
+of its own are simple, bounded below by what a car can do badly. A reward is a function of the frame after the step, the
+action, and the action that stands for what the scenario's own law wrote at the same instant.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LARGEST_HAND_TORQUE = 20.0  # [N m], what two hands do in an emergency; drivers 
 
 @dataclass(frozen=True)
 class Action:
-    """A kind of action, in the place of a `role`; of what that role writes it says some `channels`.
+    """A kind of action, in the place of a `role`; of what that role writes it gives some `channels`.
 
     `bounds` gives lowest and highest values, (number of channels,) each, and `means` what is written for an action at
     an instant. `of_law` is the action that stands for what the law wrote.
@@ -152,7 +152,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     - `ends`: of the frame, whether the episode is over; without it, it lasts as long as the scenario, `duration`.
 
     `run` and `changed` are those of `ev_sim.Simulation`. The scenario's own law goes along: `info["own"]` is the action
-    that stands for what it says, and what no action says (brakes, pedals) is what it says. `info["frame"]` has all
+    that stands for its output, and what no action gives (brakes, pedals) is its output. `info["frame"]` has all
     channels of the instant. Everything random follows from the seed of `reset`; without one each episode has another.
 
     ParameterError, in one line, if something is refused; SignalError if a number becomes not finite.

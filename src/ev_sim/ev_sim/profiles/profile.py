@@ -104,7 +104,7 @@ class SpeedProfileParameters:
 def wanted_speed(parameters: SpeedProfileParameters, name: str = "speed_profile") -> Profile:
     """The speed over time [m/s].
 
-    ParameterError if the parameters, called `name`, still name a file: whoever made them has to read it.
+    ParameterError if the parameters, called `name`, still name a file, which has to be read before.
     """
     if parameters.file:
         raise ParameterError(f"{name}.file: {parameters.file} has not been read into time and speed")

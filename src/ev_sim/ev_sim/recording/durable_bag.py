@@ -2,8 +2,8 @@
 
 An MCAP file is readable only with its trailer (index and footer) behind the data, and no system call can exchange a
 trailer of several pages in one piece: a signal may stop a long write between two pages. So the recording is kept in
-two files. Each checkpoint extends the one that nobody was told of, the spare, gives it a name that ends in .mcap, and
-then replaces metadata.yaml, which names the file to read and counts its messages: that one rename is the commit.
+two files. Each checkpoint extends the one that metadata.yaml does not name, the spare, gives it a name that ends in
+.mcap, and then replaces metadata.yaml, which names the file to read and counts its messages: that rename is the commit.
 Every byte is written twice; compressed that is little, and there is no need to trust anything but rename.
 The data survives the end of the process, not a loss of power: nothing waits for the disk.
 """
@@ -159,7 +159,7 @@ class DurableBag:
         self.checkpoint_where_due()
 
     def checkpoint_where_due(self) -> None:
-        """A checkpoint if the period is over; `write` calls this, and whoever may fall silent does so as well."""
+        """A checkpoint if the period is over; `write` calls this, and a writer that may fall silent does so as well."""
         if self._clock() >= self._next_checkpoint:
             self.checkpoint()
 

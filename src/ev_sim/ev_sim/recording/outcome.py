@@ -13,7 +13,7 @@ from tqdm import tqdm
 
 from ev_sim.recording.recording import Recording
 
-Progress = Callable[[float], None]  # is told the simulated time now and then
+Progress = Callable[[float], None]  # is called with the simulated time now and then
 
 
 class RunFailed(RuntimeError):
@@ -36,11 +36,11 @@ class Outcome:
 
 _FORMAT = "{desc} {percentage:3.0f} %|{bar:30}| {n:.1f}/{total:.1f} s simulated, {unit} x real time"
 
-_ENOUGH = 0.05  # s of wall time from which on a real-time factor says something
+_ENOUGH = 0.05  # s of wall time from which on a real-time factor has a meaning
 
 
 def announce(text: str) -> None:
-    """A line on standard error, to be said before the progress begins."""
+    """A line on standard error, printed before the progress begins."""
     tqdm.write(text, file=sys.stderr)
     sys.stderr.flush()
 

@@ -159,7 +159,7 @@ class RunRecorder:
 
     @property
     def silent(self) -> list[str]:
-        """The topics on which nothing has been heard yet; real time begins when there is none."""
+        """The topics on which nothing has come yet; real time begins when there is none."""
         return [topic.name for topic, kept in zip(self._topics, self._messages, strict=True) if not kept.count]
 
     def checkpoint(self) -> None:
@@ -168,7 +168,7 @@ class RunRecorder:
             self._bag.checkpoint_where_due()
 
     def close(self, signals: Path) -> None:
-        """Finish the bag, and write signals.npz with all complete steps; a topic that said nothing is left out."""
+        """Finish the bag, and write signals.npz with all complete steps; a topic without messages is left out."""
         with closing(self._spool):
             try:
                 if self._bag is not None:

@@ -35,8 +35,8 @@ OF_THE_CAR = ("plant", "steering_column", "rear_steering")
 def true_motion(recording: Recording, configurations: Mapping[str, Configuration]) -> Recording:
     """The recording of a run of these configurations with the truth in the place of what was shown.
 
-    Where a part says other numbers than were recorded even of what nothing has changed, the run was driven by something
-    else (another node, the wall clock, parameters set live): then the changed channels are `unknown`.
+    Where a part gives other numbers than were recorded even of what nothing has changed, something else has driven the run
+    (another node, the wall clock, parameters set live): then the changed channels are `unknown`.
     """
     struck = {role: struck_channels(configurations[role]) for role in OF_THE_CAR if role in configurations}
     if not any(struck.values()) or len(recording.time) < 2:
@@ -102,7 +102,7 @@ class LoggedFrame(NamedTuple):
 
 
 def write_can_log(log: BusLog, recording: Recording, bench: Configuration) -> str:
-    """Write all frames of a run and close the log; a line that says why if it ends before the run does."""
+    """Write all frames of a run and close the log; a line with the reason if it ends before the run does."""
     import can
 
     frames, until = logged_frames(recording, bench)
@@ -131,14 +131,14 @@ def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[Logg
     counts = {c: names(CanCircuitsState()).index(f"line_{c}.channel.sent_count") for c in CIRCUITS}
     columns = {frame.channels()[name]: values for name, values in recording.channels.items()}
     read = [place for signal in bench.method.reads for place in frame.places(signal)]
-    told = list(frame.places(BusStates))
+    states = list(frame.places(BusStates))
     parts = compiled_parts(bench)
     here, there = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
     for part in parts:
         call(part, 0, there)
     found = []
     for instant, time in enumerate(recording.time):
-        if there[told].tolist() != [columns[place][instant] for place in told]:
+        if there[states].tolist() != [columns[place][instant] for place in states]:
             return sorted(found), float(recording.time[max(instant - 1, 0)])
         if instant == len(recording.time) - 1:
             break

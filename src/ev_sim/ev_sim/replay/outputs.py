@@ -1,4 +1,4 @@
-"""What a replay says in the terminal and leaves behind."""
+"""What a replay prints and leaves behind."""
 
 from __future__ import annotations
 
@@ -55,10 +55,10 @@ def prepared(replay: Replay, folder: OutputFolder) -> Run:
 
 def _write_told(path: Path, replay: Replay) -> None:
     """What is known of the nodes of the recorded run, so that it can be replayed once more from there."""
-    told = replay.recorded.parameters
-    if told is not None:
+    given = replay.recorded.parameters
+    if given is not None:
         with atomic_file(path) as file:
-            file.write(told.path.read_bytes())
+            file.write(given.path.read_bytes())
         return
     common = flatten(replay.configuration.common)
     nodes = {"**": {name: value for name, value in common.items() if value != ()}}
@@ -117,10 +117,10 @@ class Replayed:
         from ev_sim.report.page.writing import Page, Signals, images_of, write_page
 
         signals = Signals("", runs, self.replay.configuration.common.vehicle)
-        said = "\n".join(line for line in (in_words(self.differences), table_of(self.differences)) if line)
+        text = "\n".join(line for line in (in_words(self.differences), table_of(self.differences)) if line)
         title = f"{self.replay.role} {self._who}, replayed"
         images = images_of(figures, folder.directory)
-        write_page(Page(title, {"": content}, (signals,), images, said), folder.directory / PAGE)
+        write_page(Page(title, {"": content}, (signals,), images, text), folder.directory / PAGE)
         return f"{PAGE}, "
 
     def _recorded(self) -> Recording:

@@ -35,9 +35,9 @@ from ev_sim.scenarios.scenario import NAMESPACE
 class Recorded:
     """The signals of a run at its instants, from time zero; a message that is missing holds the one before.
 
-    `period` in nanoseconds. By topic, `came` (n,) says at which instants a message was there; `arrivals` (n,) when it
+    `period` in nanoseconds. By topic, `came` (n,) marks the instants with a message; `arrivals` (n,) is when it
     was recorded [ns], -1 if it was not; it is empty of a run in lockstep, whose bag knows stamps alone. `parameters`
-    is what the nodes of `namespace` were told, if that is known. `notes`: what has been left out.
+    are those of the nodes of `namespace`, if they are known. `notes`: what has been left out.
     """
 
     source: Path
@@ -79,12 +79,12 @@ class _Messages:
     came: np.ndarray
 
 
-def read_bag(bag: Path, namespace: str, told: ParameterFile | None) -> Recorded:
+def read_bag(bag: Path, namespace: str, given: ParameterFile | None) -> Recorded:
     """The run in a bag; ParameterError, in one line, if there is none, or RunFailed if nothing here can read bags."""
     if None in (find_spec("rosbags"), find_spec("sensor_msgs")):
         raise RunFailed("a bag needs rosbags and the messages of ROS 2, which are not installed here: give signals.npz")
     namespace, found = _messages(bag, namespace)
-    period = _period(bag, namespace, found, told)
+    period = _period(bag, namespace, found, given)
     first = max(int(messages.stamps.min()) for messages in found.values())
     for topic, messages in found.items():
         _refuse_time(bag, topic, messages.stamps, first, period)
@@ -97,7 +97,7 @@ def read_bag(bag: Path, namespace: str, told: ParameterFile | None) -> Recorded:
     by_stamp = all(np.array_equal(messages.stamps, messages.came) for messages in found.values())
     notes = _notes(found, first, last, there)
     recording = recording_of(frames, there)
-    return Recorded(bag, namespace, period, recording, there, {} if by_stamp else arrivals, told, notes)
+    return Recorded(bag, namespace, period, recording, there, {} if by_stamp else arrivals, given, notes)
 
 
 def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
@@ -148,8 +148,8 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
 def _room_at_most(more: int) -> Iterator[None]:
     """MemoryError where a block takes so many bytes more, OSError where a file of it becomes larger than they.
 
-    A compressed chunk unfolds to any size, whatever it says, and a compressed file does on the disk. Only Linux keeps
-    the limit of memory.
+    A compressed chunk unfolds to any size, whatever its header, and a compressed file does on the disk. Only Linux
+    keeps the limit of memory.
     """
     limits = {resource.RLIMIT_FSIZE: more}
     if sys.platform == "linux":
@@ -183,9 +183,9 @@ def _meant(name: str, message_type: str) -> tuple[str, Topic] | None:
     return None
 
 
-def _period(bag: Path, namespace: str, found: Mapping[Topic, _Messages], told: ParameterFile | None) -> int:
-    """The control period: what the nodes were told, else what most stamps are apart."""
-    values = told.values_for(f"{namespace}/plant") if told else {}
+def _period(bag: Path, namespace: str, found: Mapping[Topic, _Messages], given: ParameterFile | None) -> int:
+    """The control period: that of the nodes, if it is known, else what most stamps are apart."""
+    values = given.values_for(f"{namespace}/plant") if given else {}
     if "control_period" in values:
         return stamps.from_seconds(values["control_period"])
     steps = np.concatenate([np.diff(np.unique(messages.stamps)) for messages in found.values()])
@@ -206,8 +206,8 @@ def _refuse_time(bag: Path, topic: Topic, at: np.ndarray, first: int, period: in
 def _put(
     bag: Path, topic: Topic, messages: _Messages, first: int, period: int, frames: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Put a topic into the frames; the answers say at which instants a message was there, and when it came [ns]."""
-    steps, once = np.unique((messages.stamps - first) // period, return_index=True)  # a repetition says the same
+    """Put a topic into the frames; the answers are the instants at which a message was there, and when it came [ns]."""
+    steps, once = np.unique((messages.stamps - first) // period, return_index=True)  # a repetition is the same
     numbers = np.empty((len(once), frame.SIZE))
     try:
         MessageTable(topic).read([messages.data[i] for i in once], numbers)
@@ -248,10 +248,10 @@ def find_recorded(path: Path, namespace: str = "") -> Recorded:
     """
     storage, folder = _found(path)
     parameters = folder / files_of_run.PARAMETERS
-    told = ParameterFile(parameters) if parameters.exists() else None
+    given = ParameterFile(parameters) if parameters.exists() else None
     if storage.name.endswith(".npz"):
-        return _of_signals(storage, told)
-    return read_bag(storage, namespace, told)
+        return _of_signals(storage, given)
+    return read_bag(storage, namespace, given)
 
 
 def _found(path: Path) -> tuple[Path, Path]:
@@ -280,7 +280,7 @@ def _found(path: Path) -> tuple[Path, Path]:
     raise ParameterError(f"{path} is no recorded run: neither a bag (metadata.yaml, .mcap, .db3) nor signals.npz")
 
 
-def _of_signals(file: Path, told: ParameterFile | None) -> Recorded:
+def _of_signals(file: Path, given: ParameterFile | None) -> Recorded:
     try:
         recording = load(file)
     except RecordingError as error:
@@ -294,6 +294,6 @@ def _of_signals(file: Path, told: ParameterFile | None) -> Recorded:
         raise ParameterError(f"{file}: its instants are not those of a control period from time zero on")
     topics = [TOPICS[signal] for signal in RECORDED if set(TOPICS[signal].channels) <= set(recording.channels)]
     there = np.ones(len(steps), bool)
-    sections = list(told.sections) if told else []
+    sections = list(given.sections) if given else []
     namespace = sections[0].rpartition("/")[0] if sections else NAMESPACE  # that of the nodes with parameters
-    return Recorded(file, namespace, period, recording, dict.fromkeys(topics, there), parameters=told)
+    return Recorded(file, namespace, period, recording, dict.fromkeys(topics, there), parameters=given)

@@ -134,7 +134,7 @@ class Result:
         return DataFrame(dict(recording.channels), index=Index(recording.time, name="time"))
 
     def summary(self) -> Summary:
-        """What summary.json says."""
+        """The content of summary.json."""
         runs = self.scenario.runs
         nodes = {
             role if len(runs) == 1 else f"{run.name}/{role}": configuration

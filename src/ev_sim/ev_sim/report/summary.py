@@ -29,7 +29,7 @@ _OF_THE_CAR = "vehicle."
 class Difference:
     """A parameter that is not what it would be without its cause `by`: `value` in the place of `instead_of`.
 
-    `instead_of` is what the scenario's own file says where the command line is the cause, else the default.
+    `instead_of` is the value of the scenario's own file where the command line is the cause, else the default.
     """
 
     by: str
@@ -96,7 +96,7 @@ PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "rclpy")
 
 @dataclass(frozen=True)
 class Summary:
-    """Everything that summary.json says.
+    """Everything that stands in summary.json.
 
     `methods`: role -> method. `own_nodes`: role -> command of a user's node that took its place.
     `mode`: offline, in-process, processes or realtime, with what it was asked for.

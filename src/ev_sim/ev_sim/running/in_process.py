@@ -24,9 +24,9 @@ from ev_sim.recording.outcome import Outcome, Progress, RunFailed, announce
 from ev_sim.recording.recording import load
 from ev_sim.running.domain import free_domain, own_namespace
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
+from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible
 from ev_sim.running.observing import observing
 from ev_sim.running.real_bus import real_bus
-from ev_sim.running.told import Told, not_reproducible, told
 from ev_sim.scenarios.scenario import Run
 
 _OBSERVER = "run_scenario"  # the name of what is in the graph beside the nodes
@@ -46,7 +46,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
         own_namespace(domain, run.namespace),
         StopRequest(patient=True) as stop,
         observing(run.namespace, domain, _OBSERVER) as observer,
-        told(run.namespace) as words,
+        node_reports(run.namespace) as reports,
         real_bus(run, domain, directory) as bus,
     ):
         parameters = node_parameters(run, directory, bag, bus)
@@ -54,7 +54,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
         announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         try:
             for name, values in parameters.items():
-                with _line(words, name, not run.realtime):
+                with _line(reports, name, not run.realtime):
                     nodes.append(_node(name, run.namespace, values, observer.context))
             recorder = nodes[-1]
             next_look = 0.0
@@ -62,8 +62,8 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
             def finished() -> bool:
                 nonlocal next_look
                 if time.monotonic() >= next_look:
-                    words.look()
-                    progress(words.time)
+                    reports.look()
+                    progress(reports.time)
                     next_look = time.monotonic() + _LOOK_PERIOD
                 return recorder.done or stop.received
 
@@ -79,20 +79,20 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
             for node in nodes:
                 node.close()
                 node.destroy_node()
-            words.look()
+            reports.look()
     recording = load(directory / SIGNALS)
-    return Outcome(recording, wall_time, not_reproducible(run, words, recording), words.notes, words.timing)
+    return Outcome(recording, wall_time, not_reproducible(run, reports, recording), reports.notes, reports.timing)
 
 
 @contextmanager
-def _line(told: Told, node: str, adds_up: bool) -> Iterator[None]:
+def _line(reports: NodeReports, node: str, adds_up: bool) -> Iterator[None]:
     """What is made in the block finds the line of a node in the environment, as a process would."""
-    os.environ[LINE], _ = told.line(node, adds_up)
+    os.environ[LINE], _ = reports.line(node, adds_up)
     try:
         yield
     finally:
         del os.environ[LINE]
-        told.started(node)
+        reports.started(node)
 
 
 def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:

@@ -105,7 +105,7 @@ def content(folder: Path, name: str) -> Iterator[str]:
 class OutputFolder:
     """All that a command writes: `files` into a folder, and those of one run beside them, of several in DIR/RUN.
 
-    `writer` says who writes, such as "scenario shchur2019". The manifest of the folder names all files of each writer.
+    `writer` names the writer, such as "scenario shchur2019". The manifest of the folder names all files of each writer.
     At the beginning those of this one are removed, apart from `keeps`; what it was writing when it was killed is moved
     to earlier_1, earlier_2, ...; nothing else is touched. ParameterError before that if a name is taken by something
     else, or a file has changed since, or another command is writing there: the folder is locked up to the end of the
@@ -237,7 +237,7 @@ class OutputFolder:
                         raise self._refused(name, self._whose(each))
 
     def _refuse_what_is_played_back(self, names: Iterable[str], runs: Iterable[Run]) -> None:
-        """ParameterError if a run says again what is recorded in one of these files, which it would lose."""
+        """ParameterError if a run plays back what is recorded in one of these files, which it would lose."""
         methods = [configuration.method for run in runs for configuration in run.configurations.values()]
         recordings = {Path(method.name).resolve() for method in methods if method.plays_back}
         for name in names:

@@ -18,13 +18,13 @@ from ev_sim.recording.recording import load
 from ev_sim.running.domain import free_domain, own_namespace
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
 from ev_sim.running.node_process import NodeProcess, started_nodes
+from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible
 from ev_sim.running.observing import refuse_unready
 from ev_sim.running.output_folder import forget_recording
 from ev_sim.running.real_bus import real_bus
-from ev_sim.running.told import Told, not_reproducible, told
 from ev_sim.scenarios.scenario import Run
 
-_TO_BEGIN = 3.0  # s for the first step behind a time of day that was set back; nodes tell each other things again
+_TO_BEGIN = 3.0  # s for the first step behind a time of day that was set back; nodes announce themselves again
 _AT_ALL = 300.0  # s for the first step of our own nodes: one that was edited compiles its plant on a busy machine
 
 
@@ -32,8 +32,8 @@ class Beginning:
     """Watches a run up to its first step; made before its nodes are, and `is_missed` is to be asked often.
 
     It is `patient` with nodes of others, which may load for long, or stand at a breakpoint.
-    The middleware keeps what processes tell about themselves in the order of the time of day. Where that is set back
-    while they find each other, one of them may never learn what another one has told. Processes that are started
+    The middleware keeps what processes announce of themselves in the order of the time of day. Where that is set back
+    while they find each other, one of them may never learn what another one has announced. Processes that are started
     behind it do.
     """
 
@@ -42,47 +42,47 @@ class Beginning:
         self._deadline = math.inf
         self._given_up = math.inf if patient else time.monotonic() + _AT_ALL
 
-    def is_missed(self, told: Told) -> bool:
+    def is_missed(self, reports: NodeReports) -> bool:
         """Whether the time of day was set back and no step was taken in the seconds behind it.
 
         RunFailed if no step has been taken for so long that there will be none.
         """
-        if told.time > 0 or told.rests:
+        if reports.time > 0 or reports.rests:
             self._given_up = math.inf
         if time.monotonic() > self._given_up:
             raise RunFailed(f"no step was taken within {_AT_ALL:g} s: the nodes do not find or answer each other")
-        if self._set_back.is_seen() or (told.rests and self._deadline < math.inf):
+        if self._set_back.is_seen() or (reports.rests and self._deadline < math.inf):
             self._deadline = time.monotonic() + _TO_BEGIN
-        if told.time > 0:
+        if reports.time > 0:
             self._deadline = math.inf
         return time.monotonic() > self._deadline
 
 
-_HEARKEN = 0.6  # s for nodes to say, every 0.2 s, for whom they wait
+_HEARKEN = 0.6  # s for nodes to report, every 0.2 s, for whom they wait
 _TO_COME_UP = 10.0  # s that nodes may take to start
 
 
 class Hanging:
     """Names the node that a run waits for when nothing has gone on for some wall time; `look` is to be called often.
 
-    Who waits says for whom; so it is the one at the end of that chain, who says nothing. A chain that comes back ends
-    with who cannot be heard: he waits for what the others wait to have from him. In lockstep all wait for the master,
-    and he waits for one of them. In real time he waits for nobody, and the recorder is the one to ask.
+    A node that waits reports for whom; so it is the one at the end of that chain, which reports nothing. A chain that
+    comes back ends with the node whose messages do not arrive: it waits for answers to them. In lockstep all wait for
+    the master, and it waits for one of them. In real time it waits for nobody, and the recorder is the one to ask.
     """
 
-    def __init__(self, told: Told, pids: Mapping[str, int], patience: float, realtime: bool) -> None:
-        self._told, self._pids, self._realtime = told, dict(pids), realtime
+    def __init__(self, reports: NodeReports, pids: Mapping[str, int], patience: float, realtime: bool) -> None:
+        self._reports, self._pids, self._realtime = reports, dict(pids), realtime
         self._wait = max(patience - 0.2, _HEARKEN)
         self._since = time.monotonic()
-        self._time = told.time
+        self._time = reports.time
         self._named = False
 
     def look(self) -> str | None:
-        """One line on who does not answer, once for each time that the run stands still."""
+        """One line on the node that does not answer, once for each time that the run stands still."""
         now = time.monotonic()
-        waits_for_its_time = self._told.waits_for(MASTER, _HEARKEN) == []  # a step may take seconds at a slow pace
-        if self._told.time != self._time or self._told.rests or waits_for_its_time:
-            self._time, self._since, self._named = self._told.time, now, False
+        waits_for_its_time = self._reports.waits_for(MASTER, _HEARKEN) == []  # a step may take seconds at a slow pace
+        if self._reports.time != self._time or self._reports.rests or waits_for_its_time:
+            self._time, self._since, self._named = self._reports.time, now, False
         elif not self._named and now - self._since > (self._wait if self._time else _TO_COME_UP):
             self._named = True
             stopped = [name for name, pid in self._pids.items() if _is_stopped(pid)]
@@ -99,7 +99,7 @@ class Hanging:
         if MASTER not in self._pids:
             return RECORDER
         chain = [RECORDER if self._realtime else MASTER]
-        while whom := [each for each in self._told.waits_for(chain[-1], _HEARKEN) or () if each in self._pids]:
+        while whom := [each for each in self._reports.waits_for(chain[-1], _HEARKEN) or () if each in self._pids]:
             if whom[0] in chain:
                 break
             chain.append(whom[0])
@@ -116,24 +116,24 @@ def _is_stopped(pid: int) -> bool:
 
 _LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
 _PATIENCE = 2.0  # s for a last word to arrive
-_TO_CATCH_UP = 20.0  # s more for a recorder behind a plant in real time that said that it has come to its end
+_TO_CATCH_UP = 20.0  # s more for a recorder behind a plant in real time that has reported its end
 
 
 class WatchedRun:
-    """Follows simulated time and the processes of a run, and says which node does not answer."""
+    """Follows simulated time and the processes of a run, and names the node that does not answer."""
 
-    def __init__(self, run: Run, nodes: Sequence[NodeProcess], told: Told) -> None:
-        self._run, self._nodes, self._told = run, nodes, told
+    def __init__(self, run: Run, nodes: Sequence[NodeProcess], reports: NodeReports) -> None:
+        self._run, self._nodes, self._reports = run, nodes, reports
         self._last = stamps.to_seconds(stamps.from_seconds(run.duration) // run.period * run.period)
         answer_timeout = run.configurations[MASTER].extra.answer_timeout
         pids = {node.name: node.process.pid for node in nodes}
-        self._hanging = Hanging(told, pids, answer_timeout, run.realtime)
-        self._patience = math.inf  # wall time up to which the recorder may tell that it has everything
+        self._hanging = Hanging(reports, pids, answer_timeout, run.realtime)
+        self._patience = math.inf  # wall time up to which the recorder may report that it has everything
         self._began: float | None = None  # wall time of the last look at a car at rest in time
         self._arrived: float | None = None  # wall time of the first look at a car at its last instant
 
     def drive(self, beginning: Beginning, progress: Progress, stop: StopRequest) -> bool:
-        """Watch the run up to its end; False where it has not begun and never will, which is said.
+        """Watch the run up to its end; False, with a line, where it has not begun and never will.
 
         RunFailed if a node ends before the run does, KeyboardInterrupt if a stop is asked for.
         """
@@ -144,11 +144,11 @@ class WatchedRun:
             looked = time.monotonic()
             time.sleep(_LOOK_PERIOD)
             self._follow_time(looked)
-            progress(self._told.time)
-            if beginning.is_missed(self._told):
+            progress(self._reports.time)
+            if beginning.is_missed(self._reports):
                 announce("the time of day was set back, and the run has not begun since: its nodes are started anew")
                 return False
-            for word in (*self._told.new_words(), self._hanging.look()):
+            for word in (*self._reports.new_words(), self._hanging.look()):
                 if word is not None:
                     announce(word)
             ending -= {node.name for node in self._nodes if self._has_ended(node)}
@@ -158,22 +158,22 @@ class WatchedRun:
 
     def outcome(self, directory: Path) -> Outcome:
         """What a run gave that has come to its end, and its nodes as well; RunFailed if its recorder was stopped."""
-        self._told.look()
+        self._reports.look()
         recording = load(directory / SIGNALS)
         if recording.time[-1] < self._last - 0.5 * stamps.to_seconds(self._run.period):  # real time does not wait
             raise RunFailed(f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time")
         wall_time = self._arrived - self._began if self._arrived and self._began else 0.0
-        warnings = not_reproducible(self._run, self._told, recording)
-        return Outcome(recording, wall_time, warnings, self._told.notes, self._told.timing)
+        warnings = not_reproducible(self._run, self._reports, recording)
+        return Outcome(recording, wall_time, warnings, self._reports.notes, self._reports.timing)
 
     def _follow_time(self, looked: float) -> None:
-        before = self._told.time
-        self._told.look()
-        if self._told.time != before:
-            self._patience = math.inf  # the recorder still has to keep what the plant said before its end
-        if self._began is None and self._told.time > 0:
+        before = self._reports.time
+        self._reports.look()
+        if self._reports.time != before:
+            self._patience = math.inf  # the recorder still has to keep what the plant sent before its end
+        if self._began is None and self._reports.time > 0:
             self._began = looked
-        if self._arrived is None and self._told.time >= self._last:
+        if self._arrived is None and self._reports.time >= self._last:
             self._arrived = time.monotonic()
 
     def _has_ended(self, node: NodeProcess) -> bool:
@@ -182,14 +182,14 @@ class WatchedRun:
         if code is None:
             return False
         if code != 0 or node.name not in (MASTER, RECORDER):
-            raise RunFailed(f"{node.failure()}, at {self._told.time:g} s of simulated time")
+            raise RunFailed(f"{node.failure()}, at {self._reports.time:g} s of simulated time")
         self._hanging.has_ended(node.name)
-        now, real_time = time.monotonic(), bool(self._told.timing)
+        now, real_time = time.monotonic(), bool(self._reports.timing)
         self._patience = min(self._patience, now + _PATIENCE)
-        if self._told.time < self._last and now > self._patience + (_TO_CATCH_UP if real_time else 0.0):
-            slow = node.name == MASTER and real_time  # the plant has told that it came to its end
+        if self._reports.time < self._last and now > self._patience + (_TO_CATCH_UP if real_time else 0.0):
+            slow = node.name == MASTER and real_time  # the plant has reported its end
             who = f"node {RECORDER} lacks what was said last," if slow else node.failure()
-            raise RunFailed(f"{who} at {self._told.time:g} s of simulated time")
+            raise RunFailed(f"{who} at {self._reports.time:g} s of simulated time")
         return True
 
 
@@ -205,7 +205,7 @@ def run_in_processes(
     """
     refuse_unready()
     file = directory / PARAMETERS
-    records.keep()  # whoever has updated the sources has set up nothing anew
+    records.keep()  # updated sources do not mean a new set-up
     with (
         free_domain() as domain,
         own_namespace(domain, run.namespace),
@@ -216,11 +216,11 @@ def run_in_processes(
         write_parameter_file(file, run, parameters)
         while True:
             beginning = Beginning(patient=bool(own_nodes))
-            with told(run.namespace) as words:
+            with node_reports(run.namespace) as reports:
                 announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
-                with started_nodes(parameters, own_nodes or {}, run, file, domain, words) as nodes:
-                    watched = WatchedRun(run, nodes, words)
+                with started_nodes(parameters, own_nodes or {}, run, file, domain, reports) as nodes:
+                    watched = WatchedRun(run, nodes, reports)
                     has_begun = watched.drive(beginning, progress, stop)
-                if has_begun:  # all have told their last words
+                if has_begun:  # all have reported their last
                     return watched.outcome(directory)
             forget_recording(directory)

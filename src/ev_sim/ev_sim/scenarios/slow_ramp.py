@@ -1,6 +1,6 @@
 """The steering-wheel angle to which the amplitudes of a manoeuvre refer, found on the very car by a slow ramp.
 
-A scenario's file says the angles of its own car. Another car, road or speed has others: the standards find them by
+A scenario's file has the angles of its own car. Another car, road or speed has others: the standards find them by
 steering so slowly that the car is always in its steady state (FMVSS 126, S7.6; ISO 4138), and so do we, before the run.
 The ramp is one of the car, not of its control: it is driven with equal torques and without traction control.
 """

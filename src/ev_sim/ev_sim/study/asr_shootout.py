@@ -37,7 +37,7 @@ def controls() -> list[str]:
 
 
 def values_of(control: str) -> tuple[tuple[str, str, Any], ...]:
-    """What a control is told, and the plant if it needs a certain one: (node, parameter, value)."""
+    """The parameters of a control, and of the plant if it needs a certain one: (node, parameter, value)."""
     method, *changed = VARIANTS.get(control, (control,))
     plant = find_method("asr", method).requires.get(MASTER)
     values = [("asr", "method", method), *([("asr", *changed)] if changed else [])]

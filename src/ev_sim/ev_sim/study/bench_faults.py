@@ -133,8 +133,8 @@ def _named(recording: Recording, side: str, database: str, when: np.ndarray) -> 
     pairs = ((low, high) for low, high in zip(*words, strict=True) if low >= 0.0)
     names = {name for low, high in pairs for name in flags(f"Drive{circuit}_Faults", joined(low, high))}
     beats = {int(low) for low in recording.channels[f"can.set_points.heartbeat_{circuit}"][when] if low >= 0.0}
-    heard = {name for low in beats for name in flags("Ecu_Heartbeat", low) if name.endswith(f"Drive{circuit}")}
-    names |= {name.removesuffix(f"Drive{circuit}") for name in heard}
+    own = {name for low in beats for name in flags("Ecu_Heartbeat", low) if name.endswith(f"Drive{circuit}")}
+    names |= {name.removesuffix(f"Drive{circuit}") for name in own}
     renamed = {"Stale": "StaleFeedback"}
     return {renamed.get(name, name) for name in names if name not in ("Enable", "ErrorCode")}
 

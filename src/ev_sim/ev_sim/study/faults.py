@@ -139,15 +139,15 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     """Largest deviations from the fault on: from the path [m], from its yaw rate [deg/s], sideslip angle [deg]."""
-    told = run.configurations["driver"].parameters.path
-    path, after = path_of(told), recording.time >= BEGIN
+    wanted = run.configurations["driver"].parameters.path
+    path, after = path_of(wanted), recording.time >= BEGIN
     deviation, leg = np.zeros(len(recording.time)), 0
     for n, (x, y) in enumerate(zip(channel(recording, "pose.x"), channel(recording, "pose.y"), strict=True)):
         _, leg = nearest(path, x, y, leg)
         along_x, along_y = path.along_x[leg], path.along_y[leg]
         deviation[n] = along_x * (y - path.y[leg]) - along_y * (x - path.x[leg])
     speed = channel(recording, "twist.longitudinal")
-    yaw_rate = np.degrees(channel(recording, motion.YAW_RATE) - told.curvature[-1] * speed)
+    yaw_rate = np.degrees(channel(recording, motion.YAW_RATE) - wanted.curvature[-1] * speed)
     sideslip = np.degrees(motion.sideslip_angle(recording))
     return {
         "path_error": float(np.abs(deviation[after]).max()),

@@ -83,9 +83,9 @@ _LENGTH = 24  # hexadecimal digits
 
 
 def case_key(case: Case) -> str:
-    """A digest of what a case says, whatever its name."""
-    said = (case.scenario, case.values, case.run, [str(file) for file in case.files], case.duration, case.vehicle)
-    return _short(repr(said))
+    """A digest of the content of a case, whatever its name."""
+    content = (case.scenario, case.values, case.run, [str(file) for file in case.files], case.duration, case.vehicle)
+    return _short(repr(content))
 
 
 def row_key(study: str, case: Case) -> str:
@@ -118,12 +118,12 @@ def digest_of_sources(without: Sequence[str] = NEVER_DRIVES, config: bool = Fals
     return _digest(repr(sorted(versions().items())), [*_sources(without), *(_config() if config else ())])
 
 
-def _short(said: str) -> str:
-    return hashlib.sha256(said.encode()).hexdigest()[:_LENGTH]
+def _short(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:_LENGTH]
 
 
-def _digest(said: str, files: Iterable[tuple[str, Path]]) -> str:
-    digest = hashlib.sha256(said.encode())
+def _digest(head: str, files: Iterable[tuple[str, Path]]) -> str:
+    digest = hashlib.sha256(head.encode())
     for name, path in sorted(files):
         digest.update(f"{name}\0".encode() + path.read_bytes())
     return digest.hexdigest()[:_LENGTH]
@@ -134,7 +134,7 @@ def _sources(without: Sequence[str]) -> Iterable[tuple[str, Path]]:
         top = Path(import_module(package).__file__ or "").parent.parent
         for path in (top / package).rglob("*.py"):
             name = path.relative_to(top).as_posix()
-            # What the compiler leaves beside the sources says nothing that they do not.
+            # What the compiler leaves beside the sources follows from them.
             if "__pycache__" not in path.parts and not name.startswith(tuple(f"{each}/" for each in without)):
                 yield name, path
 
@@ -173,7 +173,7 @@ class KeptRows:
         for case in cases:
             try:
                 yield case.name, row_key(self._study, case)
-            except ValueError as error:  # it is told as refused when it is driven
+            except ValueError as error:  # it comes back as refused when it is driven
                 reasons.append(f"{case.name}: {error}")
         if len(reasons) == len(cases):
             raise ParameterError(f"none of {len(cases)} runs can be driven; {reasons[0]}")

@@ -66,15 +66,15 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
             f"allowed is {shortest:g} s or more"
         )
     _refuse_same_names(cases)
-    told = _told(common)
+    changed = _changed(common)
     for case in cases:
-        _refuse_what_it_sets(case, told)
+        _refuse_what_it_sets(case, changed)
         if common.vehicle and case.vehicle:
             raise ParameterError(f"--vehicle is refused: case {quoted(case.name)} sets it itself, {case.vehicle}")
     cases = [
         replace(
             case,
-            values=(*case.values, *common.told),
+            values=(*case.values, *common.all_values),
             files=(*case.files, *common.files),
             duration=case.duration if common.duration is None else common.duration,
             vehicle=common.vehicle or case.vehicle,
@@ -89,8 +89,8 @@ def _refuse_unused(study: Study, given: argparse.Namespace, cases: Sequence[Case
     """ParameterError for what the command line sets or varies and no method of any case has."""
     varied = study.variations(given) if hasattr(study, "variations") else {}
     places = [(*name.split(".", 1), None) for name in varied if "." in name]
-    told = [*overrides(given).values, *places]
-    if not told:
+    named = [*overrides(given).values, *places]
+    if not named:
         return
     alike = {(c.scenario, c.run, c.files, *(str(v) for v in c.values if v[1] == "method")): c for c in cases}
     runs = []
@@ -98,7 +98,7 @@ def _refuse_unused(study: Study, given: argparse.Namespace, cases: Sequence[Case
         with suppress(ParameterError):  # a case that cannot be driven comes back as refused
             runs.append(run_of(case))
     if runs:
-        refuse_unused_values(told, runs)
+        refuse_unused_values(named, runs)
 
 
 def _refuse_same_names(cases: Iterable[Case]) -> None:
@@ -109,16 +109,16 @@ def _refuse_same_names(cases: Iterable[Case]) -> None:
         seen.add(case.name)
 
 
-def _told(common: Overrides) -> list[tuple[str, str]]:
+def _changed(common: Overrides) -> list[tuple[str, str]]:
     """Node and name of each parameter that goes before those of the cases; a file of parameters only names files so."""
     in_files = (name for file in common.files for name in ParameterFile(file).names())
     files = [(_EVERY_NODE, name) for name in in_files if name.endswith(_FILE)]
-    return [*((node, name) for node, name, _ in common.told), *files]
+    return [*((node, name) for node, name, _ in common.all_values), *files]
 
 
-def _refuse_what_it_sets(case: Case, told: Iterable[tuple[str, str]]) -> None:
+def _refuse_what_it_sets(case: Case, changed: Iterable[tuple[str, str]]) -> None:
     """ParameterError for what would silently take the place of what a case sets, and is called by."""
-    for node, name in told:
+    for node, name in changed:
         for its_node, its_name, _ in case.values:
             if (node == its_node or _EVERY_NODE in (node, its_node)) and _takes_the_place(name, its_name):
                 raise ParameterError(
@@ -188,12 +188,12 @@ def _drive(
     missing = {case.name: case for case in cases if case.name not in found}
     with bar_of_runs(name, len(cases), len(found)) as bar:
 
-        def heard(result: CaseResult) -> None:
+        def keep(result: CaseResult) -> None:
             rows.keep(missing[result.name], result)
             bar.update()
 
         measures = [MeasureAndSave(measure, paths[each]) if each in paths else measure for each in missing]
-        driven = drive_cases(list(missing.values()), measures, heard, given.scheduler, given.workers) if missing else []
+        driven = drive_cases(list(missing.values()), measures, keep, given.scheduler, given.workers) if missing else []
     results = {**found, **{result.name: result for result in driven}}
     for case, result in results.items():
         if case in paths and not result.refused and not paths[case].exists():

@@ -69,7 +69,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
         recording = run_offline(
             run.configurations, run.duration, note=lambda role, text: notes.append(f"{role}: {text}")
         )
-    except ValueError as error:  # a ParameterError or SignalError, or what a law says to its vehicle
+    except ValueError as error:  # a ParameterError or SignalError, or the refusal of a vehicle by a law
         return CaseResult(case.name, {}, refused=str(error))
     wall_time = time.monotonic() - start
     driven = CaseResult(case.name, {}, signal_hash(recording), run.duration, wall_time, "", tuple(dict.fromkeys(notes)))
@@ -81,8 +81,8 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
         return replace(driven, refused=str(why))
     except Exception as error:  # a run too short, or another than was thought of: the other cases are measured
         last = traceback.extract_tb(error.__traceback__)[-1]
-        said = " ".join(f"{type(error).__name__} {error}".split())
-        return replace(driven, refused=f"{said} ({Path(last.filename).name}, line {last.lineno})")
+        cause = " ".join(f"{type(error).__name__} {error}".split())
+        return replace(driven, refused=f"{cause} ({Path(last.filename).name}, line {last.lineno})")
 
 
 def run_of(case: Case) -> Run:
@@ -100,7 +100,7 @@ Results = Mapping[str, CaseResult]  # name of the case -> what came out
 
 
 class Study(Protocol):
-    """A module that says which cases to drive, what to measure on each, and what all of them say together."""
+    """A module that gives the cases to drive, what to measure on each, and the metrics of all of them together."""
 
     ABOUT: str  # one line for --list
 

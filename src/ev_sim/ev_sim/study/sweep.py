@@ -95,7 +95,7 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
 
 
 def _shown_value(value: Any) -> str:
-    """A value with all digits that tell it from others."""
+    """A value with all digits that distinguish it from others."""
     return str(value).removesuffix(".0") if isinstance(value, float) else str(value)
 
 
@@ -146,8 +146,8 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     columns, rows = table(given, results)
     given_ones = len(variations(given))
     texts = [[*map(_shown_value, row[:given_ones]), *map(cell, row[given_ones:])] for row in rows]
-    said = "" if columns[given_ones:] else f"\n\nno metric was measured: scripts/run.sh {given.scenario} says why"
-    return text_table(columns, texts, left=()) + said
+    hint = "" if columns[given_ones:] else f"\n\nno metric was measured: scripts/run.sh {given.scenario} says why"
+    return text_table(columns, texts, left=()) + hint
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

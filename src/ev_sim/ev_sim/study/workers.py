@@ -1,7 +1,7 @@
 """Drive the cases of a study on worker processes: those of this machine, or of a dask scheduler elsewhere.
 
 Here they are forked when all that a case needs is loaded, so that they begin at once; a pool of the library ends as a
-whole with one lost worker and does not say with which case, and a dask cluster of this machine loads all of it anew.
+whole with one lost worker and does not name its case, and a dask cluster of this machine loads all of it anew.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def drive_on_cluster(
 
     with _client(scheduler) as client:
         refuse_others(client)
-        # The same case driven twice is no matter of a cache: whoever asks wants it driven.
+        # dask would drive the same case once only and take the rest from its cache; here each one is driven.
         futures = client.map(drive_case, *zip(*jobs, strict=True), pure=False)
         for _, result in as_completed(futures, with_results=True):
             progress(result)
@@ -93,7 +93,7 @@ class Worker:
         ends = (its_end, self._connection)
         self._process = _FORK.Process(target=_serve, args=(*ends, jobs, ends_with_us()), daemon=True)
         self._process.start()
-        its_end.close()  # so that the end of the process is heard
+        its_end.close()  # so that the pipe ends with the process
 
     def fileno(self) -> int:
         """What `multiprocessing.connection.wait` waits for: the result, or the end of the process."""
@@ -102,7 +102,7 @@ class Worker:
     def begin(self, number: int) -> None:
         """Let it drive a case."""
         self.number = number
-        with suppress(OSError):  # a process that has ended is noticed by who waits for its result
+        with suppress(OSError):  # a process that has ended is noticed when its result is asked for
             self._connection.send(number)
 
     def result(self) -> CaseResult:
@@ -125,7 +125,7 @@ class Worker:
 def _serve(connection: Connection, parents: Connection, jobs: Sequence[Job], bind: Callable[[], None] | None) -> None:
     """Answer until the parent ends, however it does: what it holds, the lock of its folder too, is held here as well.
 
-    Without signals of death its end is heard by the pipe, of which its own end is closed here.
+    Without signals of death the pipe shows its end: the own end of the parent is closed here.
     """
     if bind is not None:
         bind()
@@ -153,7 +153,7 @@ def drive_cases(
     scheduler: str | None = None,
     workers: int | None = None,
 ) -> list[CaseResult]:
-    """The results of all cases, in their order, whatever the number of workers; `progress` hears of each one.
+    """The results of all cases, in their order, whatever the number of workers; `progress` is called with each one.
 
     `measure` is one function for all cases, or one for each of them. `scheduler` is the address of a running scheduler
     (tcp://HOST:PORT); without it `workers` processes (as many as there are cores) live on this machine until the end.
@@ -206,5 +206,5 @@ def _load(case: Case) -> None:
     """What driving a case needs is loaded once, for all workers that are forked then."""
     from ev_sim.recording.offline import load_compiled
 
-    with suppress(ValueError):  # a case that is refused says so when it is driven
+    with suppress(ValueError):  # a case that is refused comes back as refused when it is driven
         load_compiled(run_of(case).configurations)

@@ -97,7 +97,7 @@ _PLANES = (3, 2)  # bytes of a sample that are tried, one after the other
 
 @dataclass(frozen=True)
 class Signals:
-    """The runs of one result; `label` tells results of one page apart, empty if alone.
+    """The runs of one result; `label` distinguishes results of one page, empty if alone.
 
     Without the `vehicle` that drove them nothing is seen from above.
     """
@@ -111,7 +111,7 @@ class Signals:
 class SignalData:
     """What the page's script draws: `index` names blocks, `blocks` are the texts of packed series.
 
-    `precision` says in words what packing has taken from the signals.
+    `precision` has in words what packing has taken from the signals.
     """
 
     index: dict[str, Any] = field(default_factory=dict)
