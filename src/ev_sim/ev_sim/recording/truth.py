@@ -35,8 +35,8 @@ OF_THE_CAR = ("plant", "steering_column", "rear_steering")
 def true_motion(recording: Recording, configurations: Mapping[str, Configuration]) -> Recording:
     """The recording of a run of these configurations with the truth in the place of what was shown.
 
-    Where a part gives other numbers than were recorded even of what nothing has changed, something else has driven the run
-    (another node, the wall clock, parameters set live): then the changed channels are `unknown`.
+    Where a part gives other numbers than were recorded even of what nothing has changed, something else has driven the
+    run (another node, the wall clock, parameters set live): then the changed channels are `unknown`.
     """
     struck = {role: struck_channels(configurations[role]) for role in OF_THE_CAR if role in configurations}
     if not any(struck.values()) or len(recording.time) < 2:
