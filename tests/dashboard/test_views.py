@@ -57,7 +57,7 @@ def test_rviz_shows_the_topics_of_the_node_in_a_frame_that_it_publishes():
 
 
 TWIST = ("twist.longitudinal", "twist.lateral", "twist.yaw_rate")
-TF_TYPE = ros_views.TOPICS["/tf"]
+TF_TYPE = ros_views.VIEWS["/tf"]
 TF = message_class(TF_TYPE) if find_spec("tf2_msgs") else SimpleNamespace
 
 
@@ -87,7 +87,7 @@ def test_tf_has_a_frame_for_each_link_of_the_urdf(monkeypatch):
     assert 2.0 * math.atan2(base.transform.rotation.z, base.transform.rotation.w) == pytest.approx(1.2)
     assert 2.0 * math.atan2(wheel.transform.rotation.z, wheel.transform.rotation.w) == pytest.approx(0.3)
     missing = {
-        name for name, kind in ros_views.TOPICS.items() if name != "/tf" and find_spec(kind.split("/")[0]) is None
+        name for name, kind in ros_views.VIEWS.items() if name != "/tf" and find_spec(kind.split("/")[0]) is None
     }
     assert {line.split()[1].rstrip(":") for line in said} == missing
 

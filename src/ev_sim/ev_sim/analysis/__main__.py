@@ -20,7 +20,7 @@ from ev_sim.analysis.linear_models import (
     yaw_damping,
     yaw_gain,
 )
-from ev_sim.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, linearised
+from ev_sim.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, bode_figure, linearised
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.measures.understeer import (
@@ -53,8 +53,6 @@ def main(argv: Sequence[str] | None = None) -> None:
     for label, value, unit in rows(vehicle, given.surface, model, plant):
         print(f"{label:52}{value:>12.5g} {unit}")
     print_over_speed(vehicle, given.surface)
-    from ev_sim.analysis.linearised_plant import bode_figure
-
     matrices, figure = given.out / f"linearised_{vehicle.name}.npz", f"bode_{vehicle.name}"
     try:
         with OutputFolder(given.out, f"analysis {vehicle.name}", [matrices.name, *figure_files([figure])]):

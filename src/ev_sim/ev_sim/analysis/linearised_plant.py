@@ -177,13 +177,13 @@ def _outputs(vehicle: Vehicle, y: np.ndarray, angle: float) -> np.ndarray:
     return np.array([v, r, angle - math.atan((v + front_arm * r) / u), -math.atan((v - rear_arm * r) / u)])
 
 
-FREQUENCIES = np.logspace(-1.0, 1.5, 200)  # [Hz]; a driver steers with up to about 3 Hz
-WIDTH, HEIGHT = 9.2, 4.6  # [inch]
+_FREQUENCIES = np.logspace(-1.0, 1.5, 200)  # [Hz]; a driver steers with up to about 3 Hz
+_WIDTH, _HEIGHT = 9.2, 4.6  # [inch]
 
 
 def bode_figure(model: SideSlipModel, plant: LinearisedPlant) -> Figure:
     """Magnitude and phase of dA/delta: W12, W12 with the steering rate that it drops, and the linearised plant."""
-    omega = 2 * np.pi * FREQUENCIES
+    omega = 2 * np.pi * _FREQUENCIES
     curves = {
         "W12 with the steering rate": _decibels(model.response_with_steering_rate(omega)),
         "planar plant, linearised": _decibels(plant.slip_angle_difference(omega)),
@@ -191,12 +191,12 @@ def bode_figure(model: SideSlipModel, plant: LinearisedPlant) -> Figure:
     if model.excitation:  # a car that steers neutrally has no W12 to draw
         _, *w12 = bode(model.transfer_function(), omega)
         curves = {"W12": tuple(w12), **curves}
-    figure = new_figure(WIDTH, HEIGHT, layout="constrained")
+    figure = new_figure(_WIDTH, _HEIGHT, layout="constrained")
     magnitude, phase = figure.subplots(2, 1, sharex=True)
     for number, (label, (decibels, degrees)) in enumerate(curves.items()):
         colour, dashes = STROKES[number]
-        magnitude.semilogx(FREQUENCIES, decibels, color=colour, linestyle=dashes, linewidth=1.2, label=label)
-        phase.semilogx(FREQUENCIES, degrees, color=colour, linestyle=dashes, linewidth=1.2)
+        magnitude.semilogx(_FREQUENCIES, decibels, color=colour, linestyle=dashes, linewidth=1.2, label=label)
+        phase.semilogx(_FREQUENCIES, degrees, color=colour, linestyle=dashes, linewidth=1.2)
     magnitude.set_title(
         f"Slip angles of rear minus front axle over the road-wheel angle, {model.speed:g} m/s",
         loc="left",

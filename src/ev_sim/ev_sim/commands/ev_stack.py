@@ -32,10 +32,7 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
         "a car or a law as an FMU (FMI 2.0 co-simulation): ev-stack fmu SCENARIO --out NAME.fmu",
     ),
     "urdf": ("exports.print_urdf", "a car as URDF, for RViz and Foxglove: ev-stack urdf VEHICLE"),
-    "parameters": (
-        "exports.write_parameters",
-        "all parameters of the nodes of a run, as files, and how they start",
-    ),
+    "parameters": ("exports.write_parameters", "all parameters of the nodes of a run, as files, and how they start"),
     "visualization": ("graph.visualize", "tf, odometry and markers of tyre forces beside a run, for RViz and Foxglove"),
     "dashboard": ("dashboard.main", "a local page: live signals, the car from above, parameters, time"),
     "header": ("exports.print_header", "ev_laws.h, the interface of laws in C and C++"),

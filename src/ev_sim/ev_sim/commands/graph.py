@@ -35,7 +35,7 @@ def inspect(argv: list[str]) -> None:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = Node(_OWN_NAME, start_parameter_services=False)
-        _wait(_LOOKING_TIME)
+        time.sleep(_LOOKING_TIME)
         if given.echo:
             print(_one_message(node, given.echo))
         else:
@@ -53,12 +53,6 @@ def _positive(text: str) -> float:
     if not 0.0 < seconds < float("inf"):
         raise ValueError
     return seconds
-
-
-def _wait(seconds: float) -> None:
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
-        time.sleep(0.05)
 
 
 def _topics(node: Node) -> dict[str, str]:

@@ -54,7 +54,7 @@ def _visual(link: Element, kind: str, size: dict[str, str], xyz: str, rpy: str, 
     SubElement(material, "color", rgba=colour)
 
 
-TOPICS = {  # name -> type; relative ones stand in the namespace of the graph
+VIEWS = {  # name -> type; relative ones stand in the namespace of the graph
     "/tf": "tf2_msgs/msg/TFMessage",
     "odometry": "nav_msgs/msg/Odometry",
     "tyre_force_markers": "visualization_msgs/msg/MarkerArray",
@@ -73,7 +73,7 @@ class RosViews:
         self._publishers: dict[str, Any] = {}
         self._classes: dict[str, Any] = {}
         self._described: Vehicle | None = None
-        for name, kind in TOPICS.items():
+        for name, kind in VIEWS.items():
             try:
                 self._classes[name] = message_class(kind)
             except ImportError:

@@ -52,10 +52,7 @@ class Pages:
         text = filled("dashboard.html", title=title)
         self._server = HTTPServer(
             tornado.web.Application(
-                [
-                    ("/", _Page, {"hosts": hosts, "text": text}),
-                    ("/live", _Socket, {"hosts": hosts, "pages": self}),
-                ],
+                [("/", _Page, {"hosts": hosts, "text": text}), ("/live", _Socket, {"hosts": hosts, "pages": self})],
                 log_function=lambda handler: None,
                 websocket_ping_interval=10,
                 websocket_max_message_size=_LONGEST_WISH,
@@ -148,7 +145,7 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
             self._sent = self.write_message(row, binary=True)
 
 
-NAME = "dashboard"  # in the graph
+_NODE = "dashboard"  # in the graph
 _PERIOD = 0.05  # s of wall time between two looks
 _PATIENCE = 10.0  # s for a graph to be found to which we are to attach
 
@@ -162,7 +159,7 @@ async def attached(namespace: str, domain: int, port: int, run: subprocess.Popen
     loop = asyncio.get_running_loop()
     for kind in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(kind, stopped.set)
-    with observing(namespace, domain, NAME) as observer:
+    with observing(namespace, domain, _NODE) as observer:
         dashboard = _Dashboard(observer, port)
         start = next_look = loop.time()
         try:
@@ -193,7 +190,7 @@ class _Dashboard:
         self._columns: list[str] = []
         self._time = 0.0
         namespace = observer.get_namespace()
-        self.controls = Controls(observer.context, namespace, f"{NAME}_controls", self._tell)
+        self.controls = Controls(observer.context, namespace, f"{_NODE}_controls", self._tell)
         self.frames = LiveFrames(observer, self._refuse)
         self.pages = Pages(f"EV Control Stack {namespace}", port, self.controls.obey, self._present)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import SubElement
@@ -53,21 +54,16 @@ class Slave(Fmi2Slave):
 
     def _declare(self, inputs: Iterable[str], outputs: Iterable[str]) -> None:
         unit = units()
+
+        def add(name: str, **how: Any) -> None:
+            of_all = {"variability": Fmi2Variability.discrete, "description": f"[{unit[name]}]"}
+            self.register_variable(Real(name, **of_all, **how), nested=False)
+
         for name in inputs:
-            how = {"start": 0.0, "causality": Fmi2Causality.input, "setter": self._setter(name)}
-            self._variable(name, unit[name], getter=lambda name=name: self._given[name], **how)
+            ways = {"getter": partial(self._given.get, name), "setter": partial(self._given.__setitem__, name)}
+            add(name, start=0.0, causality=Fmi2Causality.input, **ways)
         for name in outputs:
-            self._variable(name, unit[name], getter=lambda name=name: self._shown[name], causality=Fmi2Causality.output)
-
-    def _variable(self, name: str, unit: str, **how: Any) -> None:
-        how |= {"variability": Fmi2Variability.discrete, "description": f"[{unit}]"}
-        self.register_variable(Real(name, **how), nested=False)
-
-    def _setter(self, name: str) -> Any:
-        def set_value(value: float) -> None:
-            self._given[name] = value
-
-        return set_value
+            add(name, causality=Fmi2Causality.output, getter=lambda name=name: self._shown[name])
 
     def to_xml(self, model_options: Mapping[str, Any] | None = None) -> Any:
         """The description, with what PythonFMU leaves out.

@@ -15,14 +15,14 @@ from ev_sim.measures.metric import Metric
 from ev_sim.measures.samples import Parameters, Runs
 from ev_sim.scenarios.about import REPORTS
 
-GIVEN = ("runs", "vehicle", "parameters")
+ARGUMENTS = ("runs", "vehicle", "parameters")
 
 
 @dataclass(frozen=True)
 class Report:
     """Numbers and figures of the runs of a scenario, made by two functions of a module, `metrics` and `figures`.
 
-    The functions name as arguments what they use of GIVEN; TypeError if one names something else.
+    The functions name as arguments what they use of ARGUMENTS; TypeError if one names something else.
     """
 
     module: Any
@@ -37,11 +37,11 @@ class Report:
 
 
 def _call(function: Callable[..., Any], *given: Any) -> Any:
-    by_name = dict(zip(GIVEN, given, strict=True))
+    by_name = dict(zip(ARGUMENTS, given, strict=True))
     names = inspect.signature(function).parameters
     for name in names:
         if name not in by_name:
-            raise TypeError(f"{function.__module__}.{function.__name__}: {name} is none of {', '.join(GIVEN)}")
+            raise TypeError(f"{function.__module__}.{function.__name__}: {name} is none of {', '.join(ARGUMENTS)}")
     return function(**{name: by_name[name] for name in names})
 
 

@@ -22,22 +22,21 @@ from ev_sim.figures.figure import DPI, Figure
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.files_of_run import atomic_file
 
-NAME = "table"
-TABLES = tuple(f"{NAME}.{kind}" for kind in ("csv", "md", "tex", "parquet"))
+TABLES = tuple(f"table.{kind}" for kind in ("csv", "md", "tex", "parquet"))
 _SPECIAL = {"\\": r"\textbackslash{}", "_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "$": r"\$", "^": r"\^{}"}
 
 
 def write_tables(folder: Path, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
     """Write table.csv with all digits of numbers, table.md, table.tex, and table.parquet; None is an empty cell."""
     for suffix, text in (("csv", _csv), ("md", _markdown), ("tex", _latex)):
-        with atomic_file(folder / f"{NAME}.{suffix}") as file:
+        with atomic_file(folder / f"table.{suffix}") as file:
             file.write(text(columns, rows).encode())
     if find_spec("pyarrow") is not None:
         import pyarrow
         import pyarrow.parquet
 
         series = {column: _of_one_kind([row[i] for row in rows]) for i, column in enumerate(columns)}
-        with atomic_file(folder / f"{NAME}.parquet") as file:
+        with atomic_file(folder / "table.parquet") as file:
             pyarrow.parquet.write_table(pyarrow.table(series), file)
 
 

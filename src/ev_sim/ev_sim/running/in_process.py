@@ -101,9 +101,5 @@ def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:
 
 
 def _node(name: str, namespace: str, values: dict, context: rclpy.Context) -> object:
-    arguments = {
-        "context": context,
-        "namespace": namespace,
-        "parameter_overrides": parameter_overrides(values),
-    }
+    arguments = {"context": context, "namespace": namespace, "parameter_overrides": parameter_overrides(values)}
     return RecorderNode(**arguments) if name == RECORDER else node_maker(name)(**arguments)

@@ -146,7 +146,7 @@ def _config() -> Iterable[tuple[str, Path]]:
                 yield path.relative_to(config).as_posix(), path
 
 
-NAME = "driven.jsonl"
+DRIVEN = "driven.jsonl"
 _ARRAY, _TUPLE = "array", "tuple"  # what JSON does not know, as objects with one of these keys
 
 
@@ -158,7 +158,7 @@ class KeptRows:
     """
 
     def __init__(self, folder: Path, study: str, cases: Sequence[Case], anew: bool = False) -> None:
-        self._path, self._study = folder / NAME, study
+        self._path, self._study = folder / DRIVEN, study
         self._sources = digest_of_sources()
         self._keys = dict(self._resolved(cases))
         text = read_data(self._path, SIGNALS).decode(errors="replace") if self._path.is_file() else ""
@@ -181,7 +181,7 @@ class KeptRows:
     @property
     def files(self) -> list[str]:
         """The names of what is worth to be kept, with signals; none if nothing of it holds any more."""
-        return [NAME, *map(_signals_of_key, self._results)] if self._results else []
+        return [DRIVEN, *map(_signals_of_key, self._results)] if self._results else []
 
     def signals_of(self, case: Case) -> str | None:
         """Where the signals of a case are kept, below the folder of its study; None if it is refused."""
@@ -213,8 +213,8 @@ class KeptRows:
     def _lines(self, text: str) -> Iterable[dict[str, Any]]:
         for each in text.splitlines():
             try:
-                line = json.loads(each)
-            except (ValueError, RecursionError):  # half a line, of a study that was killed while it wrote
+                line = json.loads(each, object_hook=decoded)
+            except (ValueError, TypeError, RecursionError):  # half a line, of a study that was killed while it wrote
                 continue
             if isinstance(line, dict) and line.get("sources") == self._sources:
                 yield line
@@ -244,8 +244,8 @@ def as_json(result: CaseResult) -> dict[str, Any]:
 
 
 def result_of(fields: Mapping[str, Any], name: str) -> CaseResult:
-    """The result that `as_json` was given, of a case that is called so now."""
-    return CaseResult(**{**{key: _decoded(value) for key, value in fields.items()}, "name": name})
+    """The result that `as_json` was given, `decoded`, of a case that is called so now."""
+    return CaseResult(**{**fields, "name": name})
 
 
 def _encoded(value: Any) -> Any:
@@ -262,13 +262,8 @@ def _encoded(value: Any) -> Any:
     return value
 
 
-def _decoded(value: Any) -> Any:
-    if isinstance(value, list):
-        return [_decoded(each) for each in value]
-    if not isinstance(value, dict):
-        return value
-    if value.keys() == {_ARRAY, "type"}:
-        return np.array(value[_ARRAY], value["type"])
-    if value.keys() == {_TUPLE}:
-        return tuple(_decoded(each) for each in value[_TUPLE])
-    return {key: _decoded(each) for key, each in value.items()}
+def decoded(fields: dict[str, Any]) -> Any:
+    """For `json.loads`: an object of JSON, or what JSON does not know and `as_json` has made one of."""
+    if fields.keys() == {_ARRAY, "type"}:
+        return np.array(fields[_ARRAY], fields["type"])
+    return tuple(fields[_TUPLE]) if fields.keys() == {_TUPLE} else fields

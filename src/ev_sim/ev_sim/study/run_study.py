@@ -24,7 +24,7 @@ from ev_sim.report.tables import TABLES, print_metrics, text_table, write_tables
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Overrides, refuse_unused_values
-from ev_sim.study.kept_rows import NAME, KeptRows, MeasureAndSave
+from ev_sim.study.kept_rows import DRIVEN, KeptRows, MeasureAndSave
 from ev_sim.study.study import Case, CaseResult, Results, Study, run_of, study_named
 from ev_sim.study.workers import drive_cases
 
@@ -138,7 +138,7 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     out = given.out or Path("results") / name
     rows = KeptRows(out, name, cases, given.anew)
     signals = {case.name: path for case in cases if given.signals and (path := rows.signals_of(case))}
-    names = [*OF_ALL_RUNS, *TABLES, NAME, *signals.values()]
+    names = [*OF_ALL_RUNS, *TABLES, DRIVEN, *signals.values()]
     with OutputFolder(out, f"study {name}", names, keeps=rows.files) as folder:
         start = time.monotonic()
         paths = {case: folder.directory / path for case, path in signals.items()}
