@@ -236,9 +236,9 @@ def batch(
     """Drive runs of a graph from rest to `duration` [s], as `run_offline` does each of them.
 
     `vary` has by ROLE.PARAMETER, or *.PARAMETER for all roles, one value for each run; `initial_states` by role one row
-    of the method's state for each run, (runs, size). Of each run are kept: of the channels in `signals` the sample of
-    every `every`-th period, and `metrics`, reductions of channels over all periods (`observer`). Without `threads`
-    there are as many as cores. ParameterError if a name or value is refused, if the roles do not fit together, if a
+    of the method's state for each run, (runs, size). Each run keeps the channels in `signals` at every `every`-th
+    period, and `metrics`, reductions of channels over all periods (`observer`). Without `threads` there are as many as
+    cores. ParameterError if a name or value is refused, if the roles do not fit together, if a
     method runs in plain Python only, all before anything runs, or if a method cannot be made with the values of a run.
     """
     check_graph(configurations)

@@ -114,7 +114,7 @@ class Observation:
         self._kept[:, : self._head] = 0.0
 
     def addresses(self, run: int) -> tuple[int, int, int]:
-        """Of the function, the row of a run and the constants."""
+        """The addresses of the function, the row of a run and the constants."""
         return function(), self._kept[run].ctypes.data, self._constants.ctypes.data
 
     def reduced(self) -> np.ndarray:

@@ -10,7 +10,7 @@ from ev_msgs_py.refusal import LINE, shown
 
 
 def refuse(error: BaseException | str) -> NoReturn:
-    """End the process with one line about an error; of one of the system the file is named, too."""
+    """End the process with one line about an error; that of an error of the system names the file, too."""
     text = str(error)
     if isinstance(error, OSError) and error.strerror:
         text = ": ".join(str(each) for each in (error.filename, error.strerror) if each)

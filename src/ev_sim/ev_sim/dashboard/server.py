@@ -25,7 +25,7 @@ from ev_sim.recording.outcome import RunFailed
 from ev_sim.report.page.writing import filled
 from ev_sim.running.observing import observing
 
-ADDRESS = "127.0.0.1"  # nobody else's machine can ask
+ADDRESS = "127.0.0.1"  # no other machine can ask
 _KEPT = 1200  # rows that a page gets when it is opened
 _LONGEST_WISH = 1 << 20  # bytes
 _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:"

@@ -44,7 +44,7 @@ class Content:
 
 
 def versions() -> dict[str, str]:
-    """Of what has to be there where it is run."""
+    """The versions of what has to be installed where the FMU is run."""
     return {name: version(name) for name in NEEDED}
 
 

@@ -30,7 +30,7 @@ LARGEST_HAND_TORQUE = 20.0  # [N m], what two hands do in an emergency; drivers 
 
 @dataclass(frozen=True)
 class Action:
-    """A kind of action, in the place of a `role`; of what that role writes it gives some `channels`.
+    """A kind of action, in the place of a `role`: it gives some `channels` of what that role writes.
 
     `bounds` gives lowest and highest values, (number of channels,) each, and `means` what is written for an action at
     an instant. `of_law` is the action that stands for what the law wrote.
@@ -201,7 +201,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin again at rest; `seed` is that of the scenario, too: with it the signals are those of `ev_sim.run`.
 
-        A scenario has seeds below 2^31; of a larger one its seed is drawn.
+        A scenario has seeds below 2^31: for a larger one its seed is drawn.
         """
         super().reset(seed=seed)
         is_drawn = seed is None or seed > _LARGEST_SEED

@@ -1,4 +1,4 @@
-"""A value over time, given by points: the speed that somebody wants among them, and the speed cycles."""
+"""A value over time, given by points: the wanted speed among them, and the speed cycles."""
 
 from __future__ import annotations
 

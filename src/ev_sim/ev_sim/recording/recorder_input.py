@@ -39,15 +39,15 @@ class RecorderInput:
         self.refused = 0
         # The master's first: nobody answers an instant before the master sends it, so nothing seems to be ahead of it.
         masters_first = sorted(enumerate(topics), key=lambda place: place[1].signal not in ROLES[MASTER].writes)
-        self._ears: list[tuple[Reader, _Add]] = []
+        self._readers: list[tuple[Reader, _Add]] = []
         for index, topic in masters_first:
             add = partial(self._add, index, topic, MessageTable(topic))
-            self._ears.append((SignalReader(node, topic, _one(add), reports.note), add))
+            self._readers.append((SignalReader(node, topic, _one(add), reports.note), add))
         if beside:
             speaker = Speaker(node, "/clock", MASTER, reports.note)
-            self._ears.append((Reader(node, Clock, "/clock", _one(self._add_clock), speaker), self._add_clock))
+            self._readers.append((Reader(node, Clock, "/clock", _one(self._add_clock), speaker), self._add_clock))
             everybody = Reader(node, DiagnosticArray, "/diagnostics", _one(self._add_diagnostics), None)
-            self._ears.append((everybody, self._add_diagnostics))
+            self._readers.append((everybody, self._add_diagnostics))
 
     def _add(self, index: int, topic: Topic, table: MessageTable, messages: list[bytes], came: list[int]) -> None:
         refused: list[int] = []
@@ -84,7 +84,7 @@ class RecorderInput:
         if time.monotonic() < self._next_poll:
             return
         self._next_poll = time.monotonic() + POLL_PERIOD
-        for reader, add in self._ears:
+        for reader, add in self._readers:
             messages, came = [], []
             while (taken := reader.take_with_time()) is not None:
                 messages.append(taken[0])

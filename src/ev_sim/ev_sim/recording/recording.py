@@ -27,7 +27,7 @@ class Recording:
     `time`: (n,) float64 [s]. `channels`: TOPIC.FIELD.NAME -> (n,) float64 in the unit of the field, where the
     slashes of a topic are dots (`steering_column.state.angle`).
 
-    Of a true motion (`truth.true_motion`) `shown` is what was sent; of the `unknown` channels no truth is known.
+    In a true motion (`truth.true_motion`), `shown` is what was sent, and `unknown` are channels without a known truth.
     """
 
     time: np.ndarray

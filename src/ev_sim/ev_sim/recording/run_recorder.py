@@ -185,7 +185,7 @@ class RunRecorder:
 
 
 def _free(name: str) -> Path:
-    """The first path NAME1, NAME2, ... that nobody has taken."""
+    """The first path NAME1, NAME2, ... that is free."""
     return next(path for path in (Path(f"{name}{number}") for number in count(1)) if not os.path.lexists(path))
 
 

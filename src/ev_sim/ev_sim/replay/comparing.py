@@ -27,10 +27,10 @@ _JITTER, _LATENCY = "jitter", "latency"
 def latency_of(recorded: Recorded) -> dict[str, Any]:
     """Jitter and latencies of a recorded run; empty where only stamps are known.
 
-    `jitter` by topic, of each role its first: by how much more or less than the control period two messages of
+    `jitter` by topic, the first one of each role: by how much more or less than the control period two messages of
     successive instants were apart.
     `latency` by topic: how long after the last message that its role may read a message came, as the recorder took
-    both; of the plant, which keeps time, there is none. Histograms as in `nodes/master/timing.py`, and medians [s].
+    both; the plant keeps time and has none. Histograms as in `nodes/master/timing.py`, and medians [s].
     """
     if not recorded.arrivals:
         return {}

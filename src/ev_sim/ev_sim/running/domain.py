@@ -1,4 +1,4 @@
-"""A ROS domain that nobody else on this machine uses."""
+"""A ROS domain that no other process on this machine uses."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def _reservation(what: object) -> Iterator[bool]:
 
 
 def _opened_in_place(path: str, flags: int) -> int:
-    """Everybody may write into the folder of the locks: a link that somebody has put there is not followed.
+    """Everybody may write into the folder of the locks: a link there is not followed.
 
     Nor does a pipe there hold us up. Nobody else may open the file: to open it is enough to lock it.
     """

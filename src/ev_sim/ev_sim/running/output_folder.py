@@ -103,7 +103,7 @@ def content(folder: Path, name: str) -> Iterator[str]:
 
 
 class OutputFolder:
-    """All that a command writes: `files` into a folder, and those of one run beside them, of several in DIR/RUN.
+    """All that a command writes: `files` into a folder, those of a single run beside them, those of several in DIR/RUN.
 
     `writer` names the writer, such as "scenario shchur2019". The manifest of the folder names all files of each writer.
     At the beginning those of this one are removed, apart from `keeps`; what it was writing when it was killed is moved
@@ -171,7 +171,7 @@ class OutputFolder:
         return self
 
     def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
-        # What somebody has put there while we drove is not ours, even if it has one of our names.
+        # What was put there by others while we drove is not ours, even if it has one of our names.
         theirs = {error.filename} if isinstance(error, FileExistsError) else set()
         with self._locks, suppress(OSError) if error else nullcontext():
             files: Files = {}

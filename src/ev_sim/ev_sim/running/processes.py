@@ -58,7 +58,7 @@ class Beginning:
         return time.monotonic() > self._deadline
 
 
-_HEARKEN = 0.6  # s for nodes to report, every 0.2 s, for whom they wait
+_RECENT = 0.6  # s for nodes to report, every 0.2 s, for whom they wait
 _TO_COME_UP = 10.0  # s that nodes may take to start
 
 
@@ -72,7 +72,7 @@ class Hanging:
 
     def __init__(self, reports: NodeReports, pids: Mapping[str, int], patience: float, realtime: bool) -> None:
         self._reports, self._pids, self._realtime = reports, dict(pids), realtime
-        self._wait = max(patience - 0.2, _HEARKEN)
+        self._wait = max(patience - 0.2, _RECENT)
         self._since = time.monotonic()
         self._time = reports.time
         self._named = False
@@ -80,7 +80,7 @@ class Hanging:
     def look(self) -> str | None:
         """One line on the node that does not answer, once for each time that the run stands still."""
         now = time.monotonic()
-        waits_for_its_time = self._reports.waits_for(MASTER, _HEARKEN) == []  # a step may take seconds at a slow pace
+        waits_for_its_time = self._reports.waits_for(MASTER, _RECENT) == []  # a step may take seconds at a slow pace
         if self._reports.time != self._time or self._reports.rests or waits_for_its_time:
             self._time, self._since, self._named = self._reports.time, now, False
         elif not self._named and now - self._since > (self._wait if self._time else _TO_COME_UP):
@@ -99,7 +99,7 @@ class Hanging:
         if MASTER not in self._pids:
             return RECORDER
         chain = [RECORDER if self._realtime else MASTER]
-        while whom := [each for each in self._reports.waits_for(chain[-1], _HEARKEN) or () if each in self._pids]:
+        while whom := [each for each in self._reports.waits_for(chain[-1], _RECENT) or () if each in self._pids]:
             if whom[0] in chain:
                 break
             chain.append(whom[0])

@@ -196,7 +196,7 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
 
 
 def _refuse_unfollowed_speed(changed: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
-    """ParameterError for a speed over time, or a cycle, where nobody ever follows one."""
+    """ParameterError for a speed over time, or a cycle, where no driver ever follows one."""
     names = [key for node, key, _ in changed if node in ("*", "driver") and key.startswith("speed_profile.")]
     if names and not any(map(_follows_a_speed, runs)):
         raise ParameterError(

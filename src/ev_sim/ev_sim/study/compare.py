@@ -113,7 +113,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-    """Paths, and yaw rate, sideslip angle, speed and torque difference over time, of all methods one over the other."""
+    """Paths, and yaw rate, sideslip angle, speed and torque difference over time, all methods one over the other."""
     driven = {name: result.measured for name, result in results.items() if not result.refused}
 
     def over_time(title: str, ylabel: str, quantity: str):

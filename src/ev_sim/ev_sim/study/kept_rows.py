@@ -38,7 +38,7 @@ _INSTALLED = frozenset(("site-packages", "dist-packages"))
 def imported_files(module: str, but: Collection[str]) -> list[Path]:
     """Those of a module by its name, apart from Python's own and those of some packages; libraries in C as well.
 
-    What somebody else's installed package imports in its turn is left out.
+    The imports of other installed packages are left out.
     """
     found: dict[str, Path] = {}
     waiting, own = [module], module.partition(".")[0]
@@ -114,7 +114,7 @@ def _texts_of(module: str) -> str:
 
 
 def digest_of_sources(without: Sequence[str] = NEVER_DRIVES, config: bool = False) -> str:
-    """Of our sources but those below some folders, of versions of packages, and of the config folders if wanted."""
+    """The digest of our sources but for some folders, of package versions, and of the config folders if wanted."""
     return _digest(repr(sorted(versions().items())), [*_sources(without), *(_config() if config else ())])
 
 

@@ -67,7 +67,7 @@ def envelope(run: Recording, every: int) -> Recording:
     """Two samples of each 2 `every`: lowest and highest of every channel, in the order in which they came.
 
     They stand at the first and the middle instant, so no sample moves by more than 2 `every` of them; a gap stays a
-    gap. Of the rest at the end, shorter than that, they stand at its first and last instant. A run comes back as it is
+    gap. In the shorter rest at the end, they stand at its first and last instant. A run comes back as it is
     if `every` is 1.
     """
     size = 2 * every
