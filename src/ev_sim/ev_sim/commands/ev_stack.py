@@ -25,7 +25,7 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
         "drive a scenario, a study or a review: ev-stack run SCENARIO; --help lists the options",
     ),
     "list": ("run_scenario.list_all", "scenarios, studies and methods, one line each"),
-    "security_policies": ("graph.policies", "policies for DDS security, and the running graph against them"),
+    "security_policies": ("live_graph.policies", "policies for DDS security, and the running graph against them"),
     "schema": ("exports.print_schema", "JSON Schema of scenario, vehicle and parameter files, for editors"),
     "fmu": (
         "exports.export_fmu",
@@ -33,10 +33,13 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
     ),
     "urdf": ("exports.print_urdf", "a car as URDF, for RViz and Foxglove: ev-stack urdf VEHICLE"),
     "parameters": ("exports.write_parameters", "all parameters of the nodes of a run, as files, and how they start"),
-    "visualization": ("graph.visualize", "tf, odometry and markers of tyre forces beside a run, for RViz and Foxglove"),
+    "visualization": (
+        "live_graph.visualize",
+        "tf, odometry and markers of tyre forces beside a run, for RViz and Foxglove",
+    ),
     "dashboard": ("dashboard.main", "a local page: live signals, the car from above, parameters, time"),
     "header": ("exports.print_header", "ev_laws.h, the interface of laws in C and C++"),
-    "inspect": ("graph.inspect", "show the running graph: nodes, topics, rates"),
+    "inspect": ("live_graph.inspect", "show the running graph: nodes, topics, rates"),
 }
 
 
