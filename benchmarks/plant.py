@@ -28,10 +28,10 @@ from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.analysis.__main__ import load_vehicle
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.integration import Equations
 from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE
+from ev_sim.scenarios.about import vehicle_of
 
 STEP = 1e-3  # [s]
 SPEED = 15.0  # [m/s]
@@ -106,7 +106,7 @@ def own_rows(repeats: int) -> Iterator[Row]:
     yield Row(REFERENCE, best_time(fused, repeats) / steps)
     fused("planar_electrical")()  # compiles
     yield Row("the same with its electrical side", best_time(lambda: fused("planar_electrical"), repeats) / steps)
-    believable = load_vehicle("compact_ev")
+    believable = vehicle_of("compact_ev")
     yield Row("the same with real tyres (compact_ev)", best_time(lambda: fused(vehicle=believable), repeats) / steps)
     yield Row("planar plant, 10 ms period with all signals", best_time(control_period, repeats) / steps)
     yield Row("planar plant, one call per step", best_time(one_call_per_step, repeats) / steps)

@@ -18,7 +18,7 @@ from unittest import mock
 
 import numpy as np
 
-from ev_sim.running import told
+from ev_sim.running import node_reports
 from ev_sim.running.in_process import run_in_process
 from ev_sim.running.processes import run_in_processes
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
@@ -27,7 +27,7 @@ from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 def rate(run: Run, sums: bool, in_process: bool) -> float:
     """Steps per second of wall time; nodes without a key have no sums."""
     of_key = SimpleNamespace(token_bytes=secrets.token_bytes if sums else bytes)
-    with tempfile.TemporaryDirectory() as folder, mock.patch.object(told, "secrets", of_key):
+    with tempfile.TemporaryDirectory() as folder, mock.patch.object(node_reports, "secrets", of_key):
         outcome = (run_in_process if in_process else run_in_processes)(run, Path(folder), False, lambda _: None)
     return (len(outcome.recording.time) - 1) / outcome.wall_time
 

@@ -13,8 +13,7 @@ from ev_sim.measures.metric import Metric, Reference, within
 from ev_sim.recording.files_of_run import PAGE
 from ev_sim.recording.recording import Recording
 from ev_sim.report.page.writing import Image, Page, Signals, write_page
-from ev_sim.report.summary import Summary
-from ev_sim.scenarios.differences import Difference
+from ev_sim.report.summary import Difference, Summary
 
 CAR = Vehicle()
 DURATION, PERIOD, RADIUS = 10.0, 0.01, 20.0

@@ -7,7 +7,6 @@ import pytest
 from batches.batches import DURATION, RUNS, alone, lane_change, vary
 
 from ev_core.lockstep.parts import method_part
-from ev_sim.batches import runs
 from ev_sim.batches.batch import batch
 from ev_sim.batches.observer import largest_magnitude, last, maximum, mean, minimum, root_mean_square
 from ev_sim.recording.offline import run_offline
@@ -96,7 +95,7 @@ def test_only_what_differs_is_prepared_anew(monkeypatch):
         made.append(configuration.role)
         return method_part(configuration, compiled)
 
-    monkeypatch.setattr(runs, "method_part", counted)
+    monkeypatch.setattr("ev_sim.batches.batch.method_part", counted)
     batch(lane_change(), 0.1, {"*.seed": range(20)})
     assert sorted(made) == sorted(lane_change())
     made.clear()

@@ -16,7 +16,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.wire.layout import empty_message, message_class
-from ev_sim.commands.urdf import main
+from ev_sim.commands.exports import print_urdf
 from ev_sim.dashboard import ros_views
 from ev_sim.report.page.top_view import PREFIX
 
@@ -57,7 +57,7 @@ def test_rviz_shows_the_topics_of_the_node_in_a_frame_that_it_publishes():
 
 
 TWIST = ("twist.longitudinal", "twist.lateral", "twist.yaw_rate")
-TF_TYPE = ros_views.TOPICS["/tf"]
+TF_TYPE = ros_views.VIEWS["/tf"]
 TF = message_class(TF_TYPE) if find_spec("tf2_msgs") else SimpleNamespace
 
 
@@ -87,13 +87,13 @@ def test_tf_has_a_frame_for_each_link_of_the_urdf(monkeypatch):
     assert 2.0 * math.atan2(base.transform.rotation.z, base.transform.rotation.w) == pytest.approx(1.2)
     assert 2.0 * math.atan2(wheel.transform.rotation.z, wheel.transform.rotation.w) == pytest.approx(0.3)
     missing = {
-        name for name, kind in ros_views.TOPICS.items() if name != "/tf" and find_spec(kind.split("/")[0]) is None
+        name for name, kind in ros_views.VIEWS.items() if name != "/tf" and find_spec(kind.split("/")[0]) is None
     }
     assert {line.split()[1].rstrip(":") for line in said} == missing
 
 
 def test_the_urdf_has_the_geometry_of_the_vehicle_file(capsys):
-    main(["audi_a2"])
+    print_urdf(["audi_a2"])
     robot = fromstring(capsys.readouterr().out)
     joints = {joint.get("name"): joint for joint in robot.findall("joint")}
     assert tuple(joints) == WHEEL_NAMES
@@ -107,4 +107,4 @@ def test_the_urdf_has_the_geometry_of_the_vehicle_file(capsys):
 
 def test_an_unknown_vehicle_is_one_line():
     with pytest.raises(SystemExit, match="error: unknown vehicle 'audi'; known: audi_a2"):
-        main(["audi"])
+        print_urdf(["audi"])

@@ -16,8 +16,7 @@ from gymnasium.utils.env_checker import check_env
 import ev_sim
 import ev_sim.learning
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.learning.actions import ACTIONS
-from ev_sim.learning.environment import Environment
+from ev_sim.learning.environment import ACTIONS, Environment
 from ev_sim.recording.recording import signal_hash
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "random_agent.py"

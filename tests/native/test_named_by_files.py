@@ -11,8 +11,8 @@ import pytest
 import ev_sim
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
-from ev_sim.replay.finding import find_recorded
 from ev_sim.replay.graph import replay_of
+from ev_sim.replay.recorded import find_recorded
 from ev_sim.running.node_process import command
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 

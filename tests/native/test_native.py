@@ -15,7 +15,7 @@ from ev_core.check.method import check_method
 from ev_core.lockstep.configuration import configure
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.interface.law import SteppedLaw
+from ev_sim.interface.simulation import SteppedLaw
 from ev_sim.recording.recording import signal_hash
 from ev_sim.running.in_process import run_in_process
 from ev_sim.running.processes import run_in_processes

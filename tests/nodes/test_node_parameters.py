@@ -18,8 +18,8 @@ from ev_core.nodes.spinning import refuse_what_raises
 from ev_core.parameters.declaration import entries
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES
-from ev_sim.recording.output_of_run import RecorderParameters
-from ev_sim.running.told import Told
+from ev_sim.recording.run_recorder import RecorderParameters
+from ev_sim.running.node_reports import NodeReports as Told
 
 pytestmark = pytest.mark.slow
 

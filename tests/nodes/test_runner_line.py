@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from ev_core.nodes.runner_line import KINDS, LINE, NOTE, PROGRESS, TALLY, WARNING, RunnerLine, Word
 from ev_sim.recording.recording import Recording
-from ev_sim.running.told import Told
-from ev_sim.running.told import told as opened
+from ev_sim.running.node_reports import NodeReports as Told
+from ev_sim.running.node_reports import node_reports as opened
 
 NOTHING = Recording(np.zeros(0), {})
 

@@ -17,8 +17,7 @@ from ev_sim.profiles.cycle_windows import (
     mode_at,
     windows_by_rule,
 )
-from ev_sim.profiles.profile import profile_of
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_profile_from_file
+from ev_sim.profiles.profile import SpeedProfileParameters, profile_of, wanted_speed, with_profile_from_file
 from ev_sim.scenarios.scenario import load_scenario
 
 # Stands, drives, keeps its speed, slows down, stands.

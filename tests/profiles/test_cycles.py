@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, with_profile_from_file
+from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
 
 MILE = 1.609344  # km
 CYCLES = Path(__file__).parents[2] / "config" / "cycles"

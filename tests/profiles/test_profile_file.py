@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_profile_from_file
+from ev_sim.profiles.profile import SpeedProfileParameters, wanted_speed, with_profile_from_file
 
 
 def write(folder, text: str) -> SpeedProfileParameters:

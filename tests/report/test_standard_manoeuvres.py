@@ -13,10 +13,10 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.manoeuvres import sine_with_dwell, steady_circle
 from ev_sim.measures import handling, motion
 from ev_sim.measures.metric import NOT_JUDGED, NotMeasured
+from ev_sim.profiles.profile import cycle_values
 from ev_sim.recording.recording import Recording
 from ev_sim.report.result import Result
 from ev_sim.scenarios import scenario as scenarios
-from ev_sim.scenarios.cycle import cycle_values
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 from ev_sim.scenarios.slow_ramp import angle_at, driven_slowly
 

@@ -10,8 +10,8 @@ from ros_graph import offline_hash, recorded_hash, shchur
 
 from ev_core.nodes import time_of_day
 from ev_sim.recording.outcome import RunFailed
-from ev_sim.running import processes, watched_run
-from ev_sim.running.watched_run import Beginning
+from ev_sim.running import processes
+from ev_sim.running.processes import Beginning
 
 HOUR = 3600 * 10**9  # ns
 PATIENCE = 3.0  # s
@@ -21,10 +21,10 @@ PATIENCE = 3.0  # s
 def clocks(monkeypatch):
     """Seconds of the monotonic clock, and nanoseconds by which the time of day is ahead of it."""
     now = SimpleNamespace(seconds=100.0, ahead=HOUR)
-    monkeypatch.setattr(watched_run.time, "monotonic", lambda: now.seconds)
+    monkeypatch.setattr(processes.time, "monotonic", lambda: now.seconds)
     monkeypatch.setattr(time_of_day, "ahead", lambda: now.ahead)
-    monkeypatch.setattr(watched_run, "ahead", lambda: now.ahead)
-    monkeypatch.setattr(watched_run, "_TO_BEGIN", PATIENCE)
+    monkeypatch.setattr(processes, "ahead", lambda: now.ahead)
+    monkeypatch.setattr(processes, "_TO_BEGIN", PATIENCE)
     return now
 
 

@@ -9,8 +9,8 @@ import pytest
 
 from ev_core.nodes.master.node import MasterNode
 from ev_core.nodes.runner_line import WAITS, RunnerLine, Waiting, Word
-from ev_sim.running.told import Told
-from ev_sim.running.watched_run import Hanging
+from ev_sim.running.node_reports import NodeReports as Told
+from ev_sim.running.processes import Hanging
 
 PIDS = dict.fromkeys(("plant", "driver", "electronic_differential", "asr", "recorder"), 1)
 

@@ -13,7 +13,7 @@ from types import ModuleType, SimpleNamespace
 import pytest
 import yaml
 
-from ev_sim.commands import parameters
+from ev_sim.commands.exports import write_parameters
 from ev_sim.running.node_parameters import node_parameters
 from ev_sim.scenarios.scenario import Overrides, load_scenario
 
@@ -55,7 +55,7 @@ def launch_file(monkeypatch):
 def test_launch_starts_every_node_with_the_parameters_of_the_runner(launch_file, monkeypatch, capsys, tmp_path):
     def check_output(words, text):
         assert words[0].endswith("lib/ev_sim/ev-stack") and words[1] == "parameters"
-        parameters.main(words[2:])
+        write_parameters(words[2:])
         return capsys.readouterr().out
 
     monkeypatch.setattr(launch_file, "subprocess", SimpleNamespace(check_output=check_output))
@@ -79,4 +79,4 @@ def test_launch_starts_every_node_with_the_parameters_of_the_runner(launch_file,
 
 def test_a_scenario_that_cannot_be_is_one_line(tmp_path):
     with pytest.raises(SystemExit, match="error: unknown run of tatar_chudzik ''; known: "):
-        parameters.main(["tatar_chudzik", "--out", str(tmp_path)])
+        write_parameters(["tatar_chudzik", "--out", str(tmp_path)])

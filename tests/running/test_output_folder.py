@@ -15,10 +15,8 @@ from hypothesis import strategies as st
 import ev_sim
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands import ev_stack
-from ev_sim.recording.atomic import atomic_file
-from ev_sim.recording.files_of_run import OF_ALL_RUNS
-from ev_sim.running.manifest import NAME, read_manifest, write_manifest
-from ev_sim.running.output_folder import OutputFolder
+from ev_sim.recording.files_of_run import OF_ALL_RUNS, atomic_file
+from ev_sim.running.output_folder import MANIFEST, OutputFolder, read_manifest, write_manifest
 from ev_sim.scenarios.scenario import Run
 
 # Empty ones of these names are as good as ours; below them they are his.
@@ -26,7 +24,7 @@ FOLDERS = ("bag", "log", "earlier_1", "run [0]", "signals")
 FIGURES = ("slip.png", "timing.png")
 NAMES = st.sampled_from(
     (
-        *(*OF_ALL_RUNS, *FIGURES, NAME, "thesis.pdf", "signals.npz", "parameters.yaml", "bag", "bag/metadata.yaml"),
+        *(*OF_ALL_RUNS, *FIGURES, MANIFEST, "thesis.pdf", "signals.npz", "parameters.yaml", "bag", "bag/metadata.yaml"),
         *("bag/bag.mcap", "bag/notes.txt", "bag_before_reset_1/bag.mcap", "log", "log/recorder.log", "log/diary.txt"),
         *("earlier_1", "earlier_1/signals.npz", "run [0]", "run [0]/signals.npz", "run [1]/bag/notes.txt", "car.fmu"),
         *("bag/mine", "log/mine/empty", "run [0]/mine", "signals/mine"),
@@ -202,7 +200,7 @@ def test_what_is_in_the_way_is_one_line_before_anything_is_touched(tmp_path: Pat
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(name)
     refused = {
-        NAME: f"{NAME} there is not a manifest of ours",
+        MANIFEST: f"{MANIFEST} there is not a manifest of ours",
         "bag": "bag there is not of an earlier run",
         "log": "log there is not of an earlier run",
         "parameters.yaml": "parameters.yaml there is a link",
@@ -210,7 +208,7 @@ def test_what_is_in_the_way_is_one_line_before_anything_is_touched(tmp_path: Pat
     ours = ("run", "double_lane_change", "--offline", *SHORT, "--out", str(tmp_path))
     (tmp_path / "parameters.yaml").rename(tmp_path / "mine.yaml")
     (tmp_path / "parameters.yaml").symlink_to("mine.yaml")
-    (tmp_path / NAME).write_text("[]")
+    (tmp_path / MANIFEST).write_text("[]")
     for name in refused:
         before = sorted(tmp_path.rglob("*"))
         with pytest.raises(SystemExit) as ended:
@@ -257,7 +255,7 @@ def test_what_a_killed_run_was_writing_is_moved(tmp_path: Path, capsys: pytest.C
             (tmp_path / name).write_text(name)
     write_manifest(tmp_path, begun)
     with OutputFolder(tmp_path, "scenario a", OF_ALL_RUNS, [run]):
-        assert sorted(path.name for path in tmp_path.iterdir()) == ["earlier_1", NAME]
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["earlier_1", MANIFEST]
     assert sorted(path.name for path in (tmp_path / "earlier_1").rglob("*") if path.is_file()) == [
         ".signals.npz.0123abcd",
         "metadata.yaml",
@@ -290,8 +288,8 @@ def test_names_and_manifests_that_nobody_can_read_are_refused(tmp_path: Path):
     """A folder whose name is no text was driven for and then refused; a manifest of any size was read."""
     with pytest.raises(ParameterError, match=r"is refused, allowed is the name of a folder in UTF-8$"):
         OutputFolder(tmp_path / os.fsdecode(b"\xff"), "scenario a")
-    with (tmp_path / NAME).open("wb") as file:
+    with (tmp_path / MANIFEST).open("wb") as file:
         file.truncate(2**30)
     with pytest.raises(ParameterError, match=r"allowed is a regular file of at most 64 MB$"):
         OutputFolder(tmp_path, "scenario a")
-    assert [path.name for path in tmp_path.iterdir()] == [NAME]
+    assert [path.name for path in tmp_path.iterdir()] == [MANIFEST]

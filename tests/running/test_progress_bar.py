@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from types import SimpleNamespace
 
-from ev_sim.recording import progress_bar
+from ev_sim.recording import outcome
 
 
 def test_behind_a_reset_the_pace_is_that_of_the_new_run(monkeypatch):
@@ -28,8 +28,8 @@ def test_behind_a_reset_the_pace_is_that_of_the_new_run(monkeypatch):
             self.paces.append(self.unit)
 
     monkeypatch.setattr(time, "monotonic", lambda: wall[0])
-    monkeypatch.setattr(progress_bar, "tqdm", Bar)
-    with progress_bar.progress_bar("lane_change", 10.0) as progress:
+    monkeypatch.setattr(outcome, "tqdm", Bar)
+    with outcome.progress_bar("lane_change", 10.0) as progress:
         for simulated in (2.0, 4.0, 0.0, 0.0, 1.0, 4.0):
             progress(simulated)
             wall[0] += 1.0

@@ -18,8 +18,8 @@ from ev_sim.command_line.options import arguments, overrides
 from ev_sim.commands.run_scenario import main
 from ev_sim.scenarios.about import describe_scenario
 from ev_sim.scenarios.scenario import Overrides, load_scenario, scenario_names
-from ev_sim.study.command import arguments as study_arguments
-from ev_sim.study.command import study_cases
+from ev_sim.study.run_study import arguments as study_arguments
+from ev_sim.study.run_study import study_cases
 from ev_sim.study.study import study_named
 
 CONFIG = config_folders()[-1]

@@ -19,7 +19,7 @@ from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
-from ev_sim.recording.progress_bar import progress_bar
+from ev_sim.recording.outcome import progress_bar
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.scenario import load_scenario
 

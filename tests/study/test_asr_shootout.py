@@ -16,8 +16,9 @@ from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording
 from ev_sim.recording.truth import true_motion
 from ev_sim.study import asr_shootout
-from ev_sim.study.asr_cases import VARIANTS
-from ev_sim.study.case import CaseResult, drive_case, run_of
+from ev_sim.study.asr_shootout import VARIANTS
+from ev_sim.study.run_study import printed
+from ev_sim.study.study import CaseResult, drive_case, run_of
 
 pytestmark = pytest.mark.slow
 
@@ -133,7 +134,7 @@ def test_table_and_metrics(results):
     rows = asr_shootout.rows(None, results)
     assert rows[0][:3] == ("snow", "off", "–")
     assert all(len(row) == len(asr_shootout.COLUMNS) for row in rows)
-    lines = asr_shootout.tables(GIVEN, results).splitlines()
+    lines = printed(asr_shootout, GIVEN, results).splitlines()
     assert len(lines) == 8 and lines[0].startswith("road")  # header, rule, three controls on two roads
     metrics = asr_shootout.metrics(GIVEN, results)
     assert all(isinstance(value, Metric) and value.value is not None for value in metrics.values())

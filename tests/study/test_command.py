@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from ev_core.parameters.declaration import Entry
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.scenarios.scenario import load_scenario, scenario_names
-from ev_sim.study.case import Case, run_of
-from ev_sim.study.command import _refuse_what_it_sets, arguments, study_cases
-from ev_sim.study.study import study_named, study_names
+from ev_sim.study.run_study import _refuse_what_it_sets, arguments, study_cases
+from ev_sim.study.study import Case, run_of, study_named, study_names
 
 
 def cases_of(name: str, *words: str) -> list[Case]:

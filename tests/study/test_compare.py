@@ -20,7 +20,7 @@ from ev_sim.commands.run_scenario import main as run_scenario
 from ev_sim.measures import handling
 from ev_sim.recording.recording import Recording
 from ev_sim.study import compare
-from ev_sim.study.case import drive_case
+from ev_sim.study.study import drive_case
 from ev_sim.surfaces import SURFACES, RoadParameters
 from ev_sim.tyres.curve import peak_slip
 

@@ -7,7 +7,7 @@ import argparse
 import pytest
 
 from ev_sim.study import faults
-from ev_sim.study.case import CaseResult, drive_case
+from ev_sim.study.study import CaseResult, drive_case
 
 pytestmark = pytest.mark.slow
 

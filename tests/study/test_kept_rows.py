@@ -16,9 +16,9 @@ from ev_core.methods import register
 from ev_core.parameters.data_file import files_read, find_in_config
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.study import depends
-from ev_sim.study.case import Case, CaseResult, drive_case
+from ev_sim.study import kept_rows
 from ev_sim.study.kept_rows import KeptRows, MeasureAndSave
+from ev_sim.study.study import Case, CaseResult, drive_case
 
 LAW = '''"""A law of somebody's own."""
 
@@ -109,8 +109,8 @@ def cases(folder: Path) -> list[Case]:
 
 
 def keys(folder: Path) -> dict[str, str]:
-    depends._texts_of.cache_clear()  # another process would begin so
-    return {case.name: depends.row_key("sweep", case) for case in cases(folder)}
+    kept_rows._texts_of.cache_clear()  # another process would begin so
+    return {case.name: kept_rows.row_key("sweep", case) for case in cases(folder)}
 
 
 def change(file: Path) -> None:
@@ -151,7 +151,7 @@ def test_two_files_that_change_places_are_others(tmp_path):
     def key(*texts: str) -> str:
         for file, text in zip(files, texts, strict=True):
             file.write_text(text)
-        return depends.row_key("sweep", case)
+        return kept_rows.row_key("sweep", case)
 
     assert key(*texts) != key(*reversed(texts))
     assert key(*texts) == key(*texts)
@@ -214,7 +214,7 @@ def test_what_was_driven_with_other_sources_is_not_taken(tmp_path, monkeypatch):
 
 
 def test_versions_are_of_all_that_computes():
-    assert {"python", "numpy", "scipy", "numba", "llvmlite"} <= depends.versions().keys()
+    assert {"python", "numpy", "scipy", "numba", "llvmlite"} <= kept_rows.versions().keys()
 
 
 def test_a_file_that_changes_while_it_is_driven_is_told(tmp_path):

@@ -16,9 +16,8 @@ import pytest
 
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.study.case import Case, drive_case
-from ev_sim.study.cluster import refuse_others
-from ev_sim.study.workers import drive_cases
+from ev_sim.study.study import Case, drive_case
+from ev_sim.study.workers import drive_cases, refuse_others
 
 pytestmark = pytest.mark.slow
 
@@ -112,7 +111,7 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.study.case import Case
+from ev_sim.study.study import Case
 from ev_sim.study.workers import drive_cases
 
 folder = Path(sys.argv[1])
@@ -206,13 +205,13 @@ def test_a_worker_with_other_packages_or_sources_is_refused(other):
 
 
 def test_no_scheduler_at_that_address(monkeypatch):
-    monkeypatch.setattr("ev_sim.study.cluster._PATIENCE", 0.5)
+    monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 0.5)
     with pytest.raises(RunFailed, match="cannot be reached"):
         drive_cases(CASES[:1], last_speed, scheduler="tcp://127.0.0.1:9")
 
 
 def test_scheduler_without_workers(monkeypatch):
-    monkeypatch.setattr("ev_sim.study.cluster._PATIENCE", 3.0)
+    monkeypatch.setattr("ev_sim.study.workers._PATIENCE", 3.0)
     address = f"tcp://127.0.0.1:{free_port()}"
     port = address.rpartition(":")[2]
     with (

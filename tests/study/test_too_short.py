@@ -9,10 +9,8 @@ import pytest
 
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.recording.outcome import RunFailed
-from ev_sim.study.case import drive_case
-from ev_sim.study.command import arguments
-from ev_sim.study.run_study import _summed_up
-from ev_sim.study.study import study_named, study_names
+from ev_sim.study.run_study import _summed_up, arguments
+from ev_sim.study.study import drive_case, study_named, study_names
 
 pytestmark = pytest.mark.slow
 

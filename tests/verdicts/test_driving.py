@@ -14,7 +14,7 @@ from judging import drive_here
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.commands.run_scenario import main
 from ev_sim.recording.outcome import RunFailed
-from ev_sim.study.case import CaseResult, drive_case
+from ev_sim.study.study import CaseResult, drive_case
 from ev_sim.verdicts.driving import Kept, cases_of, drive
 from ev_sim.verdicts.need import ScenarioNeed, StudyNeed
 
@@ -123,14 +123,14 @@ def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Pa
 
 
 def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    from ev_sim.study import depends
+    from ev_sim.study import kept_rows
 
     Kept(tmp_path)
     before = set(tmp_path.iterdir())
-    files = [*depends._config()]
+    files = [*kept_rows._config()]
     other = tmp_path / "other.yaml"
     other.write_text("x: 1\n")
-    monkeypatch.setattr(depends, "_config", lambda: [*files, ("other.yaml", other)])
+    monkeypatch.setattr(kept_rows, "_config", lambda: [*files, ("other.yaml", other)])
     Kept(tmp_path)
     assert [path.is_dir() for path in set(tmp_path.iterdir()) - before - {other}] == [True, True]
 

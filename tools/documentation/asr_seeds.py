@@ -11,7 +11,7 @@ from documentation.markdown import code, table
 from ev_sim.batches.batch import batch
 from ev_sim.batches.observer import last, mean
 from ev_sim.study import asr_shootout
-from ev_sim.study.case import run_of
+from ev_sim.study.study import run_of
 from ev_sim.surfaces import SURFACES
 from ev_sim.tyres.curve import peak_slip
 

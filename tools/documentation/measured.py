@@ -14,8 +14,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ev_sim.study.case import Case, CaseResult
-from ev_sim.study.command import arguments
+from ev_sim.study.run_study import arguments
+from ev_sim.study.study import Case, CaseResult
 from ev_sim.verdicts.driving import cases_of
 from ev_sim.verdicts.need import StudyCases, StudyNeed
 

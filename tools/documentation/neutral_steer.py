@@ -10,9 +10,10 @@ import numpy as np
 from documentation.markdown import table
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.analysis.__main__ import drive_torques, load_vehicle
+from ev_sim.analysis.__main__ import drive_torques
 from ev_sim.analysis.linear_models import side_slip_model
 from ev_sim.analysis.linearised_plant import OperatingPoint, linearised
+from ev_sim.scenarios.about import vehicle_of
 
 COLUMNS = (
     "front share h",
@@ -27,7 +28,7 @@ SHARES = (0.0, 0.2, 0.3, 0.48, 0.5)  # of the front axle [1]
 
 def neutral_steer_table() -> str:
     """Steady (d2 - d1)/Theta by the front share [1], of W12 and of the plant with less and less left out."""
-    car = load_vehicle("zhileykin_4x4")
+    car = vehicle_of("zhileykin_4x4")
     on_the_road = dataclasses.replace(car, centre_of_mass_height=0.0)
     rows = [
         (f"{share:g}", *(f"{round(value, 4) + 0.0:.4f}".replace("-", "−") for value in _row(car, on_the_road, share)))
@@ -77,9 +78,9 @@ def _steady(car: Vehicle, share: float) -> float:
 def save_bode_plot(folder: Path) -> None:
     """Bode plot of the car at the drive force of the table, equal torques, speed held."""
     from documentation.images import save_small
-    from ev_sim.analysis.bode_figure import bode_figure
+    from ev_sim.analysis.linearised_plant import bode_figure
 
-    car = load_vehicle("zhileykin_4x4")
+    car = vehicle_of("zhileykin_4x4")
     plant = linearised(car, OperatingPoint(SPEED, drive=drive_torques(car, FORCE)))
     model = side_slip_model(car, SPEED, plant.acceleration, FORCE, 0.5)
     save_small({"zhileykin2018_bode": bode_figure(model, plant)}, folder)

@@ -22,7 +22,7 @@ _VERDICT = -2  # place of its cell
 
 def write_verdicts(root: Path, wanted: Sequence[str]) -> None:
     """Drive what the verdicts on all sources, or on those wanted, need, and write their tables and the counts."""
-    from ev_sim.commands.reviews.verdicts import judge_driven
+    from ev_sim.commands.reviews import judge_driven
 
     page = root / PAGE
     text = page.read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018 import sweep as sweep
 from ev_papers.zhileykin2018 import variants as variants
 from ev_papers.zhileykin2018.quantities import LIMIT
-from ev_sim.study.case import CaseResult, drive_case
+from ev_sim.study.study import CaseResult, drive_case
 from ev_sim.study.workers import drive_cases
 from ev_sim.verdicts.need import StudyNeed
 

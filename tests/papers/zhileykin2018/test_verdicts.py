@@ -6,8 +6,8 @@ import pytest
 from judging import driven, verdict_on
 
 from ev_papers.zhileykin2018 import grid as grid
-from ev_sim.study.case import CaseResult
-from ev_sim.study.command import arguments
+from ev_sim.study.run_study import arguments
+from ev_sim.study.study import CaseResult
 from ev_sim.verdicts.need import ScenarioNeed, StudyCases
 from ev_sim.verdicts.sources import published
 from ev_sim.verdicts.verdict import Verdict, verdict

@@ -12,12 +12,12 @@ from ev_core.vehicle.suspension import Suspension
 from ev_msgs_py.contract.signals import TireForces, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.analysis.__main__ import load_vehicle
 from ev_sim.analysis.linear_models import single_track, tangent_speed, yaw_damping, yaw_gain
 from ev_sim.analysis.linearised_plant import OperatingPoint, linearised
 from ev_sim.measures.understeer import understeer_gradient
+from ev_sim.scenarios.about import vehicle_of
 
-CAR = load_vehicle("compact_ev")
+CAR = vehicle_of("compact_ev")
 # Drag pitches the car and rolling resistance brakes the outer wheels more: neither is in a linear model.
 COASTING = dataclasses.replace(CAR, rolling_resistance=0.0, drag_coefficient=0.0)
 STILL = WheelTorqueCommand(Wheels.all(0.0))
@@ -72,7 +72,7 @@ def test_outer_wheels_carry_by_stiffness_and_roll_centres():
 
 def test_two_tyres_of_an_axle_hold_less_than_twice_one():
     """Degressive load of a simple curve: the same bend needs more steering than without it."""
-    simple = dataclasses.replace(CAR, tyre=load_vehicle("audi_a2").tyre, suspension=Suspension())
+    simple = dataclasses.replace(CAR, tyre=vehicle_of("audi_a2").tyre, suspension=Suspension())
     yaw_rates = []
     for share in (0.0, 0.2):
         car = dataclasses.replace(simple, tyre=dataclasses.replace(simple.tyre, load_sensitivity=share))

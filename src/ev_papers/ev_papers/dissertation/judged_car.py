@@ -14,8 +14,7 @@ from ev_core.vehicle.drive_train import wheel_inertia
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.samples import channel, run_named
-from ev_sim.surfaces import RoadParameters, left_and_right
-from ev_sim.surfaces import SURFACES
+from ev_sim.surfaces import SURFACES, RoadParameters, left_and_right
 from ev_sim.verdicts.need import ScenarioRuns
 
 _FRICTION = 0.8

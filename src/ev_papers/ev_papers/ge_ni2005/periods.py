@@ -7,19 +7,17 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ev_papers.ge_ni2005.quantities import chatter
-from ev_sim.figures.figure import Figure
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.recording.recording import Recording
-from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 ABOUT = "Ge & Ni 2005: chatter of the torques with boundary layer by control period, for two readings of eq 8"
 SCENARIO = "ge_ni2005"
 PERIODS = (0.0005, 0.001, 0.005, 0.01)  # [s]
 RUNS = ("increment", "offset_lower_target")  # those whose slips come to their target
 COLUMNS = ("control period [ms]", *(f"chatter of `{run}` [N m/s]" for run in RUNS))
+LEFT = 0
 SUMS = ()
 
 
@@ -57,16 +55,6 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
     """One row for each period."""
     return [(f"{1e3 * period:g}", *(f"{_chatter(results, run, period):.3g}" for run in RUNS)) for period in PERIODS]
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The same as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=())
-
-
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-    """None: the table says it all."""
-    return {}
 
 
 def _chatter(results: Results, run: str, period: float) -> float:

@@ -13,8 +13,7 @@ from ev_papers.zhileykin2018.quantities import CALM, LIMIT, SHARES, SWING, turn_
 from ev_sim.measures.handling import peak_sideslip
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run, load_scenario
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 SCENARIO = "zhileykin2018"
 REAR_DRIVE = "rear_drive"

@@ -15,8 +15,7 @@ from ev_sim.figures.figure import Figure
 from ev_sim.figures.over_values import HeatMap, heat_maps
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.report.tables import text_table
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 ABOUT = "Zhileykin 2018: drive force by steering angle on ice with snow, who spins with which control"
 COLUMNS = ("force [N]", "angle [deg]", *SWEPT)

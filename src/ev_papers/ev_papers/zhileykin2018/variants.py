@@ -8,11 +8,9 @@ from dataclasses import dataclass
 
 from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018.grid import BY_LAW, CONTROLS, REAR_DRIVE, Values
-from ev_sim.figures.figure import Figure
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.report.tables import text_table
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 ABOUT = "Zhileykin 2018: the sweep with other tyres, cars and readings of the source, where the law holds"
 COLUMNS = ("variant", "rear drive spins in", *(f"{name} holds" for name in CONTROLS if name != REAR_DRIVE))
@@ -115,8 +113,3 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     """The rows as aligned text."""
     table = text_table(COLUMNS, rows(given, results), left=("variant",))
     return f"of {grid.SIZE} cases: held of those in which rear drive spins (of all)\n{table}"
-
-
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-    """None."""
-    return {}

@@ -9,9 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.files import with_files
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.analysis.linear_models import (
@@ -22,7 +20,7 @@ from ev_sim.analysis.linear_models import (
     yaw_damping,
     yaw_gain,
 )
-from ev_sim.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, linearised
+from ev_sim.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, bode_figure, linearised
 from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.measures.understeer import (
@@ -32,12 +30,11 @@ from ev_sim.measures.understeer import (
     critical_speed,
     understeer_gradient,
 )
-from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.files_of_run import atomic_file
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.about import vehicle_file
+from ev_sim.scenarios.about import vehicle_of
 from ev_sim.surfaces import REFERENCE, SURFACES
 
-_PREFIX = "vehicle."
 _SPEEDS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0)  # [m/s] of the table
 
 
@@ -45,7 +42,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     """Print how a vehicle steers by its linear models, and write the Bode figure beside the linearised plant's."""
     given = _arguments(argv)
     try:
-        vehicle = load_vehicle(given.vehicle)
+        vehicle = vehicle_of(given.vehicle)
         drive = drive_torques(vehicle, given.drive_force)
         angle = math.radians(given.road_wheel_angle)
         plant = linearised(vehicle, OperatingPoint(given.speed, angle, drive, given.accelerates, given.surface))
@@ -56,8 +53,6 @@ def main(argv: Sequence[str] | None = None) -> None:
     for label, value, unit in rows(vehicle, given.surface, model, plant):
         print(f"{label:52}{value:>12.5g} {unit}")
     print_over_speed(vehicle, given.surface)
-    from ev_sim.analysis.bode_figure import bode_figure
-
     matrices, figure = given.out / f"linearised_{vehicle.name}.npz", f"bode_{vehicle.name}"
     try:
         with OutputFolder(given.out, f"analysis {vehicle.name}", [matrices.name, *figure_files([figure])]):
@@ -83,13 +78,6 @@ def save_matrices(path: Path, plant: LinearisedPlant) -> None:
     system = plant.system
     with atomic_file(path) as file:
         np.savez(file, A=system.A, B=system.B, C=system.C, D=system.D, states=plant.states, outputs=OUTPUTS)
-
-
-def load_vehicle(name: str) -> Vehicle:
-    """The vehicle of a name or a path; ParameterError, in one line, if there is none or it is refused."""
-    values = vehicle_file(name).values_for("/ev/plant")
-    own = {key: value for key, value in values.items() if key.startswith(_PREFIX)}
-    return with_files(build(Vehicle, own, _PREFIX))
 
 
 def drive_torques(vehicle: Vehicle, force: float) -> Wheels:

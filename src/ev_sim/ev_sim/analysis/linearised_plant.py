@@ -1,4 +1,7 @@
-"""The planar plant linearised by finite differences about steady cornering, straight running or an acceleration."""
+"""The planar plant linearised by finite differences about steady cornering, straight running or an acceleration.
+
+And the Bode plot of its slip angles beside those of the linear model.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,16 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import StateSpace
+from scipy.signal import StateSpace, bode
 
 from ev_core.compiled.loop import CompiledObject
 from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
+from ev_sim.analysis.linear_models import SideSlipModel
+from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
+from ev_sim.figures.figure import Figure, new_figure
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.integration import Equations
 from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, YAW_RATE, index
@@ -168,3 +174,44 @@ def _outputs(vehicle: Vehicle, y: np.ndarray, angle: float) -> np.ndarray:
     rear_arm = vehicle.centre_of_mass_to_rear_axle
     front_arm = vehicle.wheelbase - rear_arm
     return np.array([v, r, angle - math.atan((v + front_arm * r) / u), -math.atan((v - rear_arm * r) / u)])
+
+
+_FREQUENCIES = np.logspace(-1.0, 1.5, 200)  # [Hz]; a driver steers with up to about 3 Hz
+_WIDTH, _HEIGHT = 9.2, 4.6  # [inch]
+
+
+def bode_figure(model: SideSlipModel, plant: LinearisedPlant) -> Figure:
+    """Magnitude and phase of dA/delta: W12, W12 with the steering rate that it drops, and the linearised plant."""
+    omega = 2 * np.pi * _FREQUENCIES
+    curves = {
+        "W12 with the steering rate": _decibels(model.response_with_steering_rate(omega)),
+        "planar plant, linearised": _decibels(plant.slip_angle_difference(omega)),
+    }
+    if model.excitation:  # a car that steers neutrally has no W12 to draw
+        _, *w12 = bode(model.transfer_function(), omega)
+        curves = {"W12": tuple(w12), **curves}
+    figure = new_figure(_WIDTH, _HEIGHT, layout="constrained")
+    magnitude, phase = figure.subplots(2, 1, sharex=True)
+    for number, (label, (decibels, degrees)) in enumerate(curves.items()):
+        colour, dashes = STROKES[number]
+        magnitude.semilogx(_FREQUENCIES, decibels, color=colour, linestyle=dashes, linewidth=1.2, label=label)
+        phase.semilogx(_FREQUENCIES, degrees, color=colour, linestyle=dashes, linewidth=1.2)
+    magnitude.set_title(
+        f"Slip angles of rear minus front axle over the road-wheel angle, {model.speed:g} m/s",
+        loc="left",
+        fontsize=TITLE_SIZE,
+    )
+    magnitude.set_ylabel("magnitude [dB]", fontsize=TEXT_SIZE)
+    phase.set_ylabel("phase [deg]", fontsize=TEXT_SIZE)
+    phase.set_xlabel("frequency [Hz]", fontsize=TEXT_SIZE)
+    magnitude.legend(fontsize=TEXT_SIZE, frameon=False)
+    for axes in (magnitude, phase):
+        axes.tick_params(labelsize=TEXT_SIZE, length=2.5)
+        axes.grid(True, which="both", color="0.9", linewidth=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+    return figure
+
+
+def _decibels(response: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Magnitude [dB] and phase without jumps [deg]."""
+    return 20 * np.log10(np.abs(response)), np.degrees(np.unwrap(np.angle(response)))

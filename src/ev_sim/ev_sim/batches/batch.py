@@ -6,17 +6,204 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ev_core.compiled import part as sensors
+from ev_core.compiled.loop import FINISHED, run_through
+from ev_core.compiled.part import CompiledPart
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph
+from ev_core.lockstep.parts import method_part, row_parts
+from ev_core.lockstep.run import refuse_not_finite, roles_in_order
+from ev_core.methods.common_parameters import CommonParameters
+from ev_core.parameters.values import check, entries_by_name, plain
 from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_sim.batches import observer
 from ev_sim.batches.observer import Observation, Reduction, result
-from ev_sim.batches.runs import Runs, Variation
+
+EVERY_ROLE = "*"
+_VEHICLE, _SENSORS = "vehicle.", "sensors."
+_OF_ALL_RUNS = ("method", "control_period", "mode")
+_SEED = entries_by_name(CommonParameters)["seed"]
+
+
+class Variation:
+    """What differs from run to run; names are ROLE.PARAMETER, or *.PARAMETER for all roles.
+
+    `runs` is their number by role where initial states give it. ParameterError for unknown names, for what cannot
+    differ, and if the numbers of values are not the same.
+    """
+
+    def __init__(
+        self, configurations: Mapping[str, Configuration], vary: Mapping[str, Iterable[Any]], runs: Mapping[str, int]
+    ) -> None:
+        self._configurations = configurations
+        columns = {name: _column(values) for name, values in vary.items()}
+        lengths = {name: len(column) for name, column in columns.items()}
+        lengths.update({f"initial_states of {role}": count for role, count in runs.items()})
+        if len(set(lengths.values())) > 1:
+            listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
+            raise ParameterError(f"numbers of runs differ: {listed}; allowed is one number of values for all")
+        self.names = tuple(columns)
+        self.runs = next(iter(lengths.values()), 1)
+        self._by_role: dict[str, dict[str, Sequence[Any]]] = {role: {} for role in configurations}
+        for name, column in columns.items():
+            role, _, parameter = name.partition(".")
+            if role != EVERY_ROLE and role not in configurations:
+                raise unknown_name("role", role, [EVERY_ROLE, *configurations])
+            for each in configurations if role == EVERY_ROLE else (role,):
+                self._refuse(name, parameter, each, role == EVERY_ROLE)
+                self._by_role[each][parameter] = column
+
+    def _refuse(self, name: str, parameter: str, role: str, for_all: bool) -> None:
+        configuration = self._configurations[role]
+        fixed = (*_OF_ALL_RUNS, *(entries_by_name(type(configuration.extra)) if configuration.extra else ()))
+        if parameter in fixed:
+            raise ParameterError(f"{name} is refused: all runs of a batch have the same {parameter}")
+        known = configuration.values()
+        if parameter not in known:
+            is_sensor = parameter.startswith(_SENSORS)  # there are many: listed where one is meant
+            listed = [each for each in known if each not in fixed and each.startswith(_SENSORS) == is_sensor]
+            raise unknown_name(f"parameter of {role}", parameter, listed)
+        if parameter.startswith(_VEHICLE) and not for_all:
+            raise ParameterError(f"{name} is refused: allowed is {EVERY_ROLE}.{parameter}, one for all roles")
+
+    def configurations(self, role: str) -> list[Configuration] | None:
+        """Those of a role in all runs, None if nothing that matters differs; ParameterError if a value is refused."""
+        base, columns = self._configurations[role], self._by_role[role]
+        is_sound = base.is_ideal and not base.faults
+        matters = self.concerns_method(role) or self.concerns_sensors(role) or not is_sound
+        found = []
+        for run in range(self.runs if columns else 0):
+            values = {name: column[run] for name, column in columns.items()}
+            try:
+                if matters:
+                    found.append(base.changed(values))
+                else:
+                    check(_SEED, values["seed"])
+            except ParameterError as error:
+                raise ParameterError(f"run {run}: {role}: {error}") from None
+        return found or None
+
+    def concerns_sensors(self, role: str) -> bool:
+        """Whether errors of sensors differ."""
+        return any(name.startswith(_SENSORS) for name in self._by_role[role])
+
+    def concerns_method(self, role: str) -> bool:
+        """Whether anything differs that the method of a role knows of, and not its sensors and faults alone."""
+        seed = () if self._configurations[role].has_random_method else ("seed",)
+        return any(name not in seed and not name.startswith(_SENSORS) for name in self._by_role[role])
+
+
+def _column(values: Iterable[Any]) -> list[Any]:
+    return list(map(plain, plain(values)))
+
+
+class _Placed(NamedTuple):
+    """A part of a role, which runs may share, and a state of a run's own."""
+
+    role: str
+    writes: tuple[int, int]
+    part: CompiledPart | sensors.RowPart
+    state: np.ndarray
+
+    @property
+    def row(self) -> tuple[int, ...]:
+        """What the compiled loop has to know (`compiling.loop`)."""
+        function, _, constants = self.part.addresses()
+        return function, self.state.ctypes.data, constants, *self.writes
+
+
+class Runs:
+    """Drives single runs of a batch, on any thread; a method whose parameters are the same in all is prepared once.
+
+    `initial_states` have by role a row for each run. ParameterError for a method that does not run compiled, for a
+    refused value of a parameter, and for states of another size.
+    """
+
+    def __init__(
+        self,
+        configurations: Mapping[str, Configuration],
+        variation: Variation,
+        initial_states: Mapping[str, np.ndarray],
+        observation: observer.Observation,
+        times: np.ndarray,
+    ) -> None:
+        for role, configuration in configurations.items():
+            _refuse_interpreted(role, configuration)
+        self._answering, self._integrating = roles_in_order(configurations)
+        self._base, self._initial_states = configurations, initial_states
+        self._observation, self._times = observation, times
+        self._varied = {role: variation.configurations(role) for role in configurations}
+        first = {role: self._varied[role][0] if self._varied[role] else configurations[role] for role in configurations}
+        made = {role: method_part(configuration, compiled=True) for role, configuration in first.items()}
+        self._shared = {role: part for role, part in made.items() if not variation.concerns_method(role)}
+        # What is compiled is compiled here, and not by several threads at once.
+        observer.function()
+        if any(variation.concerns_sensors(role) or not each.is_ideal for role, each in configurations.items()):
+            sensors.function()
+        if any("faults" in name for name in variation.names) or any(each.faults for each in configurations.values()):
+            sensors.fault_function()
+        for role, states in initial_states.items():
+            _refuse_states(role, states, made[role].state.size)
+
+    def drive_some(self, runs: Iterable[int]) -> dict[int, str]:
+        """Drive some of the runs; the answer has those in which a number was not finite, with when and which one."""
+        return {run: text for run in runs if (text := self._drive(run))}
+
+    def _drive(self, run: int) -> str:
+        """Drive one run; where a number is not finite it stops, and the answer is not empty."""
+        before = [placed for role in self._answering for placed in self._placed(role, run)]
+        behind = [placed for role in self._integrating for placed in self._placed(role, run)]
+        observing = (*self._observation.addresses(run), 0, 0)
+        rows = np.array([*(p.row for p in before), observing, *(p.row for p in behind)], np.int64)
+        frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
+        if run_through(frames, self._times, rows, len(before) + 1, stopped) == FINISHED:
+            return ""
+        instant, place, which = stopped.tolist()
+        role = [*before, None, *behind][place].role
+        try:
+            refuse_not_finite(frames[which], self._base[role].method.writes)
+        except SignalError as error:
+            return f"at {self._times[instant]:g} s {error}"
+        raise AssertionError(f"{role} stopped, but all its numbers are finite")
+
+    def _placed(self, role: str, run: int) -> list[_Placed]:
+        """The parts that play a role in a run, at their start."""
+        varied = self._varied[role]
+        configuration = varied[run] if varied else self._base[role]
+        try:
+            part = self._shared.get(role) or method_part(configuration, compiled=True)
+        except ParameterError as error:  # values that are allowed one by one and do not fit together
+            raise ParameterError(f"run {run}: {role}: {error}") from None
+        state = self._initial_states[role][run] if role in self._initial_states else part.state
+        if any(text.split()[0] == "restarted" for text in configuration.faults):
+            raise ParameterError(f"{role} faults: restarted is refused in a batch, allowed are all other kinds")
+        writes = frame.span(configuration.method.writes)
+        placed = [_Placed(role, writes, part, state.copy())]
+        return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in row_parts(configuration))]
+
+
+def _refuse_interpreted(role: str, configuration: Configuration) -> None:
+    law = configuration.method.law
+    if law is None or not law.is_compilable:
+        raise ParameterError(
+            f"{role} method {configuration.method.name} runs in plain Python, allowed in a batch are methods that "
+            "run compiled"
+        )
+
+
+def _refuse_states(role: str, states: np.ndarray, size: int) -> None:
+    if states.shape[1] != size:
+        raise ParameterError(f"initial_states of {role} have {states.shape[1]} numbers, allowed are {size}")
+    for run in np.flatnonzero(~np.isfinite(states).all(axis=1)):
+        raise ParameterError(f"initial_states of {role} are not finite in run {run}")
+
 
 _PORTIONS = 16  # for each thread
 
@@ -49,9 +236,9 @@ def batch(
     """Drive runs of a graph from rest to `duration` [s], as `run_offline` does each of them.
 
     `vary` has by ROLE.PARAMETER, or *.PARAMETER for all roles, one value for each run; `initial_states` by role one row
-    of the method's state for each run, (runs, size). Of each run are kept: of the channels in `signals` the sample of
-    every `every`-th period, and `metrics`, reductions of channels over all periods (`observer`). Without `threads`
-    there are as many as cores. ParameterError if a name or value is refused, if the roles do not fit together, if a
+    of the method's state for each run, (runs, size). Each run keeps the channels in `signals` at every `every`-th
+    period, and `metrics`, reductions of channels over all periods (`observer`). Without `threads` there are as many as
+    cores. ParameterError if a name or value is refused, if the roles do not fit together, if a
     method runs in plain Python only, all before anything runs, or if a method cannot be made with the values of a run.
     """
     check_graph(configurations)

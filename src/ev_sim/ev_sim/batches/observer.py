@@ -9,7 +9,7 @@ It stands behind all that answer and writes nothing into the frame. Two rows of 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -22,40 +22,17 @@ MINIMUM, MAXIMUM, LARGEST_MAGNITUDE, LAST, MEAN, ROOT_MEAN_SQUARE = range(6)
 
 
 class Reduction(NamedTuple):
-    """A way to make one number of all samples of a channel, such as imu.yaw_rate, from the start on."""
+    """A way to make one number of all samples of a channel, such as imu.yaw_rate, from the start on.
+
+    Samples are those of each control period and of both ends: their smallest, largest or last one, the largest
+    magnitude, their mean, and the root of the mean of their squares.
+    """
 
     kind: int
     channel: str
 
 
-def minimum(channel: str) -> Reduction:
-    """Its smallest number."""
-    return Reduction(MINIMUM, channel)
-
-
-def maximum(channel: str) -> Reduction:
-    """Its largest number."""
-    return Reduction(MAXIMUM, channel)
-
-
-def largest_magnitude(channel: str) -> Reduction:
-    """Its largest magnitude."""
-    return Reduction(LARGEST_MAGNITUDE, channel)
-
-
-def last(channel: str) -> Reduction:
-    """Its number at the end."""
-    return Reduction(LAST, channel)
-
-
-def mean(channel: str) -> Reduction:
-    """The mean of its samples, one in each control period and both ends."""
-    return Reduction(MEAN, channel)
-
-
-def root_mean_square(channel: str) -> Reduction:
-    """The root of the mean of its squares, one in each control period and both ends."""
-    return Reduction(ROOT_MEAN_SQUARE, channel)
+minimum, maximum, largest_magnitude, last, mean, root_mean_square = (partial(Reduction, kind) for kind in range(6))
 
 
 def result(kind: int, reduced: np.ndarray, instants: int) -> np.ndarray:
@@ -107,9 +84,9 @@ P = types.voidptr
 @cfunc(types.int32(P, P, P, P), error_model="numpy")
 def step(now, next, state, constants):
     head = carray(constants, {HEAD}, FLOAT)
-    told = carray(constants, {HEAD} + int(head[1] + 2.0 * head[2]), FLOAT)
+    asked = carray(constants, {HEAD} + int(head[1] + 2.0 * head[2]), FLOAT)
     kept = carray(state, 1 + int(head[2] + head[1] * head[3]), FLOAT)
-    observe(carray(now, {frame.SIZE}, FLOAT), kept, told)
+    observe(carray(now, {frame.SIZE}, FLOAT), kept, asked)
     return 0
 '''
 
@@ -128,16 +105,16 @@ class Observation:
     ) -> None:
         places = frame.channels()
         self._samples = (instants - 1) // every + 1
-        told = [every, len(channels), len(reductions), self._samples, *(places[name] for name in channels)]
+        asked = [every, len(channels), len(reductions), self._samples, *(places[name] for name in channels)]
         for reduction in reductions:
-            told += [reduction.kind, places[reduction.channel]]
-        self._constants = np.array(told, float)
+            asked += [reduction.kind, places[reduction.channel]]
+        self._constants = np.array(asked, float)
         self._channels, self._head = channels, 1 + len(reductions)
         self._kept = np.full((runs, self._head + len(channels) * self._samples), np.nan)
         self._kept[:, : self._head] = 0.0
 
     def addresses(self, run: int) -> tuple[int, int, int]:
-        """Of the function, the row of a run and the constants."""
+        """The addresses of the function, the row of a run and the constants."""
         return function(), self._kept[run].ctypes.data, self._constants.ctypes.data
 
     def reduced(self) -> np.ndarray:

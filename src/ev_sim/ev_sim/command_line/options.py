@@ -14,11 +14,9 @@ import yaml
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.command_line.refusal import Parser
-from ev_sim.scenarios.cycle import cycle_values
 from ev_sim.scenarios.parameter_file import read_yaml
 from ev_sim.scenarios.scenario import Overrides
 
-_EVERY_NODE = "*"
 TRACEBACK = "--traceback"
 
 
@@ -69,7 +67,7 @@ def add_changes(parser: argparse.ArgumentParser) -> None:
 
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:
-    """Declare the options that say what a run or a study leaves behind besides its summary."""
+    """Declare the options of what a run or a study leaves behind besides its summary."""
     parser.add_argument(
         "--figures", type=_formats, default=(), metavar="pdf,svg", help="figures also so, as wide as a paper's column"
     )
@@ -103,9 +101,7 @@ def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
 
 
 def overrides(given: argparse.Namespace) -> Overrides:
-    """What the command line says beyond the files; ParameterError, in one line, for words without NODE, name or =."""
-    cycle = getattr(given, "cycle", None)
-    prepared, duration = cycle_values(cycle) if cycle is not None else ([], None)
+    """What the command line sets beyond the files; ParameterError, in one line, for words without NODE, name or =."""
     values: list[tuple[str, str, Any]] = []
     for word in getattr(given, "method", ()):
         node, name = _split(word, "=", "--method", "NODE=NAME")
@@ -114,12 +110,10 @@ def overrides(given: argparse.Namespace) -> Overrides:
         place, value = _split(word, "=", "--set", "NODE.PARAM=VALUE")
         node, parameter = _split(place, ".", "--set", "NODE.PARAM=VALUE")
         values.append((node, parameter, _parsed(value)))
-    if given.seed is not None:
-        values.append((_EVERY_NODE, "seed", given.seed))
     if getattr(given, "realtime", False):
-        values.append((_EVERY_NODE, "mode", "realtime"))
-    duration = duration if given.duration is None else given.duration
-    return Overrides(given.params, values, duration, given.vehicle, prepared)
+        values.append(("*", "mode", "realtime"))
+    cycle = getattr(given, "cycle", None)
+    return Overrides.of(values, given.seed, given.duration, given.vehicle, given.params, cycle)
 
 
 def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:

@@ -10,15 +10,15 @@ from ev_msgs_py.refusal import LINE, shown
 
 
 def refuse(error: BaseException | str) -> NoReturn:
-    """End the process with one line about an error; of one of the system the file is named, too."""
-    said = str(error)
+    """End the process with one line about an error; that of an error of the system names the file, too."""
+    text = str(error)
     if isinstance(error, OSError) and error.strerror:
-        said = ": ".join(str(each) for each in (error.filename, error.strerror) if each)
-    sys.exit(f"error: {shown(said, LINE)}")
+        text = ": ".join(str(each) for each in (error.filename, error.strerror) if each)
+    sys.exit(f"error: {shown(text, LINE)}")
 
 
 class Parser(argparse.ArgumentParser):
-    """Words of a command line; what is wrong with them is said in one line of a bounded length, and nothing raw."""
+    """Words of a command line; what is wrong with them is one line of a bounded length, and nothing raw."""
 
     def error(self, message: str) -> NoReturn:
         """End the process with the usage and that line."""

@@ -52,7 +52,7 @@ def _sharing(methods: Iterable[Method]) -> list[list[tuple[str, str]]]:
 
 
 def _cost(group: list[Method]) -> tuple[bool, int, int]:
-    """What says roughly how long methods take: whether they are heavy, how many they are, how much they read."""
+    """A rough order of how long methods take: whether they are heavy, how many they are, how much they read."""
     read = [places(signal) for signal in group[0].reads if signal in PLACES]
     return group[0].law.heavy, len(group), sum(map(len, read))
 
@@ -68,16 +68,13 @@ def _compile(job: tuple[str, str]) -> str:
         if job == _STEPPING:
             _compile_stepping()
         else:
-            _compile_method(find_method(*job))
+            from ev_core.compiled.part import CompiledPart
+
+            method = find_method(*job)
+            CompiledPart(method, method.parameters(), Vehicle(), _PERIOD)
     except Exception as error:  # whatever a law raises: the others go on
         return f"{' '.join(job)}: {type(error).__name__}: {error}".splitlines()[0]
     return ""
-
-
-def _compile_method(method: Method) -> None:
-    from ev_core.compiled.part import CompiledPart
-
-    CompiledPart(method, method.parameters(), Vehicle(), _PERIOD)
 
 
 def _compile_stepping() -> None:

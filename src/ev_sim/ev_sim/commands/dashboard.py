@@ -29,12 +29,12 @@ def main(argv: list[str] | None = None) -> None:
     for package, what in (("rclpy", "ROS 2 (rclpy)"), ("tornado", "tornado")):
         if find_spec(package) is None:
             refuse(f"a dashboard needs {what}, which is not installed here")
-    from ev_sim.dashboard.attached import attached
+    from ev_sim.dashboard.server import attached
 
     try:
         with _domain(bool(words)) as domain, _run_of(words, domain) as run:
             ended = asyncio.run(attached(given.namespace, domain, given.port, run))
-            if run is not None and ended is None:  # Ctrl-C: the run says so itself
+            if run is not None and ended is None:  # Ctrl-C: the run prints that itself
                 run.send_signal(signal.SIGINT)
     except RunFailed as error:
         refuse(error)

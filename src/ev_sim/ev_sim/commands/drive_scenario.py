@@ -14,13 +14,10 @@ from pathlib import Path
 from ev_msgs_py.refusal import LINE, quoted, shown, unknown_name
 from ev_sim.command_line.options import overrides, own_nodes
 from ev_sim.figures.saving import figure_files
-from ev_sim.recording.files_of_run import BAG, OF_ALL_RUNS, PARAMETERS, SIGNALS
-from ev_sim.recording.outcome import Outcome, Progress, RunFailed
-from ev_sim.recording.progress_bar import progress_bar
-from ev_sim.recording.recording import save
+from ev_sim.recording.files_of_run import OF_ALL_RUNS
+from ev_sim.recording.outcome import Outcome, RunFailed, progress_bar
 from ev_sim.report.result import Result
 from ev_sim.report.tables import in_words, print_metrics
-from ev_sim.running.node_parameters import node_parameters, recorded_topics, write_parameter_file
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import is_path
 from ev_sim.scenarios.scenario import Run, load_scenario, scenario_names
@@ -81,10 +78,10 @@ def _can_be_loaded() -> bool:
 def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
     gateway = run.configurations.get("inverter_gateway")
     file = gateway.parameters.bus.log if gateway else ""
-    if not file or run.realtime:  # in real time the node that speaks on the bus writes its log
+    if not file or run.realtime:  # in real time the node that sends on the bus writes its log
         return _driven(run, directory, given)
     from ev_core.bus.channel import BusLog
-    from ev_sim.recording.can_log import write_can_log
+    from ev_sim.recording.truth import write_can_log
 
     try:
         log = BusLog(str(directory / file))
@@ -98,7 +95,9 @@ def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
 def _driven(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
     with progress_bar(run.name, run.duration) as progress:
         if given.offline:
-            return _drive_offline(run, directory, not given.no_record, progress)
+            from ev_sim.running.offline import run_offline_into
+
+            return run_offline_into(run, directory, not given.no_record, progress)
         if given.in_process:
             from ev_sim.running.in_process import run_in_process
 
@@ -106,18 +105,3 @@ def _driven(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
         from ev_sim.running.processes import run_in_processes
 
         return run_in_processes(run, directory, not given.no_record, progress, own_nodes(given))
-
-
-def _drive_offline(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
-    from ev_sim.running.offline import drive_offline
-
-    write_parameter_file(directory / PARAMETERS, run, node_parameters(run, directory, bag))
-    outcome = drive_offline(run, progress)
-    save(outcome.recording, directory / SIGNALS)
-    if bag:
-        from ev_sim.recording.run_recorder import write_bag
-
-        topics = recorded_topics(run)
-        names = [f"{run.namespace}/{topic.name}" for topic in topics]
-        write_bag(outcome.recording, topics, names, run.period, directory / BAG)
-    return outcome

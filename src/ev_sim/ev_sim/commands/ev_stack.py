@@ -19,26 +19,27 @@ from ev_core.nodes.stop_request import (
 from ev_msgs_py.refusal import quoted
 from ev_sim.command_line.refusal import refuse
 
-COMMANDS = {  # name -> module with main(words), words put in front, what it does
+COMMANDS = {  # name -> module and function that takes words, and what it does
     "run": (
-        "run_scenario",
-        (),
+        "run_scenario.main",
         "drive a scenario, a study or a review: ev-stack run SCENARIO; --help lists the options",
     ),
-    "list": ("run_scenario", ("--list",), "scenarios, studies and methods, one line each"),
-    "security_policies": ("security_policies", (), "policies for DDS security, and the running graph against them"),
-    "schema": ("schema", (), "JSON Schema of scenario, vehicle and parameter files, for editors"),
-    "fmu": ("fmu", (), "a car or a law as an FMU (FMI 2.0 co-simulation): ev-stack fmu SCENARIO --out NAME.fmu"),
-    "urdf": ("urdf", (), "a car as URDF, for RViz and Foxglove: ev-stack urdf VEHICLE"),
-    "parameters": ("parameters", (), "what the nodes of a run are told, as files, and how they are started"),
+    "list": ("run_scenario.list_all", "scenarios, studies and methods, one line each"),
+    "security_policies": ("live_graph.policies", "policies for DDS security, and the running graph against them"),
+    "schema": ("exports.print_schema", "JSON Schema of scenario, vehicle and parameter files, for editors"),
+    "fmu": (
+        "exports.export_fmu",
+        "a car or a law as an FMU (FMI 2.0 co-simulation): ev-stack fmu SCENARIO --out NAME.fmu",
+    ),
+    "urdf": ("exports.print_urdf", "a car as URDF, for RViz and Foxglove: ev-stack urdf VEHICLE"),
+    "parameters": ("exports.write_parameters", "all parameters of the nodes of a run, as files, and how they start"),
     "visualization": (
-        "visualization",
-        (),
+        "live_graph.visualize",
         "tf, odometry and markers of tyre forces beside a run, for RViz and Foxglove",
     ),
-    "dashboard": ("dashboard", (), "a local page: live signals, the car from above, parameters, time"),
-    "header": ("header", (), "ev_laws.h, the interface of laws in C and C++"),
-    "inspect": ("inspect_graph", (), "show the running graph: nodes, topics, rates"),
+    "dashboard": ("dashboard.main", "a local page: live signals, the car from above, parameters, time"),
+    "header": ("exports.print_header", "ev_laws.h, the interface of laws in C and C++"),
+    "inspect": ("live_graph.inspect", "show the running graph: nodes, topics, rates"),
 }
 
 
@@ -59,19 +60,19 @@ def main() -> None:
 
 
 def perform(words: Sequence[str]) -> None:
-    """Do what the words of a command line say; SystemExit, KeyboardInterrupt."""
+    """Do what the words of a command line ask for; SystemExit, KeyboardInterrupt."""
     if not words or words[0] in ("-h", "--help"):
         print("ev-stack COMMAND [options]; COMMAND is one of")
-        for name, (_, _, about) in COMMANDS.items():
+        for name, (_, about) in COMMANDS.items():
             print(f"  {name:10} {about}")
         return
     if words[0] not in COMMANDS:
         print(f"ev-stack: unknown command {quoted(words[0])}; known: {', '.join(COMMANDS)}", file=sys.stderr)
         sys.exit(2)
-    module, first, _ = COMMANDS[words[0]]
+    module, _, function = COMMANDS[words[0]][0].partition(".")
     try:
         with loading():
-            command = import_module(f"ev_sim.commands.{module}")
-        command.main([*first, *words[1:]])
+            command = getattr(import_module(f"ev_sim.commands.{module}"), function)
+        command(list(words[1:]))
     except OSError as error:  # such as too many open files while it is loaded
         refuse(error)

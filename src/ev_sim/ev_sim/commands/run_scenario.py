@@ -6,7 +6,6 @@ import io
 import os
 import sys
 import traceback
-from importlib import import_module
 
 from ev_core.methods.register import all_methods, not_loaded
 from ev_msgs_py.contract.fields import SignalError
@@ -18,14 +17,14 @@ from ev_sim.scenarios.about import describe_scenario
 from ev_sim.scenarios.scenario import scenario_names
 from ev_sim.study.study import study_named, study_names
 
-REVIEWS = {  # commands of their own, in modules of their names
+REVIEWS = {  # commands of their own, run_NAME of `reviews`
     "verdicts": "a verdict on every number, curve and claim of all sources, in one table",
     "report": "one page about the folders of several runs of scenarios, side by side with their differences",
     "replay": "recorded inputs into a law or a node, and where its answers differ from the recorded ones",
     "figures": "every panel of the sources' figures, drawn from our runs, on one page",
 }
-_NOT_READ = 141  # what a shell says of a command whose output nobody reads any more
-_NOT_LOADED = "failed to map segment"  # what the loader says of a library for which there is no memory
+_NOT_READ = 141  # the status of a command whose output nobody reads any more
+_NOT_LOADED = "failed to map segment"  # in the words of the loader: there is no memory for a library
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -41,8 +40,9 @@ def main(argv: list[str] | None = None) -> None:
             run_study(words[0], words[1:])
             return
         if words and words[0] in REVIEWS:
-            command = import_module(f"ev_sim.commands.reviews.{words[0]}")
-            getattr(command, f"run_{words[0]}")(words[1:])
+            from ev_sim.commands import reviews
+
+            getattr(reviews, f"run_{words[0]}")(words[1:])
             return
         given = arguments(words)
         if given.list:
@@ -52,7 +52,7 @@ def main(argv: list[str] | None = None) -> None:
 
             drive_scenario(given)
         sys.stdout.flush()
-    except BrokenPipeError:  # who reads, such as `head`, has seen enough; at its end Python would write the rest again
+    except BrokenPipeError:  # the reader, such as `head`, has seen enough; at its end Python would write the rest again
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(_NOT_READ)
     except (ParameterError, SignalError, RunFailed, OSError) as error:
@@ -65,8 +65,13 @@ def main(argv: list[str] | None = None) -> None:
         refuse(f"out of memory{why}")
 
 
+def list_all(argv: list[str]) -> None:
+    """ev-stack list"""
+    main(["--list", *argv])
+
+
 def _out_of_memory(error: BaseException | None) -> str | None:
-    """What an error says besides that memory is short, as that of a library not loaded; None if it has other causes."""
+    """What a lack of memory has prevented, such as to load a library; None if an error has other causes."""
     while error is not None and not isinstance(error, MemoryError):
         if _NOT_LOADED in str(error):
             return ": " + next(line for line in str(error).splitlines() if _NOT_LOADED in line)

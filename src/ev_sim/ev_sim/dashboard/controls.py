@@ -21,9 +21,9 @@ from ev_core.nodes import ros_parameters
 from ev_core.nodes.master.time_services import TIME_SERVICES
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import quoted
-from ev_sim.dashboard.server import line
 from ev_sim.scenarios.parameter_file import read_yaml
 
+_LONGEST_LINE = 400  # characters
 _LONGEST_TEXT = 100_000  # characters; YAML of more would hold the pages up
 _WHOLE = range(-(2**63), 2**63)
 _KINDS = {
@@ -31,7 +31,14 @@ _KINDS = {
     Parameter.Type.INTEGER: int,
     Parameter.Type.BOOL: bool,
     Parameter.Type.STRING: str,
-}  # all others are arrays: an empty one does not tell of what
+}  # all others are arrays: the kind of an empty one is not known
+
+
+def line(text: str, refused: bool) -> dict[str, Any]:
+    """The message that has a page show a text, as one line of bearable length."""
+    text = " ".join(text.split())
+    shown = text if len(text) <= _LONGEST_LINE else f"{text[:_LONGEST_LINE]}..."
+    return {"kind": "word", "text": shown, "refused": refused}
 
 
 def wished(name: str, kind: Parameter.Type, value: Any) -> Parameter:
@@ -81,7 +88,7 @@ class Controls:
     def __init__(self, context: Context, namespace: str, name: str, tell: Tell) -> None:
         # A node of its own: the executor, which only services need, would take the messages of another one.
         node = Node(name, context=context, namespace=namespace, start_parameter_services=False, enable_rosout=False)
-        self.nodes: dict[str, dict[str, Any]] = {}  # by name, what was told of the parameters of the present nodes
+        self.nodes: dict[str, dict[str, Any]] = {}  # by name, the message with the parameters of the present nodes
         self._node, self._tell = node, tell
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(node)

@@ -1,28 +1,84 @@
-"""The newest numbers of all topics of a running graph, as one row."""
+"""What comes from a running graph: the newest numbers of all topics as one row, and what nodes report in /diagnostics.
+
+The graph knows of whom a report is, and any node may take that name.
+"""
 
 from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 
-from ev_core.nodes.signal_io import SignalReader
+from ev_core.nodes import runner_line
+from ev_core.nodes.reports import HEALTH, NOTED
+from ev_core.nodes.signal_io import HELD, Reader, SignalReader
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, TIME
-from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
 from ev_msgs_py.contract.signals import BodyVelocity
 from ev_msgs_py.contract.topics import TOPICS
-from ev_msgs_py.refusal import ParameterError
+from ev_msgs_py.refusal import ParameterError, shown
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of
 from ev_sim.recording.recording import Recording, recording_of
 from ev_sim.report.page.top_view import PREFIX, car_of, groups_of, view_channels
+
+_MOST = 1000  # different ones that are remembered
+
+
+class Reported:
+    """Takes the reports of nodes whose names are those of roles."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._said: set[str] = set()
+        self._new: list[tuple[str, bool]] = []
+        self._names: dict[bytes, tuple[str, str]] = {}  # namespace and name by publisher
+        self._reader = Reader(node, DiagnosticArray, "/diagnostics", self._note, self)
+
+    def look(self) -> list[tuple[str, bool]]:
+        """What was reported since the last look, and whether it was about time alone; anything else is given once."""
+        while (message := self._reader.take(HELD)) is not None:
+            self._reader.receive(message)
+        new, self._new = self._new, []
+        return new
+
+    def admits(self, info: Mapping[str, Any]) -> bool:
+        """Whether a report is one of a node with the name of a role, by what the graph knows."""
+        gid = (info.get("publisher_gid") or {}).get("data")
+        if gid not in self._names:
+            self._names = {
+                bytes(end.endpoint_gid): (end.node_namespace, end.node_name)
+                for end in self._node.get_publishers_info_by_topic("/diagnostics")
+            }
+        space, name = self._names.get(gid, ("", ""))
+        return space == self._node.get_namespace() and name in (*ROLES, RECORDER)
+
+    def _note(self, message: bytes) -> None:
+        with suppress(RuntimeError):  # what cannot be read
+            for status in deserialize_message(message, DiagnosticArray).status:
+                self._note_status(status)
+
+    def _note_status(self, status: DiagnosticStatus) -> None:
+        if (
+            status.name.endswith((HEALTH, runner_line.TIMING)) or status.hardware_id
+        ):  # of a device: its node notes what is latched
+            return
+        text, about_time = shown(f"{status.name}: {status.message}"), status.name.endswith(runner_line.TIME)
+        what = next((shown(value.value) for value in status.values if value.key == NOTED), text)
+        if about_time or (what not in self._said and len(self._said) < _MOST):
+            self._said.add(what)
+            self._new.append((text, about_time))
+
 
 # Of the messages between two looks only the last one counts, and no writer waits for a page or sends to it again.
 _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -32,7 +88,7 @@ _TELLS_TIME = BodyVelocity  # of the master, at every instant: one topic never g
 
 
 class LiveFrames:
-    """Hears all topics; `refuse` is told, with a key that names the cause, of messages that are not taken.
+    """Takes all topics; `refuse` is called, with a key that names the cause, for messages that are not taken.
 
     With the `vehicle` of the plant the rows also hold what the car seen from above needs.
     """
@@ -82,7 +138,7 @@ class LiveFrames:
         return True
 
     def take_car(self, message: Mapping[str, Any]) -> None:
-        """Take car and control period over where `Controls` tells the parameters of the plant."""
+        """Take car and control period over where `Controls` gives the parameters of the plant."""
         if (message["kind"], message.get("node")) != ("node", MASTER):
             return
         values = {each["name"]: each["value"] for each in message["parameters"]}

@@ -17,7 +17,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.wire.layout import message_class
 from ev_sim.report.page.top_view import PREFIX, car_of
 
-_HEIGHT, _OVERHANG = 1.0, 1.35  # m, of the body that is drawn; the vehicle file says nothing of its looks
+_HEIGHT, _OVERHANG = 1.0, 1.35  # m, of the body that is drawn; the vehicle file has nothing about its looks
 _WIDTH = 0.64  # of a wheel that is drawn, over its radius
 
 
@@ -54,26 +54,26 @@ def _visual(link: Element, kind: str, size: dict[str, str], xyz: str, rpy: str, 
     SubElement(material, "color", rgba=colour)
 
 
-TOPICS = {  # name -> type; relative ones stand in the namespace of the graph
+VIEWS = {  # name -> type; relative ones stand in the namespace of the graph
     "/tf": "tf2_msgs/msg/TFMessage",
     "odometry": "nav_msgs/msg/Odometry",
     "tyre_force_markers": "visualization_msgs/msg/MarkerArray",
     "robot_description": "std_msgs/msg/String",
 }
 _ODOM, _BASE = "odom", "base_link"
-_HELD = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for who comes later
+_HELD = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for subscribers that come later
 _FORCE = (0.75, 0.16, 0.26, 1.0)  # colour
 _SHAFT, _HEAD = 0.04, 0.1  # m, diameters of an arrow
 
 
 class RosViews:
-    """Publishes the car of a row of values; `say` is told of each message package that is missing."""
+    """Publishes the car of a row of values; `say` gets a line on each message package that is missing."""
 
     def __init__(self, node: Node, say: Callable[[str], None]) -> None:
         self._publishers: dict[str, Any] = {}
         self._classes: dict[str, Any] = {}
         self._described: Vehicle | None = None
-        for name, kind in TOPICS.items():
+        for name, kind in VIEWS.items():
             try:
                 self._classes[name] = message_class(kind)
             except ImportError:
@@ -83,7 +83,7 @@ class RosViews:
             self._publishers[name] = node.create_publisher(self._classes[name], name, quality)
 
     def publish(self, time: float, at: Mapping[str, float], car: Vehicle) -> None:
-        """Publish what the channels `at` an instant [s] say about a car; without a pose nothing but the car."""
+        """Publish what the channels `at` an instant [s] show of a car; without a pose nothing but the car."""
         if car != self._described:
             self._described = car
             self._send("robot_description", lambda kind: kind(data=urdf(car)))
@@ -93,15 +93,11 @@ class RosViews:
         self._send("/tf", lambda kind: kind(transforms=_transforms(stamp, at, car)))
         self._send("odometry", lambda kind: _odometry(kind(), stamp, at))
         if f"tire_forces.longitudinal_force.{WHEEL_NAMES[0]}" in at:
-            marker = self._marker()
-            self._send("tyre_force_markers", lambda kind: kind(markers=_arrows(marker, stamp, at, car)))
+            self._send("tyre_force_markers", lambda kind: kind(markers=_arrows(stamp, at, car)))
 
     def _send(self, name: str, make: Callable[[Any], Any]) -> None:
         if name in self._publishers:
             self._publishers[name].publish(make(self._classes[name]))
-
-    def _marker(self) -> Any:
-        return message_class("visualization_msgs/msg/Marker") if "tyre_force_markers" in self._classes else None
 
 
 def _headed(message: Any, stamp: Mapping[str, int], frame: str) -> Any:
@@ -139,8 +135,9 @@ def _odometry(message: Any, stamp: Mapping[str, int], at: Mapping[str, float]) -
     return message
 
 
-def _arrows(kind: Any, stamp: Mapping[str, int], at: Mapping[str, float], car: Vehicle) -> list[Any]:
+def _arrows(stamp: Mapping[str, int], at: Mapping[str, float], car: Vehicle) -> list[Any]:
     """Force of the road on each tyre, in the axes of the wheel; 1 m is 2/3 of a mean wheel load, as on the page."""
+    kind = message_class("visualization_msgs/msg/Marker")
     per_metre = car.mass * GRAVITY / len(WHEEL_NAMES) / 1.5
     found = []
     for i, name in enumerate(WHEEL_NAMES):

@@ -9,8 +9,16 @@ from typing import NamedTuple
 from ev_core.law import BodyVelocity, DriverCommand, Instant, Vehicle, compilable, copysign, entry, method, part
 from ev_core.parameters.declaration import group, parameter, setting
 from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
-from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed, with_speed_profile_from_file
+from ev_sim.profiles.profile import (
+    Profile,
+    SpeedProfileParameters,
+    check_points,
+    interpolation_parameter,
+    profile_of,
+    value_at,
+    wanted_speed,
+    with_speed_profile_from_file,
+)
 
 # The method of a driver who follows a speed profile, which may stand in a file.
 driver_method = partial(method, "driver", load_files=with_speed_profile_from_file, mirrored=True)

@@ -8,8 +8,15 @@ from typing import NamedTuple
 from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part, setting, speed_along_path
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant, SteeringColumnState
 from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, driver_method, follow_speed, limited_pid
-from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
+from ev_sim.profiles.profile import (
+    Profile,
+    SpeedProfileParameters,
+    check_points,
+    interpolation_parameter,
+    profile_of,
+    value_at,
+    wanted_speed,
+)
 
 WAYS = ("hand_torque", "angle")
 HAND_TORQUE, ANGLE = range(len(WAYS))

@@ -15,8 +15,7 @@ from ev_sim.driver.path import Path, path_of
 from ev_sim.driver.path_follower import LaneKeepingParameters, LaneKeepingState, keep_lane, road_notes
 from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, driver_method, follow_speed
 from ev_sim.profiles.cycle_windows import TRACTION, CycleModes, CycleModesParameters, cycle_modes, mode_at
-from ev_sim.profiles.profile import Profile, value_at
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, wanted_speed
+from ev_sim.profiles.profile import Profile, SpeedProfileParameters, value_at, wanted_speed
 
 D = TypeVar("D", bound=Callable[..., float])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import SubElement
@@ -14,24 +15,23 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import units
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.fmu.content import read_content, versions
-from ev_sim.interface.law import SteppedLaw
-from ev_sim.interface.simulation import Simulation
+from ev_sim.fmu.export import read_content, versions
+from ev_sim.interface.simulation import Simulation, SteppedLaw
 
 
 class Slave(Fmi2Slave):
     """Steps a `Simulation` or a `SteppedLaw`; the content is in the folder of the resources.
 
     What is shown after a step is the instant to which it leads. A law shows what it answers to the inputs at the
-    beginning of the step: who couples it with a car steps the law first and hands its answer to the car for the step
-    of the same interval.
+    beginning of the step: coupled with a car, the law is to be stepped first, and its answer is the car's input for the
+    step of the same interval.
     """
 
     author = "EV Control Stack maintainers"
     license = "Apache-2.0"
 
-    def __init__(self, **told: Any) -> None:
-        super().__init__(**told)
+    def __init__(self, **given: Any) -> None:
+        super().__init__(**given)
         content = read_content(Path(self.resources))
         needs = ", ".join(f"{name} {number}" for name, number in versions().items())
         self.description = f"{content.law or 'car'} of {content.run.name}; needs Python with {needs} where it is run"
@@ -44,8 +44,8 @@ class Slave(Fmi2Slave):
         else:
             self._car = Simulation.of_run(content.run, content.without, record=False)
             read = {signal for role in self._car.kept for signal in content.run.configurations[role].method.reads}
-            heard = {name for signal in read if signal in TOPICS for name in TOPICS[signal].channels}
-            self._period, inputs = self._car.period, tuple(name for name in self._car.inputs if name in heard)
+            taken = {name for signal in read if signal in TOPICS for name in TOPICS[signal].channels}
+            self._period, inputs = self._car.period, tuple(name for name in self._car.inputs if name in taken)
             self._shown = self._car.frame
         self._given = dict.fromkeys(inputs, 0.0)
         self.default_experiment = DefaultExperiment(0.0, content.run.duration, stamps.to_seconds(self._period))
@@ -54,24 +54,19 @@ class Slave(Fmi2Slave):
 
     def _declare(self, inputs: Iterable[str], outputs: Iterable[str]) -> None:
         unit = units()
+
+        def add(name: str, **how: Any) -> None:
+            of_all = {"variability": Fmi2Variability.discrete, "description": f"[{unit[name]}]"}
+            self.register_variable(Real(name, **of_all, **how), nested=False)
+
         for name in inputs:
-            how = {"start": 0.0, "causality": Fmi2Causality.input, "setter": self._setter(name)}
-            self._variable(name, unit[name], getter=lambda name=name: self._given[name], **how)
+            ways = {"getter": partial(self._given.get, name), "setter": partial(self._given.__setitem__, name)}
+            add(name, start=0.0, causality=Fmi2Causality.input, **ways)
         for name in outputs:
-            self._variable(name, unit[name], getter=lambda name=name: self._shown[name], causality=Fmi2Causality.output)
-
-    def _variable(self, name: str, unit: str, **how: Any) -> None:
-        how |= {"variability": Fmi2Variability.discrete, "description": f"[{unit}]"}
-        self.register_variable(Real(name, **how), nested=False)
-
-    def _setter(self, name: str) -> Any:
-        def set_value(value: float) -> None:
-            self._given[name] = value
-
-        return set_value
+            add(name, causality=Fmi2Causality.output, getter=lambda name=name: self._shown[name])
 
     def to_xml(self, model_options: Mapping[str, Any] | None = None) -> Any:
-        """The description, with what PythonFMU does not say by itself.
+        """The description, with what PythonFMU leaves out.
 
         All outputs have a value before the first step; and a second instance in one process ends it in PythonFMU.
         """

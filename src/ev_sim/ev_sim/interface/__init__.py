@@ -1,1 +1,12 @@
 """The stack from Python, without ROS: `ev_sim.run`, `ev_sim.Simulation` and `ev_sim.batch` (docs/python.md)."""
+
+from importlib import import_module
+from typing import Any
+
+
+def extra(module: str, name: str) -> Any:
+    """A module of an extra of ev_sim, which only some uses need; ImportError with how to get it."""
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise ImportError(f"{module} cannot be imported ({error}): pip install 'ev_sim[{name}]'") from None

@@ -13,7 +13,6 @@ from ev_sim.batches.batch import batch as batch_of
 from ev_sim.batches.observer import Reduction
 from ev_sim.report.result import Result
 from ev_sim.running.offline import drive_offline
-from ev_sim.scenarios.cycle import cycle_values
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
 
 
@@ -67,23 +66,19 @@ def overrides(
     cycle: str | PathLike[str] | None = None,
 ) -> Overrides:
     """What differs from a scenario's file; ParameterError for a name in `set` that has no dot."""
-    prepared, length = cycle_values(fspath(cycle)) if cycle is not None else ([], None)
     values: list[tuple[str, str, Any]] = [(node, "method", name) for node, name in (method or {}).items()]
     for place, value in (set or {}).items():
         node, _, parameter = place.partition(".")
         if not parameter:
             raise ParameterError(f"set: {quoted(place)} is refused, allowed is NODE.PARAMETER")
         values.append((node, parameter, value))
-    if seed is not None:
-        values.append(("*", "seed", seed))
-    duration = length if duration is None else duration
-    files = [Path(path) for path in params]
-    return Overrides(files, values, duration, fspath(vehicle) if vehicle else None, prepared)
+    car, of_cycle = fspath(vehicle) if vehicle else None, None if cycle is None else fspath(cycle)
+    return Overrides.of(values, seed, duration, car, [Path(path) for path in params], of_cycle)
 
 
-def only_run(scenario: str | PathLike[str], run: str, told: Overrides) -> Run:
+def only_run(scenario: str | PathLike[str], run: str, changed: Overrides) -> Run:
     """One run of a scenario, whose name may be empty if there is one only; ParameterError that lists them if not."""
-    loaded = load_scenario(fspath(scenario), told, only=(run,) if run else ())
+    loaded = load_scenario(fspath(scenario), changed, only=(run,) if run else ())
     if len(loaded.runs) > 1:
         raise unknown_name(f"run of {loaded.name}", run, [each.name for each in loaded.runs])
     return loaded.runs[0]

@@ -1,8 +1,8 @@
 """Gymnasium environments; importing it registers their ids (docs/embedding.md)."""
 
-from ev_sim.interface.extras import extra
+from ev_sim.interface import extra
 
-IDS = {  # -> what Environment is told
+IDS = {  # -> arguments of Environment
     "ev_sim/TorqueSplit-v0": {"scenario": "double_lane_change", "action": "torque_split"},
     "ev_sim/TractionControl-v0": {
         "scenario": "launch_split_mu", "run": "fixed_steering", "action": "traction_control"

@@ -1,8 +1,8 @@
 """A Gymnasium environment around `ev_sim.Simulation`: any scenario, one role of it played by a learner.
 
-Rewards that an environment has if nobody brings one: simple, bounded below by what a car can do badly.
-A reward is a function of the frame after the step, the action, and the action that stands for what the scenario's own
-law wrote at the same instant.
+An action names the role whose place the learner takes, and how its numbers become what that role writes. The rewards
+of its own are simple, bounded below by what a car can do badly. A reward is a function of the frame after the step, the
+action, and the action that stands for what the scenario's own law wrote at the same instant.
 """
 
 from __future__ import annotations
@@ -15,12 +15,81 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueCommand, WheelTorqueRequest
+from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_sim.interface.law import SteppedLaw
-from ev_sim.interface.simulation import Simulation
-from ev_sim.learning.actions import ACTIONS, Action
+from ev_sim.interface.simulation import Simulation, SteppedLaw
+
+Frame = Mapping[str, float]
+
+LARGEST_HAND_TORQUE = 20.0  # [N m], what two hands do in an emergency; drivers of the scenarios stay below
+
+
+@dataclass(frozen=True)
+class Action:
+    """A kind of action, in the place of a `role`: it gives some `channels` of what that role writes.
+
+    `bounds` gives lowest and highest values, (number of channels,) each, and `means` what is written for an action at
+    an instant. `of_law` is the action that stands for what the law wrote.
+    """
+
+    role: str
+    channels: Callable[[Vehicle], tuple[str, ...]]
+    bounds: Callable[[Vehicle], tuple[np.ndarray, np.ndarray]]
+    means: Callable[[Frame, tuple[str, ...], np.ndarray], dict[str, float]]
+    of_law: Callable[[np.ndarray], np.ndarray]
+
+
+def _drive(signal: type) -> Callable[[Vehicle], tuple[str, ...]]:
+    prefix = TOPICS[signal].name
+    return lambda vehicle: tuple(f"{prefix}.drive.{wheel}" for wheel in vehicle.driven_wheels)
+
+
+def _wheel_torques(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
+    """What the motors can do at the wheels [N m]."""
+    ones = np.ones(len(vehicle.driven_wheels))
+    lowest, highest = -vehicle.motor.generator_torque, vehicle.motor.peak_torque
+    return lowest * vehicle.gear_ratio * ones, highest * vehicle.gear_ratio * ones
+
+
+def _torque_limits(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
+    lowest, highest = _wheel_torques(vehicle)
+    return np.zeros_like(highest), np.maximum(-lowest, highest)
+
+
+def _hand_torque(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
+    return np.array([-LARGEST_HAND_TORQUE]), np.array([LARGEST_HAND_TORQUE])
+
+
+def _as_it_is(here: Frame, channels: tuple[str, ...], action: np.ndarray) -> dict[str, float]:
+    return dict(zip(channels, action.tolist(), strict=True))
+
+
+def _limited(here: Frame, channels: tuple[str, ...], action: np.ndarray) -> dict[str, float]:
+    """The torques that are asked for at this instant, none larger than its limit, either way."""
+    command, request = TOPICS[WheelTorqueCommand].name, TOPICS[WheelTorqueRequest].name
+    asked = [here[request + channel.removeprefix(command)] for channel in channels]
+    limited = [max(min(torque, limit), -limit) for torque, limit in zip(asked, action.tolist(), strict=True)]
+    return dict(zip(channels, limited, strict=True))
+
+
+ACTIONS = {
+    # drive torque of each driven wheel [N m]; the brakes stay with the law
+    "torque_split": Action(
+        "electronic_differential", _drive(WheelTorqueRequest), _wheel_torques, _as_it_is, np.asarray
+    ),
+    # largest drive torque of each driven wheel, either way [N m]
+    "traction_control": Action("asr", _drive(WheelTorqueCommand), _torque_limits, _limited, np.abs),
+    # torque of the hands on the steering wheel [N m]; the pedals stay with the driver
+    "steering": Action(
+        "driver", lambda _: (f"{TOPICS[DriverCommand].name.replace('/', '.')}.hand_torque",), _hand_torque, _as_it_is,
+        np.asarray,
+    ),
+}  # fmt: skip
+
 
 Reward = Callable[[Mapping[str, float], np.ndarray, np.ndarray], float]
 
@@ -83,7 +152,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     - `ends`: of the frame, whether the episode is over; without it, it lasts as long as the scenario, `duration`.
 
     `run` and `changed` are those of `ev_sim.Simulation`. The scenario's own law goes along: `info["own"]` is the action
-    that stands for what it says, and what no action says (brakes, pedals) is what it says. `info["frame"]` has all
+    that stands for its output, and what no action gives (brakes, pedals) is its output. `info["frame"]` has all
     channels of the instant. Everything random follows from the seed of `reset`; without one each episode has another.
 
     ParameterError, in one line, if something is refused; SignalError if a number becomes not finite.
@@ -132,7 +201,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin again at rest; `seed` is that of the scenario, too: with it the signals are those of `ev_sim.run`.
 
-        A scenario has seeds below 2^31; of a larger one its seed is drawn.
+        A scenario has seeds below 2^31: for a larger one its seed is drawn.
         """
         super().reset(seed=seed)
         is_drawn = seed is None or seed > _LARGEST_SEED

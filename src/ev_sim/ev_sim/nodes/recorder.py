@@ -20,8 +20,8 @@ from ev_core.run_role import run_node
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import MASTER, RECORDER, RECORDER_WRITES, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_sim.recording.output_of_run import OutputOfRun, RecorderParameters
 from ev_sim.recording.recorder_input import POLL_PERIOD, RecorderInput
+from ev_sim.recording.run_recorder import OutputOfRun, RecorderParameters
 
 _PATIENCE = 2.0  # s
 _LONG = 3.0  # s for a topic to be heard for the first time

@@ -1,11 +1,18 @@
-"""A value over time, given by points."""
+"""A value over time, given by points: the wanted speed among them, and the speed cycles."""
 
 from __future__ import annotations
 
+import dataclasses
+import os
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
-from ev_core.law import ParameterError, compilable, setting
+from ev_core.law import ParameterError, compilable, parameter, setting
+from ev_core.parameters.data_file import config_folders, read_csv
+from ev_core.parameters.declaration import flatten
+from ev_core.parameters.values import build
+from ev_msgs_py.refusal import unknown_name
 
 INTERPOLATIONS = LINEAR, STEP = "linear", "step"
 
@@ -68,3 +75,95 @@ def number_until(times: tuple[float, ...], t: float) -> int:
         else:
             low = middle + 1
     return low
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedProfileParameters:
+    """The speed that the driver wants, over time; the default is that of the paper's cycle."""
+
+    time: tuple[float, ...] = parameter(
+        (0.0, 4.0, 25.0, 29.0), unit="s", about="times of the points, increasing", source="Shchur 2019, fig. 4"
+    )
+    speed: tuple[float, ...] = parameter(
+        (0.0, 15 / 3.6, 15 / 3.6, 30 / 3.6),
+        unit="m/s",
+        low=-100.0,
+        high=100.0,
+        about="speeds at these times, negative to reverse; the last one holds",
+        source="Shchur 2019, fig. 4",
+    )
+    interpolation: str = interpolation_parameter("linear")
+    file: str = setting(
+        "", about="CSV file with the columns t_s and v_kmh or v_mps, instead of time and speed; empty for none"
+    )
+
+    def __post_init__(self) -> None:
+        check_points("time", self.time, "speed", self.speed)
+
+
+def wanted_speed(parameters: SpeedProfileParameters, name: str = "speed_profile") -> Profile:
+    """The speed over time [m/s].
+
+    ParameterError if the parameters, called `name`, still name a file, which has to be read before.
+    """
+    if parameters.file:
+        raise ParameterError(f"{name}.file: {parameters.file} has not been read into time and speed")
+    return profile_of(parameters.time, parameters.speed, parameters.interpolation)
+
+
+P = TypeVar("P")  # a parameter dataclass with a group `speed_profile`
+_COLUMNS = ({"t_s": 1.0}, {"v_mps": 1.0, "v_kmh": 1 / 3.6})
+
+
+def with_profile_from_file(parameters: SpeedProfileParameters, name: str = "speed_profile") -> SpeedProfileParameters:
+    """The same parameters with `time` [s] and `speed` [m/s] from `file` in place of the file's name.
+
+    `name` is what the parameters are called. Parameters without a file come back as they are. The file is a CSV with a
+    header; the columns t_s and one of v_kmh and v_mps are read. Raises ParameterError, in one line that names the file,
+    if it cannot be read (`read_csv`) or holds speeds out of range or times that do not increase.
+    """
+
+    def profile(time: tuple[float, ...], speed: tuple[float, ...]) -> SpeedProfileParameters:
+        return build(SpeedProfileParameters, {**flatten(parameters), "time": time, "speed": speed, "file": ""})
+
+    return read_csv(f"{name}.file", parameters.file, _COLUMNS, profile) if parameters.file else parameters
+
+
+def with_speed_profile_from_file(parameters: P) -> P:
+    """The same parameters of a driver, whose group `speed_profile` comes from its file if it names one."""
+    return dataclasses.replace(parameters, speed_profile=with_profile_from_file(parameters.speed_profile))
+
+
+LISTED = "trrl_1_1"  # whose windows the dissertation lists, and the scenarios with it
+_ROOM = 1.1  # length of the road over that of the cycle: a driver who may be fast is somewhat ahead
+
+
+def cycle_values(name: str) -> tuple[list[tuple[str, str, Any]], float]:
+    """What a cycle changes in a scenario, as (node, parameter, value), and its duration [s].
+
+    `name` is that of a file in config/cycles, its beginning if no other begins so, or the path of a CSV file. The
+    windows are then found by rule (`driver.modes`), unless the scenario lists those of this cycle, and a random road is
+    as long as the cycle. ParameterError that lists the known cycles for an unknown one.
+    """
+    file = name if os.sep in name or name.endswith(".csv") else f"cycles/{_known(name)}.csv"
+    profile = with_profile_from_file(SpeedProfileParameters(file=file), "cycle")
+    values: list[tuple[str, str, Any]] = [("driver", "speed_profile.file", file), ("plant", "imposed_speed.file", file)]
+    if file != f"cycles/{LISTED}.csv":
+        points = zip(profile.time, profile.speed, strict=True)
+        length = sum(0.5 * abs(v0 + v1) * (t1 - t0) for (t0, v0), (t1, v1) in pairwise(points))
+        values += [("driver", "modes.begin", []), ("driver", "modes.mode", [])]
+        values += [("plant", "road.random_distance", max(_ROOM * length, 1.0))]
+    return values, profile.time[-1]
+
+
+def cycle_names() -> list[str]:
+    """The cycles in the config folders."""
+    return sorted({path.stem for folder in config_folders() for path in (folder / "cycles").glob("*.csv")})
+
+
+def _known(name: str) -> str:
+    names = cycle_names()
+    meant = [name] if name in names else [each for each in names if each.startswith(name)]
+    if len(meant) != 1:
+        raise unknown_name("cycle", name, names)
+    return meant[0]

@@ -2,8 +2,8 @@
 
 An MCAP file is readable only with its trailer (index and footer) behind the data, and no system call can exchange a
 trailer of several pages in one piece: a signal may stop a long write between two pages. So the recording is kept in
-two files. Each checkpoint extends the one that nobody was told of, the spare, gives it a name that ends in .mcap, and
-then replaces metadata.yaml, which names the file to read and counts its messages: that one rename is the commit.
+two files. Each checkpoint extends the one that metadata.yaml does not name, the spare, gives it a name that ends in
+.mcap, and then replaces metadata.yaml, which names the file to read and counts its messages: that rename is the commit.
 Every byte is written twice; compressed that is little, and there is no need to trust anything but rename.
 The data survives the end of the process, not a loss of power: nothing waits for the disk.
 """
@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
-from types import TracebackType
 from typing import ClassVar
 
 from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
@@ -100,10 +99,6 @@ class TwinWriter(Writer):
             self.storage = storage
         storage.committed()
 
-    def name_for_good(self) -> None:
-        """Let the next commit use the name that every bag has, NAME.mcap."""
-        self.storage.path = self.storage.final
-
     def finish(self) -> None:
         """Remove the spare; nothing can be written from now on."""
         self.storage.spare.unlink()
@@ -164,7 +159,7 @@ class DurableBag:
         self.checkpoint_where_due()
 
     def checkpoint_where_due(self) -> None:
-        """A checkpoint if the period is over; `write` calls this, and whoever may fall silent does so as well."""
+        """A checkpoint if the period is over; `write` calls this, and a writer that may fall silent does so as well."""
         if self._clock() >= self._next_checkpoint:
             self.checkpoint()
 
@@ -177,19 +172,14 @@ class DurableBag:
         """Leave a bag of one file, NAME.mcap, in the directory NAME."""
         if self._writer.storage is None:
             return
-        self._writer.name_for_good()
+        self._writer.storage.path = self._writer.storage.final  # the name that every bag has
         self._commit()
         self._writer.finish()
 
     def __enter__(self) -> DurableBag:
         return self
 
-    def __exit__(
-        self,
-        exception_type: type[BaseException] | None,
-        exception: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def _commit(self) -> None:

@@ -20,7 +20,7 @@ def run_offline(
 ) -> Recording:
     """The recording of all roles from rest to `duration` seconds, both ends included.
 
-    `progress` is told the simulated time now and then, `note` each text that the object of a role has to say. Raises
+    `progress` is called with the simulated time now and then, `note` with each note of the object of a role. Raises
     ParameterError if the roles do not fit together, and SignalError if one of them gives a number that is not finite.
     """
     period = next(iter(configurations.values())).period

@@ -1,4 +1,4 @@
-"""What the recorder hears: the topics of the contract, and for the bag alone /clock and /diagnostics."""
+"""What the recorder takes: the topics of the contract, and for the bag alone /clock and /diagnostics."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ POLL_PERIOD = 0.01  # s; several steps are taken in one go, which costs less tha
 class RecorderInput:
     """Gives serialized messages to a recorder; with `beside` also those that are no signals of the contract.
 
-    `reports` is told of nodes that speak where they may not, and of messages that cannot be kept.
+    `reports` gets a line on nodes that publish where they may not, and on messages that cannot be kept.
     """
 
     def __init__(
@@ -37,17 +37,17 @@ class RecorderInput:
         self._early: list[tuple[int, bytes, int]] = []  # of /clock, for a run whose first state has yet to be taken
         self._next_poll = 0.0
         self.refused = 0
-        # The master's first: nobody speaks of an instant before the master does, so nothing seems to be ahead of it.
+        # The master's first: nobody answers an instant before the master sends it, so nothing seems to be ahead of it.
         masters_first = sorted(enumerate(topics), key=lambda place: place[1].signal not in ROLES[MASTER].writes)
-        self._ears: list[tuple[Reader, _Add]] = []
+        self._readers: list[tuple[Reader, _Add]] = []
         for index, topic in masters_first:
             add = partial(self._add, index, topic, MessageTable(topic))
-            self._ears.append((SignalReader(node, topic, _one(add), reports.note), add))
+            self._readers.append((SignalReader(node, topic, _one(add), reports.note), add))
         if beside:
             speaker = Speaker(node, "/clock", MASTER, reports.note)
-            self._ears.append((Reader(node, Clock, "/clock", _one(self._add_clock), speaker), self._add_clock))
+            self._readers.append((Reader(node, Clock, "/clock", _one(self._add_clock), speaker), self._add_clock))
             everybody = Reader(node, DiagnosticArray, "/diagnostics", _one(self._add_diagnostics), None)
-            self._ears.append((everybody, self._add_diagnostics))
+            self._readers.append((everybody, self._add_diagnostics))
 
     def _add(self, index: int, topic: Topic, table: MessageTable, messages: list[bytes], came: list[int]) -> None:
         refused: list[int] = []
@@ -84,7 +84,7 @@ class RecorderInput:
         if time.monotonic() < self._next_poll:
             return
         self._next_poll = time.monotonic() + POLL_PERIOD
-        for reader, add in self._ears:
+        for reader, add in self._readers:
             messages, came = [], []
             while (taken := reader.take_with_time()) is not None:
                 messages.append(taken[0])
@@ -94,5 +94,5 @@ class RecorderInput:
 
 
 def _one(add: _Add) -> Callable[[bytes], None]:
-    """Executors of rclpy's own do not tell when a message came."""
+    """Executors of rclpy's own do not give the time at which a message came."""
     return lambda message: add([message], [time.time_ns()])

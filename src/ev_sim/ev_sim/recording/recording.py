@@ -14,7 +14,7 @@ import numpy as np
 from ev_core.parameters.data_file import TIME, RecordingError, read_arrays
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.topics import Topic
-from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.files_of_run import atomic_file
 
 _LITTLE_ENDIAN = np.dtype("<f8")
 _BLOCK = 256  # instants that are turned over at once: they fit into the cache, as frames and as series
@@ -27,7 +27,7 @@ class Recording:
     `time`: (n,) float64 [s]. `channels`: TOPIC.FIELD.NAME -> (n,) float64 in the unit of the field, where the
     slashes of a topic are dots (`steering_column.state.angle`).
 
-    Of a true motion (`truth.true_motion`) `shown` is what was sent; of the `unknown` channels no truth is known.
+    In a true motion (`truth.true_motion`), `shown` is what was sent, and `unknown` are channels without a known truth.
     """
 
     time: np.ndarray

@@ -1,23 +1,27 @@
-"""Keeps a whole run: every message in a bag as it came, every number in an array."""
+"""Keeps a whole run: every message in a bag as it came, every number in an array, and where both go."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import closing
+from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 
 import numpy as np
 
+from ev_core.nodes.master.parameters import LONGEST
 from ev_core.nodes.stop_request import StopRequest
 from ev_core.parameters.data_file import TIME
+from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract import frame, stamps
-from ev_msgs_py.contract.roles import MASTER, ROLES
-from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
+from ev_msgs_py.contract.roles import MASTER, RECORDED, ROLES
+from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS, Topic
+from ev_msgs_py.refusal import ParameterError, quoted
 from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.recording.durable_bag import DurableBag
-from ev_sim.recording.files_of_run import BAG
+from ev_sim.recording.files_of_run import BAG, SIGNALS
 from ev_sim.recording.recording import Recording, write_signals
 from ev_sim.recording.spool import BLOCK, MessageTable, Spool, SpooledTopic
 
@@ -155,7 +159,7 @@ class RunRecorder:
 
     @property
     def silent(self) -> list[str]:
-        """The topics on which nothing has been heard yet; real time begins when there is none."""
+        """The topics on which nothing has come yet; real time begins when there is none."""
         return [topic.name for topic, kept in zip(self._topics, self._messages, strict=True) if not kept.count]
 
     def checkpoint(self) -> None:
@@ -164,7 +168,7 @@ class RunRecorder:
             self._bag.checkpoint_where_due()
 
     def close(self, signals: Path) -> None:
-        """Finish the bag, and write signals.npz with all complete steps; a topic that said nothing is left out."""
+        """Finish the bag, and write signals.npz with all complete steps; a topic without messages is left out."""
         with closing(self._spool):
             try:
                 if self._bag is not None:
@@ -181,7 +185,7 @@ class RunRecorder:
 
 
 def _free(name: str) -> Path:
-    """The first path NAME1, NAME2, ... that nobody has taken."""
+    """The first path NAME1, NAME2, ... that is free."""
     return next(path for path in (Path(f"{name}{number}") for number in count(1)) if not os.path.lexists(path))
 
 
@@ -214,3 +218,58 @@ def _messages_of(recording: Recording, topics: Sequence[Topic], period: int) -> 
             channels = [recording.channels[name][begin : begin + BLOCK] for name in topic.channels]
             frames[:, frame.PLACES[topic.signal]] = np.stack(channels, axis=1)
         yield from zip(*(table.serialize(stamp, frames) for table in tables), strict=True)
+
+
+_ALL_TOPICS = tuple(TOPICS[signal].name for signal in RECORDED)
+
+
+@dataclass(frozen=True, slots=True)
+class RecorderParameters:
+    """What is recorded and where it goes."""
+
+    directory: str = setting("recording", about="folder for bag/ and signals.npz, made if need be", read_only=True)
+    topics: tuple[str, ...] = setting(
+        _ALL_TOPICS, choices=_ALL_TOPICS, about="topics that belong to every step of this run", read_only=True
+    )
+    bag: bool = setting(True, about="write a bag besides signals.npz", read_only=True)
+    control_period: float = setting(
+        0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
+    )
+    mode: str = setting(
+        "lockstep",
+        choices=("lockstep", "realtime"),
+        about="lockstep: every topic has every step; realtime: a step that is missing holds the one before",
+        read_only=True,
+    )
+    duration: float = setting(
+        0.0, unit="s", low=0.0, high=LONGEST, about="the node ends when it holds this time; 0: never", read_only=True
+    )
+
+
+class OutputOfRun:
+    """Makes the folder; ParameterError if it has a recording already. `names` are the full names of the topics."""
+
+    def __init__(self, p: RecorderParameters, topics: Sequence[Topic], names: Sequence[str]) -> None:
+        self._directory = Path(p.directory)
+        if any(os.path.lexists(self._directory / name) for name in ((BAG, SIGNALS) if p.bag else (SIGNALS,))):
+            raise ParameterError(
+                f"parameter directory: {quoted(p.directory)} is refused, allowed is one without a recording"
+            )
+        self._directory.mkdir(parents=True, exist_ok=True)
+        period = stamps.from_seconds(p.control_period)
+        self._last = stamps.from_seconds(p.duration) // period * period
+        self.recorder = RunRecorder(
+            topics, names, period, self._directory, p.bag, p.mode == "realtime", self._last or None
+        )
+        self._wrote = False
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether everything up to the end of the run is held."""
+        return 0 < self._last <= self.recorder.held
+
+    def write(self) -> None:
+        """Write signals.npz with all complete steps and close the bag, once."""
+        if not self._wrote:
+            self._wrote = True
+            self.recorder.close(self._directory / SIGNALS)

@@ -48,7 +48,7 @@ class MessageTable:
     def read(self, messages: Sequence[bytes], frames: np.ndarray) -> None:
         """Put the numbers of messages into frames (n, frame size); MessageError if one of them is refused.
 
-        Messages of another layout (joints in another order, say) are read one by one.
+        Messages of another layout (such as joints in another order) are read one by one.
         """
         for i in self._read_regular(messages, frames):
             frames[i, self._where] = self._format.read(messages[i])[1]
@@ -115,7 +115,7 @@ class Spool:
 class SpooledTopic:
     """The messages of one topic, one per step: the newest as they came, those before them as numbers in a spool.
 
-    `count` says how many there are, `first` and `last` are messages, empty as long as there is none.
+    `count` is their number, `first` and `last` are messages, empty as long as there is none.
     """
 
     def __init__(self, topic: Topic, spool: Spool) -> None:

@@ -1,22 +1,32 @@
-"""The true motion of a run: what its car did, where its sensors and faults have shown something else.
+"""What is known of a run beyond its recording: the true motion of its car, and every frame on its CAN bus.
 
-Nothing more has to be sent or recorded for it: the parts of the car are functions of what they read, and that stands in
-the recording. So each part whose numbers were changed on their way says them again, without what changed them.
+Nothing more has to be sent or recorded for it: parts are functions of what they read, and that stands in the recording.
+So the parts whose numbers sensors and faults have changed on their way are stepped once more without these. And as the
+signals show what has arrived on a bus, but not what was lost, nor when each frame was on the wire, the bench is stepped
+once more as well, and gives what its channels carried: to the bit what they did in the run.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ev_core.bus.database_file import load_database
+from ev_core.bus.model import SENT
+from ev_core.bus.parameters import CIRCUITS
 from ev_core.faults.row import channels_of, of_signals
 from ev_core.lockstep.configuration import Configuration
+from ev_core.parameters.record import names
 from ev_core.sensors.row import imperfect
+from ev_msgs_py.can.payload import joined
 from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.bus_signals import BusStates
 from ev_msgs_py.contract.fields import SignalError, shape_of
 from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.recording.recording import Recording
+from ev_sim.test_bench.circuits_on_can import CanCircuitsState, channel_layouts
 
 # The test bench is not among them: what its transducers show is what the source measured by.
 OF_THE_CAR = ("plant", "steering_column", "rear_steering")
@@ -25,18 +35,18 @@ OF_THE_CAR = ("plant", "steering_column", "rear_steering")
 def true_motion(recording: Recording, configurations: Mapping[str, Configuration]) -> Recording:
     """The recording of a run of these configurations with the truth in the place of what was shown.
 
-    Where a part says other numbers than were recorded even of what nothing has changed, the run was driven by something
-    else (another node, the wall clock, parameters set live): then the changed channels are `unknown`.
+    Where a part gives other numbers than were recorded even of what nothing has changed, something else has driven the
+    run (another node, the wall clock, parameters set live): then the changed channels are `unknown`.
     """
     struck = {role: struck_channels(configurations[role]) for role in OF_THE_CAR if role in configurations}
     if not any(struck.values()) or len(recording.time) < 2:
         return recording
     series, channels, unknown = _series(recording), dict(recording.channels), set[str]()
-    for role, names in struck.items():
-        if names:
-            truth = _said_again(configurations[role], series, names)
+    for role, changed in struck.items():
+        if changed:
+            truth = _said_again(configurations[role], series, changed)
             channels |= truth
-            unknown |= names - truth.keys()
+            unknown |= changed - truth.keys()
     return Recording(recording.time, channels, recording, frozenset(unknown))
 
 
@@ -76,3 +86,71 @@ def _said_again(configuration: Configuration, series: np.ndarray, struck: set[st
     }
     untouched = [place for name, place in places.items() if name not in struck]
     return {name: again[places[name]] for name in struck} if (again[untouched] == series[untouched]).all() else {}
+
+
+if TYPE_CHECKING:
+    from ev_core.bus.channel import BusLog
+
+
+class LoggedFrame(NamedTuple):
+    """A frame on the wire; `time` [s] is the end of it."""
+
+    time: float
+    circuit: str
+    identifier: int
+    data: bytes
+
+
+def write_can_log(log: BusLog, recording: Recording, bench: Configuration) -> str:
+    """Write all frames of a run and close the log; a line with the reason if it ends before the run does."""
+    import can
+
+    frames, until = logged_frames(recording, bench)
+    for each in frames:
+        log.write(
+            can.Message(
+                timestamp=each.time,
+                arbitration_id=each.identifier,
+                data=each.data,
+                is_extended_id=False,
+                channel=f"can{each.circuit}",
+            )
+        )
+    log.close()
+    ends = f"the log of the bus ends at {until:g} s: from there on the test bench was not what its parameters say"
+    return "" if until == recording.time[-1] else ends
+
+
+def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[LoggedFrame], float]:
+    """The frames on the wire, one after the other as they end, and until when [s] the bench is the recorded one."""
+    from ev_core.lockstep.parts import compiled_parts  # numba is slow to import
+    from ev_core.lockstep.run import call
+
+    layouts = {c: channel_layouts(load_database(bench.parameters.bus.database), c) for c in CIRCUITS}
+    rate = bench.parameters.bus.bit_rate
+    counts = {c: names(CanCircuitsState()).index(f"line_{c}.channel.sent_count") for c in CIRCUITS}
+    columns = {frame.channels()[name]: values for name, values in recording.channels.items()}
+    read = [place for signal in bench.method.reads for place in frame.places(signal)]
+    states = list(frame.places(BusStates))
+    parts = compiled_parts(bench)
+    here, there = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
+    for part in parts:
+        call(part, 0, there)
+    found = []
+    for instant, time in enumerate(recording.time):
+        if there[states].tolist() != [columns[place][instant] for place in states]:
+            return sorted(found), float(recording.time[max(instant - 1, 0)])
+        if instant == len(recording.time) - 1:
+            break
+        here[frame.TIME] = time
+        here[read] = [columns[place][instant] for place in read]
+        there[frame.TIME] = recording.time[instant + 1]
+        for part in parts:
+            call(part, here.ctypes.data, there)
+        for circuit, count in counts.items():
+            begin, sent = count + 1, int(parts[0].state[count])
+            for place, end, low, high in parts[0].state[begin : begin + SENT * sent].reshape(sent, SENT).tolist():
+                layout = layouts[circuit][int(place)]
+                data = layout.data(joined(low, high))
+                found.append(LoggedFrame(time + end / rate, circuit, layout.identifier, data))
+    return sorted(found), float(recording.time[-1])

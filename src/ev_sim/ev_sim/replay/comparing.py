@@ -19,8 +19,7 @@ from ev_sim.figures.timing import histogram_sheet
 from ev_sim.recording.recording import Recording
 from ev_sim.replay.graph import Replay
 from ev_sim.replay.recorded import Recorded
-from ev_sim.report.table_files import cell, write_tables
-from ev_sim.report.tables import text_table
+from ev_sim.report.tables import cell, text_table, write_tables
 
 _JITTER, _LATENCY = "jitter", "latency"
 
@@ -28,10 +27,10 @@ _JITTER, _LATENCY = "jitter", "latency"
 def latency_of(recorded: Recorded) -> dict[str, Any]:
     """Jitter and latencies of a recorded run; empty where only stamps are known.
 
-    `jitter` by topic, of each role its first: by how much more or less than the control period two messages of
+    `jitter` by topic, the first one of each role: by how much more or less than the control period two messages of
     successive instants were apart.
-    `latency` by topic: how long after the last message that its role may read a message came, as the recorder heard
-    both; of the plant, which keeps time, there is none. Histograms as in `nodes/master/timing.py`, and medians [s].
+    `latency` by topic: how long after the last message that its role may read a message came, as the recorder took
+    both; the plant keeps time and has none. Histograms as in `nodes/master/timing.py`, and medians [s].
     """
     if not recorded.arrivals:
         return {}
@@ -79,13 +78,13 @@ def latencies_in_words(timing: Mapping[str, Any], topics: list[str]) -> list[str
     """A line for each of the topics."""
     lines = []
     for topic in topics:
-        said = []
+        parts = []
         for what in (_LATENCY, _JITTER):
             if topic in timing[what] and timing[what][topic]["median"] is not None:
                 times = timing[what][topic]
-                said.append(f"{what} {1e3 * times['median']:.3g} ms of half, {1e3 * times['largest']:.3g} ms at most")
-        if said:
-            lines.append(f"{topic}: {'; '.join(said)}")
+                parts.append(f"{what} {1e3 * times['median']:.3g} ms of half, {1e3 * times['largest']:.3g} ms at most")
+        if parts:
+            lines.append(f"{topic}: {'; '.join(parts)}")
     return lines
 
 
@@ -144,9 +143,9 @@ def _difference(name: str, unit: str, before: np.ndarray, replayed: Recording, k
         return Difference(name, unit, compared, 0, None, None, None, None, 0.0, None, 0.0)
     first, most = int(differ[0]), int(np.argmax(apart))
     rms = float(np.sqrt(np.sum(apart**2) / compared))
-    said = float(before[first]), float(values[first])
+    pair = float(before[first]), float(values[first])
     begin, at = (float(replayed.time[place]) for place in (first, most))
-    return Difference(name, unit, compared, len(differ), first, begin, *said, float(apart[most]), at, rms)
+    return Difference(name, unit, compared, len(differ), first, begin, *pair, float(apart[most]), at, rms)
 
 
 _SHOWN = ("channel", "unit", "differing", "step", "time", "recorded", "replayed", "largest", "at", "rms")

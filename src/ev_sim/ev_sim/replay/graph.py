@@ -1,4 +1,4 @@
-"""The graph that replays a run: one role is played anew, all others say what was recorded."""
+"""The graph that replays a run: one role is played anew, all others play back what was recorded."""
 
 from __future__ import annotations
 
@@ -101,23 +101,23 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
 
 
 def _car(recorded: Recorded, vehicle: str | None) -> Sequence[ParameterFile]:
-    """What says which car it was; it has to be said once."""
-    told = recorded.parameters
-    if told is not None:
+    """The file that names the car; there has to be one."""
+    given = recorded.parameters
+    if given is not None:
         if vehicle:
-            raise ParameterError(f"--vehicle {vehicle} is refused: {told.path} says which car it was")
-        return (told,)
+            raise ParameterError(f"--vehicle {vehicle} is refused: {given.path} says which car it was")
+        return (given,)
     if not vehicle:
         raise ParameterError(f"{recorded.source}: no parameters.yaml beside it says which car it was: --vehicle FILE")
     return (vehicle_file(vehicle),)
 
 
-def _refuse_other_car(said: ParameterFile, namespace: str, role: str, values: Mapping[str, Any]) -> None:
-    """ParameterError if the car is not that of the file which says what was driven."""
-    car = said.values_for(f"{namespace}/{role}")
+def _refuse_other_car(driven: ParameterFile, namespace: str, role: str, values: Mapping[str, Any]) -> None:
+    """ParameterError if the car is not that of the file of what was driven."""
+    car = driven.values_for(f"{namespace}/{role}")
     for name, value in values.items():
         if name.startswith(f"{VEHICLE}.") and value != car.get(name, value):
-            raise ParameterError(f"{name} {value} is refused: {car[name]} was driven ({said.path})")
+            raise ParameterError(f"{name} {value} is refused: {car[name]} was driven ({driven.path})")
 
 
 def _refuse_missing(recorded: Recorded, configuration: Configuration) -> None:

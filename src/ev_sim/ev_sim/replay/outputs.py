@@ -1,4 +1,4 @@
-"""What a replay says in the terminal and leaves behind."""
+"""What a replay prints and leaves behind."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.figures.saving import FORMATS, figure_files, save_figures
-from ev_sim.recording.atomic import atomic_file
-from ev_sim.recording.files_of_run import LOG, OF_ALL_RUNS, PAGE, PARAMETERS, SIGNALS, SUMMARY
+from ev_sim.recording.files_of_run import LOG, OF_ALL_RUNS, PAGE, PARAMETERS, SIGNALS, SUMMARY, atomic_file
 from ev_sim.recording.outcome import Outcome
 from ev_sim.recording.recording import Recording, save
 from ev_sim.replay.comparing import (
@@ -28,7 +27,7 @@ from ev_sim.replay.comparing import (
 )
 from ev_sim.replay.graph import Replay
 from ev_sim.report.summary import Summary, write_summary
-from ev_sim.report.table_files import TABLES
+from ev_sim.report.tables import TABLES
 from ev_sim.running.node_parameters import write_parameter_file
 from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.scenario import Run
@@ -56,10 +55,10 @@ def prepared(replay: Replay, folder: OutputFolder) -> Run:
 
 def _write_told(path: Path, replay: Replay) -> None:
     """What is known of the nodes of the recorded run, so that it can be replayed once more from there."""
-    told = replay.recorded.parameters
-    if told is not None:
+    given = replay.recorded.parameters
+    if given is not None:
         with atomic_file(path) as file:
-            file.write(told.path.read_bytes())
+            file.write(given.path.read_bytes())
         return
     common = flatten(replay.configuration.common)
     nodes = {"**": {name: value for name, value in common.items() if value != ()}}
@@ -118,10 +117,10 @@ class Replayed:
         from ev_sim.report.page.writing import Page, Signals, images_of, write_page
 
         signals = Signals("", runs, self.replay.configuration.common.vehicle)
-        said = "\n".join(line for line in (in_words(self.differences), table_of(self.differences)) if line)
+        text = "\n".join(line for line in (in_words(self.differences), table_of(self.differences)) if line)
         title = f"{self.replay.role} {self._who}, replayed"
         images = images_of(figures, folder.directory)
-        write_page(Page(title, {"": content}, (signals,), images, said), folder.directory / PAGE)
+        write_page(Page(title, {"": content}, (signals,), images, text), folder.directory / PAGE)
         return f"{PAGE}, "
 
     def _recorded(self) -> Recording:

@@ -24,9 +24,8 @@ from ev_sim.recording.outcome import Outcome
 from ev_sim.recording.recording import Recording, combined_hash, save, signal_hash
 from ev_sim.recording.truth import true_motion
 from ev_sim.report.reports import report_for
-from ev_sim.report.summary import Summary, write_summary
+from ev_sim.report.summary import COMMAND_LINE, Difference, Summary, differences, write_summary
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.scenarios.differences import COMMAND_LINE, Difference, differences
 from ev_sim.scenarios.scenario import Scenario, load_scenario
 
 if TYPE_CHECKING:
@@ -135,7 +134,7 @@ class Result:
         return DataFrame(dict(recording.channels), index=Index(recording.time, name="time"))
 
     def summary(self) -> Summary:
-        """What summary.json says."""
+        """The content of summary.json."""
         runs = self.scenario.runs
         nodes = {
             role if len(runs) == 1 else f"{run.name}/{role}": configuration

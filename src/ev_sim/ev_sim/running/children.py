@@ -40,7 +40,7 @@ def ending_with_us(group: int) -> subprocess.Popen:
     return subprocess.Popen(words, stdin=subprocess.PIPE, start_new_session=True)
 
 
-_QUERY = 0xFFFFFFFF  # of the Linux system call `personality`: change nothing, tell what is set
+_QUERY = 0xFFFFFFFF  # of the Linux system call `personality`: change nothing, return what is set
 _ADDR_NO_RANDOMIZE = 0x0040000
 
 

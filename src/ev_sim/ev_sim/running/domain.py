@@ -1,4 +1,4 @@
-"""A ROS domain that nobody else on this machine uses."""
+"""A ROS domain that no other process on this machine uses."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def free_domain() -> Iterator[int]:
 
     NoFreeDomain if there is none, RunFailed if ROS_DOMAIN_ID is no domain, or if nodes are not to find each other.
 
-    ROS_DOMAIN_ID goes before: whoever sets it wants to look at the run from outside.
+    ROS_DOMAIN_ID goes before: it is set to look at the run from outside.
     """
     given = os.environ.get("ROS_DOMAIN_ID", "")
     if os.environ.get(_RANGE) == "OFF":
@@ -74,7 +74,7 @@ def reserved_domains() -> list[int]:
 
 
 def discovery_port(domain: int, participant: int) -> int:
-    """The UDP port at which a participant of a domain, counted from 0, hears announcements of others."""
+    """The UDP port at which a participant of a domain, counted from 0, receives announcements of others."""
     return _FIRST_PORT + _PORTS_PER_DOMAIN * domain + _UNICAST + 2 * participant
 
 
@@ -92,9 +92,9 @@ def _reservation(what: object) -> Iterator[bool]:
 
 
 def _opened_in_place(path: str, flags: int) -> int:
-    """Everybody may write into the folder of the locks: a link that somebody has put there is not followed.
+    """Everybody may write into the folder of the locks: a link there is not followed.
 
-    Nor does a pipe there hold us up. Nobody else may open the file, for whoever can may lock it.
+    Nor does a pipe there hold us up. Nobody else may open the file: to open it is enough to lock it.
     """
     return os.open(path, (flags | os.O_NOFOLLOW | os.O_NONBLOCK) & ~os.O_TRUNC, 0o600)
 

@@ -20,14 +20,13 @@ from ev_core.run_role import OF_ROS, node_maker, one_line, security_is_asked_for
 from ev_msgs_py.contract.roles import RECORDER
 from ev_sim.nodes.recorder import RecorderNode
 from ev_sim.recording.files_of_run import PARAMETERS, SIGNALS
-from ev_sim.recording.outcome import Outcome, Progress, RunFailed
-from ev_sim.recording.progress_bar import announce
+from ev_sim.recording.outcome import Outcome, Progress, RunFailed, announce
 from ev_sim.recording.recording import load
 from ev_sim.running.domain import free_domain, own_namespace
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
+from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible
 from ev_sim.running.observing import observing
 from ev_sim.running.real_bus import real_bus
-from ev_sim.running.told import Told, not_reproducible, told
 from ev_sim.scenarios.scenario import Run
 
 _OBSERVER = "run_scenario"  # the name of what is in the graph beside the nodes
@@ -47,7 +46,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
         own_namespace(domain, run.namespace),
         StopRequest(patient=True) as stop,
         observing(run.namespace, domain, _OBSERVER) as observer,
-        told(run.namespace) as words,
+        node_reports(run.namespace) as reports,
         real_bus(run, domain, directory) as bus,
     ):
         parameters = node_parameters(run, directory, bag, bus)
@@ -55,7 +54,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
         announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
         try:
             for name, values in parameters.items():
-                with _line(words, name, not run.realtime):
+                with _line(reports, name, not run.realtime):
                     nodes.append(_node(name, run.namespace, values, observer.context))
             recorder = nodes[-1]
             next_look = 0.0
@@ -63,8 +62,8 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
             def finished() -> bool:
                 nonlocal next_look
                 if time.monotonic() >= next_look:
-                    words.look()
-                    progress(words.time)
+                    reports.look()
+                    progress(reports.time)
                     next_look = time.monotonic() + _LOOK_PERIOD
                 return recorder.done or stop.received
 
@@ -80,20 +79,20 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
             for node in nodes:
                 node.close()
                 node.destroy_node()
-            words.look()
+            reports.look()
     recording = load(directory / SIGNALS)
-    return Outcome(recording, wall_time, not_reproducible(run, words, recording), words.notes, words.timing)
+    return Outcome(recording, wall_time, not_reproducible(run, reports, recording), reports.notes, reports.timing)
 
 
 @contextmanager
-def _line(told: Told, node: str, adds_up: bool) -> Iterator[None]:
+def _line(reports: NodeReports, node: str, adds_up: bool) -> Iterator[None]:
     """What is made in the block finds the line of a node in the environment, as a process would."""
-    os.environ[LINE], _ = told.line(node, adds_up)
+    os.environ[LINE], _ = reports.line(node, adds_up)
     try:
         yield
     finally:
         del os.environ[LINE]
-        told.started(node)
+        reports.started(node)
 
 
 def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:
@@ -102,9 +101,5 @@ def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:
 
 
 def _node(name: str, namespace: str, values: dict, context: rclpy.Context) -> object:
-    arguments = {
-        "context": context,
-        "namespace": namespace,
-        "parameter_overrides": parameter_overrides(values),
-    }
+    arguments = {"context": context, "namespace": namespace, "parameter_overrides": parameter_overrides(values)}
     return RecorderNode(**arguments) if name == RECORDER else node_maker(name)(**arguments)

@@ -10,7 +10,7 @@ import yaml
 
 from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_sim.recording.atomic import atomic_file
+from ev_sim.recording.files_of_run import atomic_file
 from ev_sim.scenarios.scenario import Run
 
 
@@ -25,7 +25,7 @@ def node_parameters(
 ) -> dict[str, dict[str, Any]]:
     """Dotted names and values for every role and the recorder; `directory` is where the recorder writes.
 
-    What roles are told `besides` goes before their own.
+    The parameters of roles in `besides` go before their own.
     """
     nodes = {
         role: {name: _plain(value) for name, value in configuration.values().items() if value != ()}
@@ -50,7 +50,7 @@ def _plain(value: Any) -> Any:
 
 
 def write_parameter_file(path: Path, run: Run, nodes: dict[str, dict[str, Any]]) -> None:
-    """One ROS parameter file with everything that the nodes of a run are told."""
+    """One ROS parameter file with all parameters of the nodes of a run."""
     content = {f"{run.namespace}/{node}": {"ros__parameters": values} for node, values in nodes.items()}
     with atomic_file(path) as file:
         file.write(yaml.safe_dump(content, sort_keys=False).encode())

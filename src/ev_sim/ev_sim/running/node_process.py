@@ -1,4 +1,4 @@
-"""One node of a run as a process of its own."""
+"""The nodes of a run as processes of their own: started and stopped, and nothing left behind."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import os
 import shutil
 import signal
 import subprocess
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,8 +21,8 @@ from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.refusal import shown
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running.children import ending_with_us, ends_with_us, same_addresses
+from ev_sim.running.node_reports import NodeReports
 from ev_sim.running.observing import enclave
-from ev_sim.running.told import Told
 from ev_sim.scenarios.scenario import Run
 
 
@@ -46,7 +47,7 @@ def command(name: str) -> list[str]:
     raise RunFailed(f"executable {package} {name} is not found: source install/local_setup.bash of the workspace")
 
 
-_ROOM = 65536  # bytes; who has less cannot even say what went wrong
+_ROOM = 65536  # bytes; with less a node cannot even write what went wrong
 
 
 @dataclass
@@ -61,14 +62,14 @@ class NodeProcess:
     def failure(self) -> str:
         """One line on how the process ended."""
         code = self.process.returncode
-        if code == 0:  # as a node ends that is told to
+        if code == 0:  # as a node ends when it is asked to
             return f"node {self.name} was stopped"
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with status {code}"
         lines = self.log.read_text(errors="replace").strip().splitlines()
-        said = f": {shown(lines[-1])}" if lines and code > 0 else ""
+        last = f": {shown(lines[-1])}" if lines and code > 0 else ""
         if shutil.disk_usage(self.log.parent).free < _ROOM:
-            said = f": no space left on device, {self.log.parent}"
-        return f"node {self.name} {how}{said}"
+            last = f": no space left on device, {self.log.parent}"
+        return f"node {self.name} {how}{last}"
 
     def end(self) -> None:
         """Kill the process and whatever it has started."""
@@ -85,13 +86,13 @@ class NodeProcess:
 
 
 def start_node(
-    name: str, words: Sequence[str], ours: bool, run: Run, parameters: Path, domain: int, told: Told
+    name: str, words: Sequence[str], ours: bool, run: Run, parameters: Path, domain: int, reports: NodeReports
 ) -> NodeProcess:
     """Start the node of a role by a command, with the parameters of a file and its log beside; RunFailed if it cannot.
 
-    It has a line to the runner, on which it tells what is `told`.
+    It has a line to the runner, on which its `reports` come.
 
-    Of `ours`, Ctrl-C and SIGTERM wait until the node can stop in order, which takes a second of loading; the nodes of
+    Ctrl-C and SIGTERM wait until a node of `ours` can stop in order, which takes a second of loading; the nodes of
     others may never let them in.
     """
     logs = parameters.parent / "log"
@@ -99,7 +100,7 @@ def start_node(
     log = logs / f"{name}.log"
     arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
     arguments += [*_said_by_us(name, run, parameters.parent), *enclave(name, run.namespace)]
-    line, inherited = told.line(name, ours and not run.realtime)
+    line, inherited = reports.line(name, ours and not run.realtime)
     environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain), SILENTLY: "1", LINE: line}
     with log.open("wb") as output:
         try:
@@ -117,7 +118,7 @@ def start_node(
         except OSError as error:
             raise RunFailed(f"node {name} cannot be started: {words[0]}: {error.strerror}") from None
         finally:
-            told.started(name)
+            reports.started(name)
     return NodeProcess(name, process, log, None if ours else ending_with_us(process.pid))
 
 
@@ -127,13 +128,13 @@ def _said_by_us(name: str, run: Run, folder: Path) -> list[str]:
     if configuration is None:
         return []
     method, bus = configuration.method.name, getattr(configuration.parameters, "bus", None)
-    said = {"method": method} if is_code(method) else {}
+    given = {"method": method} if is_code(method) else {}
     if run.realtime and getattr(bus, "log", ""):
-        said["bus.log"] = str(folder / bus.log)
+        given["bus.log"] = str(folder / bus.log)
     gateway = run.configurations.get("inverter_gateway")
     if run.realtime and bus is not None and gateway is not None:  # both ends have that of the gateway (`real_bus`)
-        said["bus.address"] = gateway.parameters.bus.address
-    return [word for key, path in said.items() for word in ("-p", f'{key}:="{path}"')]
+        given["bus.address"] = gateway.parameters.bus.address
+    return [word for key, path in given.items() for word in ("-p", f'{key}:="{path}"')]
 
 
 def _before_exec(ours: bool) -> Callable[[], None]:
@@ -146,3 +147,42 @@ def _before_exec(ours: bool) -> Callable[[], None]:
             dies_with_us()
 
     return before
+
+
+# s for processes to stop when they are asked to: all of them have last words if the run has come to its end.
+_PATIENCE, _AT_THE_END = 2.0, 10.0
+
+
+@contextmanager
+def started_nodes(
+    names: Iterable[str],
+    own: Mapping[str, Sequence[str]],
+    run: Run,
+    parameters: Path,
+    domain: int,
+    reports: NodeReports,
+) -> Iterator[list[NodeProcess]]:
+    """The processes of nodes by name, with commands of others for some of them; RunFailed if one cannot be started."""
+    nodes: list[NodeProcess] = []
+    try:
+        for name in names:
+            words = own.get(name)
+            nodes.append(start_node(name, words or command(name), not words, run, parameters, domain, reports))
+        yield nodes
+    except BaseException:
+        _stop(nodes, _PATIENCE)
+        raise
+    _stop(nodes, _AT_THE_END)
+
+
+def _stop(nodes: list[NodeProcess], patience: float) -> None:
+    """Ask all processes to stop, then make them, with whatever they have started."""
+    for node in nodes:
+        if node.process.poll() is None:
+            node.send(signal.SIGINT)
+    deadline = time.monotonic() + patience
+    for node in nodes:
+        with suppress(subprocess.TimeoutExpired):
+            node.process.wait(max(deadline - time.monotonic(), 0.0))
+    for node in nodes:
+        node.end()

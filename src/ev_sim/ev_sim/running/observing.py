@@ -1,4 +1,4 @@
-"""A place in the graph for who looks at a run, with keys of its own where DDS security is asked for."""
+"""A node in the graph that observes a run, with keys of its own where DDS security is asked for."""
 
 from __future__ import annotations
 

@@ -3,27 +3,109 @@
 from __future__ import annotations
 
 import fcntl
+import fnmatch
 import glob
+import hashlib
 import itertools
+import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, nullcontext, suppress
 from pathlib import Path, PurePosixPath
-from types import TracebackType
 
+from ev_core.parameters.data_file import TABLE, read_data
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.refusal import ParameterError, quoted
-from ev_sim.recording.files_of_run import _BEFORE_RESET, BAG, LOG, PARAMETERS, RECORDED
-from ev_sim.recording.progress_bar import announce
-from ev_sim.running import manifest
-from ev_sim.running.manifest import Files, content, digest_of, is_file, is_folder, there
+from ev_sim.recording.files_of_run import _BEFORE_RESET, BAG, LOG, PARAMETERS, RECORDED, atomic_file
+from ev_sim.recording.outcome import announce
 from ev_sim.scenarios.scenario import Run
+
+MANIFEST = "ev_stack_manifest.json"
+_FORMAT = 1
+
+# Path below the folder -> SHA-256; or the pattern of files that are being written -> None.
+Files = dict[str, str | None]
+
+
+def read_manifest(folder: Path) -> dict[str, Files]:
+    """The files of each command by its name; ValueError if there is something else of that name."""
+    path = folder / MANIFEST
+    if not os.path.lexists(path):
+        return {}
+    if not is_file(path):
+        raise ValueError("not a file")
+    content = json.loads(read_data(path, TABLE))
+    if not isinstance(content, dict) or content.get("format") != _FORMAT:
+        raise ValueError("another format")
+    written: dict[str, Files] = content.get("written")
+    if not isinstance(written, dict) or not all(map(_is_sound, written.values())):
+        raise ValueError("damaged")
+    return written
+
+
+def _is_sound(files: object) -> bool:
+    return isinstance(files, dict) and all(
+        stays_within(name) and isinstance(digest, str | None) for name, digest in files.items()
+    )
+
+
+def stays_within(name: str) -> bool:
+    """Whether a path can only be below the folder that it begins in."""
+    path = PurePosixPath(name)
+    return bool(path.parts) and not path.is_absolute() and ".." not in path.parts and str(path) == name
+
+
+def write_manifest(folder: Path, written: Mapping[str, Files]) -> None:
+    """Replace the manifest of a folder."""
+    with atomic_file(folder / MANIFEST, replaces=True) as file:
+        file.write(json.dumps({"format": _FORMAT, "written": written}, indent=1).encode() + b"\n")
+
+
+def is_file(path: Path) -> bool:
+    """Whether it is a regular file and no link to one."""
+    return path.is_file() and not path.is_symlink()
+
+
+def is_folder(path: Path) -> bool:
+    """Whether it is a folder and no link to one."""
+    return path.is_dir() and not path.is_symlink()
+
+
+def digest_of(path: Path) -> str:
+    """SHA-256 of a file, as hexadecimal digits."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def there(folder: Path, pattern: str) -> Iterator[str]:
+    """The names below a folder that fit a pattern, or those of what stands in the place of a folder on the way.
+
+    Nothing is looked for behind a link.
+    """
+    head, _, rest = pattern.partition("/")
+    found = sorted(fnmatch.filter(os.listdir(folder), head)) if glob.has_magic(head) else [head]
+    for name in found:
+        if rest and is_folder(folder / name):
+            yield from (f"{name}/{each}" for each in there(folder / name, rest))
+        elif os.path.lexists(folder / name):
+            yield name
+
+
+def content(folder: Path, name: str) -> Iterator[str]:
+    """The names of all files that are in a folder below, and of empty folders; the name itself if it is none."""
+    if is_folder(folder / name):
+        for each in sorted(os.listdir(folder / name)):
+            inner = f"{name}/{each}"
+            is_empty = is_folder(folder / inner) and not os.listdir(folder / inner)
+            yield from [inner] if is_empty else content(folder, inner)
+    else:
+        yield name
 
 
 class OutputFolder:
-    """All that a command writes: `files` into a folder, and those of one run beside them, of several in DIR/RUN.
+    """All that a command writes: `files` into a folder, those of a single run beside them, those of several in DIR/RUN.
 
-    `writer` says who writes, such as "scenario shchur2019". The manifest of the folder names all files of each writer.
+    `writer` names the writer, such as "scenario shchur2019". The manifest of the folder names all files of each writer.
     At the beginning those of this one are removed, apart from `keeps`; what it was writing when it was killed is moved
     to earlier_1, earlier_2, ...; nothing else is touched. ParameterError before that if a name is taken by something
     else, or a file has changed since, or another command is writing there: the folder is locked up to the end of the
@@ -59,7 +141,8 @@ class OutputFolder:
                 for folder in {self.of(run) for run in runs} - {self.directory}:
                     self._hold(folder, locks)
                 kept = mine.intersection(keeps)
-                self._remove(finished.keys() - kept)
+                for name in finished.keys() - kept:
+                    (self.directory / name).unlink()
                 self._move(sorted(set(unfinished) - kept))
                 self._prune([*map(glob.escape, mine), *claims], [self.of(run) for run in runs])
                 self._files: Files = {glob.escape(name): finished.get(name) for name in sorted(kept)}
@@ -87,10 +170,8 @@ class OutputFolder:
     def __enter__(self) -> OutputFolder:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        # What somebody has put there while we drove is not ours, even if it has one of our names.
+    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
+        # What was put there by others while we drove is not ours, even if it has one of our names.
         theirs = {error.filename} if isinstance(error, FileExistsError) else set()
         with self._locks, suppress(OSError) if error else nullcontext():
             files: Files = {}
@@ -113,12 +194,12 @@ class OutputFolder:
 
     def _manifest(self) -> dict[str, Files]:
         try:
-            return manifest.read_manifest(self.directory)
+            return read_manifest(self.directory)
         except (ValueError, RecursionError):
-            raise self._refused(manifest.NAME, "is not a manifest of ours") from None
+            raise self._refused(MANIFEST, "is not a manifest of ours") from None
 
     def _write(self, files: Files) -> None:
-        manifest.write_manifest(self.directory, {**self._others, **({self._writer: files} if files else {})})
+        write_manifest(self.directory, {**self._others, **({self._writer: files} if files else {})})
 
     def _finished(self, before: Files) -> Files:
         """What is as the writer has left it; a file that the user has removed is simply gone."""
@@ -143,7 +224,7 @@ class OutputFolder:
         """ParameterError if a name is taken by what is not `mine`, or its folder, which is ours alone, holds such."""
         places = set()
         for pattern in claims:
-            if not manifest.stays_within(pattern):
+            if not stays_within(pattern):
                 raise ParameterError(
                     f"{self._given}: {quoted(pattern)} is refused, allowed is the name of a file there"
                 )
@@ -156,7 +237,7 @@ class OutputFolder:
                         raise self._refused(name, self._whose(each))
 
     def _refuse_what_is_played_back(self, names: Iterable[str], runs: Iterable[Run]) -> None:
-        """ParameterError if a run says again what is recorded in one of these files, which it would lose."""
+        """ParameterError if a run plays back what is recorded in one of these files, which it would lose."""
         methods = [configuration.method for run in runs for configuration in run.configurations.values()]
         recordings = {Path(method.name).resolve() for method in methods if method.plays_back}
         for name in names:
@@ -171,10 +252,6 @@ class OutputFolder:
 
     def _refused(self, name: str, why: str) -> ParameterError:
         return ParameterError(f"{self._given}: {name} there {why}, allowed is another folder")
-
-    def _remove(self, names: Iterable[str]) -> None:
-        for name in names:
-            (self.directory / name).unlink()
 
     def _move(self, names: Sequence[str]) -> None:
         if not names:

@@ -1,61 +1,196 @@
-"""Every node of a run as its own process: started, watched, stopped, and nothing left behind."""
+"""Every node of a run as its own process, watched until plant and recorder have come to their end."""
 
 from __future__ import annotations
 
-import signal
-import subprocess
+import math
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ev_core.node_loop import records
 from ev_core.nodes.stop_request import StopRequest
-from ev_sim.recording.files_of_run import PARAMETERS
-from ev_sim.recording.outcome import Outcome, Progress
-from ev_sim.recording.progress_bar import announce
+from ev_core.nodes.time_of_day import SetBack, ahead
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import MASTER, RECORDER
+from ev_sim.recording.files_of_run import PARAMETERS, SIGNALS
+from ev_sim.recording.outcome import Outcome, Progress, RunFailed, announce
+from ev_sim.recording.recording import load
 from ev_sim.running.domain import free_domain, own_namespace
 from ev_sim.running.node_parameters import node_parameters, write_parameter_file
-from ev_sim.running.node_process import NodeProcess, command, start_node
+from ev_sim.running.node_process import NodeProcess, started_nodes
+from ev_sim.running.node_reports import NodeReports, node_reports, not_reproducible
 from ev_sim.running.observing import refuse_unready
 from ev_sim.running.output_folder import forget_recording
 from ev_sim.running.real_bus import real_bus
-from ev_sim.running.told import Told, told
-from ev_sim.running.watched_run import Beginning, WatchedRun
 from ev_sim.scenarios.scenario import Run
 
-# s for processes to stop when they are asked to: all of them have last words if the run has come to its end.
-_PATIENCE, _AT_THE_END = 2.0, 10.0
+_TO_BEGIN = 3.0  # s for the first step behind a time of day that was set back; nodes announce themselves again
+_AT_ALL = 300.0  # s for the first step of our own nodes: one that was edited compiles its plant on a busy machine
 
 
-@contextmanager
-def started_nodes(
-    names: Iterable[str], own: Mapping[str, Sequence[str]], run: Run, parameters: Path, domain: int, told: Told
-) -> Iterator[list[NodeProcess]]:
-    """The processes of nodes by name, with commands of others for some of them; RunFailed if one cannot be started."""
-    nodes: list[NodeProcess] = []
+class Beginning:
+    """Watches a run up to its first step; made before its nodes are, and `is_missed` is to be asked often.
+
+    It is `patient` with nodes of others, which may load for long, or stand at a breakpoint.
+    The middleware keeps what processes announce of themselves in the order of the time of day. Where that is set back
+    while they find each other, one of them may never learn what another one has announced. Processes that are started
+    behind it do.
+    """
+
+    def __init__(self, patient: bool = False) -> None:
+        self._set_back = SetBack(ahead())
+        self._deadline = math.inf
+        self._given_up = math.inf if patient else time.monotonic() + _AT_ALL
+
+    def is_missed(self, reports: NodeReports) -> bool:
+        """Whether the time of day was set back and no step was taken in the seconds behind it.
+
+        RunFailed if no step has been taken for so long that there will be none.
+        """
+        if reports.time > 0 or reports.rests:
+            self._given_up = math.inf
+        if time.monotonic() > self._given_up:
+            raise RunFailed(f"no step was taken within {_AT_ALL:g} s: the nodes do not find or answer each other")
+        if self._set_back.is_seen() or (reports.rests and self._deadline < math.inf):
+            self._deadline = time.monotonic() + _TO_BEGIN
+        if reports.time > 0:
+            self._deadline = math.inf
+        return time.monotonic() > self._deadline
+
+
+_RECENT = 0.6  # s for nodes to report, every 0.2 s, for whom they wait
+_TO_COME_UP = 10.0  # s that nodes may take to start
+
+
+class Hanging:
+    """Names the node that a run waits for when nothing has gone on for some wall time; `look` is to be called often.
+
+    A node that waits reports for whom; so it is the one at the end of that chain, which reports nothing. A chain that
+    comes back ends with the node whose messages do not arrive: it waits for answers to them. In lockstep all wait for
+    the master, and it waits for one of them. In real time it waits for nobody, and the recorder is the one to ask.
+    """
+
+    def __init__(self, reports: NodeReports, pids: Mapping[str, int], patience: float, realtime: bool) -> None:
+        self._reports, self._pids, self._realtime = reports, dict(pids), realtime
+        self._wait = max(patience - 0.2, _RECENT)
+        self._since = time.monotonic()
+        self._time = reports.time
+        self._named = False
+
+    def look(self) -> str | None:
+        """One line on the node that does not answer, once for each time that the run stands still."""
+        now = time.monotonic()
+        waits_for_its_time = self._reports.waits_for(MASTER, _RECENT) == []  # a step may take seconds at a slow pace
+        if self._reports.time != self._time or self._reports.rests or waits_for_its_time:
+            self._time, self._since, self._named = self._reports.time, now, False
+        elif not self._named and now - self._since > (self._wait if self._time else _TO_COME_UP):
+            self._named = True
+            stopped = [name for name, pid in self._pids.items() if _is_stopped(pid)]
+            if stopped:
+                return f"stopped by a signal: {', '.join(stopped)}, at {self._time:g} s of simulated time"
+            return f"node {self._who()} does not answer, at {self._time:g} s of simulated time"
+        return None
+
+    def has_ended(self, name: str) -> None:
+        """A node has come to its end: it need not answer any more."""
+        self._pids.pop(name, None)
+
+    def _who(self) -> str:
+        if MASTER not in self._pids:
+            return RECORDER
+        chain = [RECORDER if self._realtime else MASTER]
+        while whom := [each for each in self._reports.waits_for(chain[-1], _RECENT) or () if each in self._pids]:
+            if whom[0] in chain:
+                break
+            chain.append(whom[0])
+        return chain[-1]
+
+
+def _is_stopped(pid: int) -> bool:
+    """Whether a process stands still by SIGSTOP or the like."""
     try:
-        for name in names:
-            words = own.get(name)
-            nodes.append(start_node(name, words or command(name), not words, run, parameters, domain, told))
-        yield nodes
-    except BaseException:
-        _stop(nodes, _PATIENCE)
-        raise
-    _stop(nodes, _AT_THE_END)
+        return (Path("/proc") / str(pid) / "stat").read_text().rpartition(")")[2].split()[0] in "Tt"
+    except (OSError, IndexError):
+        return False
 
 
-def _stop(nodes: list[NodeProcess], patience: float) -> None:
-    """Ask all processes to stop, then make them, with whatever they have started."""
-    for node in nodes:
-        if node.process.poll() is None:
-            node.send(signal.SIGINT)
-    deadline = time.monotonic() + patience
-    for node in nodes:
-        with suppress(subprocess.TimeoutExpired):
-            node.process.wait(max(deadline - time.monotonic(), 0.0))
-    for node in nodes:
-        node.end()
+_LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
+_PATIENCE = 2.0  # s for a last word to arrive
+_TO_CATCH_UP = 20.0  # s more for a recorder behind a plant in real time that has reported its end
+
+
+class WatchedRun:
+    """Follows simulated time and the processes of a run, and names the node that does not answer."""
+
+    def __init__(self, run: Run, nodes: Sequence[NodeProcess], reports: NodeReports) -> None:
+        self._run, self._nodes, self._reports = run, nodes, reports
+        self._last = stamps.to_seconds(stamps.from_seconds(run.duration) // run.period * run.period)
+        answer_timeout = run.configurations[MASTER].extra.answer_timeout
+        pids = {node.name: node.process.pid for node in nodes}
+        self._hanging = Hanging(reports, pids, answer_timeout, run.realtime)
+        self._patience = math.inf  # wall time up to which the recorder may report that it has everything
+        self._began: float | None = None  # wall time of the last look at a car at rest in time
+        self._arrived: float | None = None  # wall time of the first look at a car at its last instant
+
+    def drive(self, beginning: Beginning, progress: Progress, stop: StopRequest) -> bool:
+        """Watch the run up to its end; False, with a line, where it has not begun and never will.
+
+        RunFailed if a node ends before the run does, KeyboardInterrupt if a stop is asked for.
+        """
+        ending = {MASTER, RECORDER}
+        while ending:
+            if stop.received:
+                raise KeyboardInterrupt
+            looked = time.monotonic()
+            time.sleep(_LOOK_PERIOD)
+            self._follow_time(looked)
+            progress(self._reports.time)
+            if beginning.is_missed(self._reports):
+                announce("the time of day was set back, and the run has not begun since: its nodes are started anew")
+                return False
+            for word in (*self._reports.new_words(), self._hanging.look()):
+                if word is not None:
+                    announce(word)
+            ending -= {node.name for node in self._nodes if self._has_ended(node)}
+        self._arrived = self._arrived or time.monotonic()
+        progress(self._run.duration)
+        return True
+
+    def outcome(self, directory: Path) -> Outcome:
+        """What a run gave that has come to its end, and its nodes as well; RunFailed if its recorder was stopped."""
+        self._reports.look()
+        recording = load(directory / SIGNALS)
+        if recording.time[-1] < self._last - 0.5 * stamps.to_seconds(self._run.period):  # real time does not wait
+            raise RunFailed(f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time")
+        wall_time = self._arrived - self._began if self._arrived and self._began else 0.0
+        warnings = not_reproducible(self._run, self._reports, recording)
+        return Outcome(recording, wall_time, warnings, self._reports.notes, self._reports.timing)
+
+    def _follow_time(self, looked: float) -> None:
+        before = self._reports.time
+        self._reports.look()
+        if self._reports.time != before:
+            self._patience = math.inf  # the recorder still has to keep what the plant sent before its end
+        if self._began is None and self._reports.time > 0:
+            self._began = looked
+        if self._arrived is None and self._reports.time >= self._last:
+            self._arrived = time.monotonic()
+
+    def _has_ended(self, node: NodeProcess) -> bool:
+        """Whether a node has come to its end in order; RunFailed if in another way, or before the run has."""
+        code = node.process.poll()
+        if code is None:
+            return False
+        if code != 0 or node.name not in (MASTER, RECORDER):
+            raise RunFailed(f"{node.failure()}, at {self._reports.time:g} s of simulated time")
+        self._hanging.has_ended(node.name)
+        now, real_time = time.monotonic(), bool(self._reports.timing)
+        self._patience = min(self._patience, now + _PATIENCE)
+        if self._reports.time < self._last and now > self._patience + (_TO_CATCH_UP if real_time else 0.0):
+            slow = node.name == MASTER and real_time  # the plant has reported its end
+            who = f"node {RECORDER} lacks what was said last," if slow else node.failure()
+            raise RunFailed(f"{who} at {self._reports.time:g} s of simulated time")
+        return True
 
 
 def run_in_processes(
@@ -70,7 +205,7 @@ def run_in_processes(
     """
     refuse_unready()
     file = directory / PARAMETERS
-    records.keep()  # whoever has updated the sources has set up nothing anew
+    records.keep()  # updated sources do not mean a new set-up
     with (
         free_domain() as domain,
         own_namespace(domain, run.namespace),
@@ -81,11 +216,11 @@ def run_in_processes(
         write_parameter_file(file, run, parameters)
         while True:
             beginning = Beginning(patient=bool(own_nodes))
-            with told(run.namespace) as words:
+            with node_reports(run.namespace) as reports:
                 announce(f"{run.name}: ROS_DOMAIN_ID={domain}, namespace {run.namespace}")
-                with started_nodes(parameters, own_nodes or {}, run, file, domain, words) as nodes:
-                    watched = WatchedRun(run, nodes, words)
+                with started_nodes(parameters, own_nodes or {}, run, file, domain, reports) as nodes:
+                    watched = WatchedRun(run, nodes, reports)
                     has_begun = watched.drive(beginning, progress, stop)
-                if has_begun:  # all have told their last words
+                if has_begun:  # all have reported their last
                     return watched.outcome(directory)
             forget_recording(directory)

@@ -12,21 +12,20 @@ from typing import Any
 
 from ev_core.bus.parameters import CIRCUITS, LOOPBACK, BusInterface
 from ev_core.bus.socketcand_hub import HOST
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.recording.progress_bar import announce
+from ev_sim.recording.outcome import RunFailed, announce
 from ev_sim.running.children import ends_with_us
 from ev_sim.scenarios.scenario import Run
 
 _ENDS = ("inverter_gateway", "test_bench")
-# Two for each ROS domain, so that runs at the same time do not hear each other; below those that Linux gives to sockets
-# which ask for none (from 32768 on), one of which would be in use now and then.
+# Two for each ROS domain, so that runs at the same time do not receive the frames of each other; below those that Linux
+# gives to sockets which ask for none (from 32768 on), one of which would be in use now and then.
 _FIRST_PORT = 28111
 _PATIENCE = 0.5  # s for a frame to come back
 
 
 @contextmanager
 def real_bus(run: Run, domain: int, directory: Path) -> Iterator[dict[str, dict[str, Any]]]:
-    """What the nodes at both ends of a bus are told besides, by name; nothing in lockstep and where there is none.
+    """Further parameters of the nodes at both ends of a bus, by name; nothing in lockstep and where there is none.
 
     Channels without a name get one of this run alone. RunFailed if a hub is needed and does not start.
     """
@@ -37,9 +36,9 @@ def real_bus(run: Run, domain: int, directory: Path) -> Iterator[dict[str, dict[
     with _channels(bus, domain) as (interface, channels):
         announce(f"{run.name}: CAN over {interface}, {' and '.join(channels)}")
         names = [f"bus.channel_{circuit}" for circuit in CIRCUITS]
-        told = {"bus.interface": interface, "bus.address": bus.address, **dict(zip(names, channels, strict=True))}
+        given = {"bus.interface": interface, "bus.address": bus.address, **dict(zip(names, channels, strict=True))}
         log = {"bus.log": str(directory / bus.log)} if bus.log else {}
-        yield {_ENDS[0]: told | log, _ENDS[1]: told}
+        yield {_ENDS[0]: given | log, _ENDS[1]: given}
 
 
 @contextmanager
@@ -84,10 +83,10 @@ def _hub() -> Iterator[str]:
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, preexec_fn=ends_with_us()) as hub:
         try:
             assert hub.stdout is not None
-            said = hub.stdout.readline().strip()
-            place = said.rpartition(" ")[2]
+            line = hub.stdout.readline().strip()
+            place = line.rpartition(" ")[2]
             if not place.startswith(f"{HOST}:"):
-                raise RunFailed(f"the hub for CAN frames did not start: {said or 'it said nothing'}")
+                raise RunFailed(f"the hub for CAN frames did not start: {line or 'it said nothing'}")
             yield place
         finally:
             hub.terminate()

@@ -1,10 +1,9 @@
-"""What a scenario says about itself, in its section /**/scenario."""
+"""What a scenario states about itself, in its section /**/scenario, and the files that it names."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from ev_core.parameters.data_file import files_in_config, refuse_outside
 from ev_core.parameters.declaration import entries, group, setting
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.files import with_files
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.measures.samples import parsed
 from ev_sim.scenarios.parameter_file import ParameterFile
@@ -45,8 +45,8 @@ def configured_file(kind: str, name: str) -> Path:
 def vehicle_file(name: str) -> ParameterFile:
     """The vehicle of a name or a path.
 
-    ParameterError that lists what is missing if the file does not say everything in which cars differ: it would be
-    filled up from another car; and for whatever else it says, which the scenario would overrule without a word.
+    ParameterError that lists what is missing if the file does not state everything in which cars differ: it would be
+    filled up from another car; and for whatever else it states, which the scenario would overrule in silence.
     """
     file = ParameterFile(configured_file(VEHICLE, name))
     if others := sorted(each for each in file.names() if not each.startswith(f"{VEHICLE}.")):
@@ -54,11 +54,18 @@ def vehicle_file(name: str) -> ParameterFile:
             f"parameter {quoted(others[0])} is no vehicle's, allowed are those of {VEHICLE}; others stand in a scenario"
         )
         raise ParameterError(f"{file.path}: {what}")
-    said = file.values_for("/ev/plant")
+    stated = file.values_for("/ev/plant")
     own = [entry.name for entry in entries(Vehicle, f"{VEHICLE}.") if entry.spec.own]
-    if missing := [each for each in own if each not in said]:
+    if missing := [each for each in own if each not in stated]:
         raise ParameterError(f"{file.path}: a vehicle says everything about itself, missing: {', '.join(missing)}")
     return file
+
+
+def vehicle_of(name: str) -> Vehicle:
+    """The vehicle itself, its files read; ParameterError, in one line, if there is none or it is refused."""
+    values = vehicle_file(name).values_for("/ev/plant")
+    own = {key: value for key, value in values.items() if key.startswith(f"{VEHICLE}.")}
+    return with_files(build(Vehicle, own, f"{VEHICLE}."))
 
 
 NAMESPACE = "/ev"  # of all nodes; of one run among several /ev/RUN
@@ -69,7 +76,7 @@ _RUN = re.compile(rf"[A-Za-z_][A-Za-z0-9_]{{0,{_LONGEST - 1}}}")  # a token of a
 
 @dataclass(frozen=True, slots=True)
 class ScenarioParameters:
-    """What a scenario says about itself, in its section /**/scenario.
+    """What a scenario states about itself, in its section /**/scenario.
 
     The nodes of a run live in the namespace /ev/RUN, or in /ev if there is one run only; so `/**/RUN/driver` means the
     driver of one run, and `/**/driver` that of all.
@@ -96,23 +103,18 @@ class ScenarioParameters:
 
 
 def describe_scenario(name: str) -> str:
-    """The one line that a scenario says about itself."""
+    """The one line of a scenario about itself."""
     return said_by(ParameterFile(configured_file("scenario", name))).about
 
 
 def said_by(file: ParameterFile) -> ScenarioParameters:
-    """What the file of a scenario says; ParameterError if it is refused."""
+    """What the file of a scenario states; ParameterError if it is refused."""
     try:
         about = build(ScenarioParameters, file.values_for(f"{NAMESPACE}/{SCENARIO_NODE}", by_name=True))
-        refuse_unknown_report(about.report, about.metrics)
+        if about.report and about.report not in offered(REPORTS):
+            raise unknown_name("report", about.report, sorted(offered(REPORTS)))
+        for text in about.metrics:
+            parsed(text)  # refuses what is no metric
         return about
     except ParameterError as error:
         raise ParameterError(f"{file.path}: {error}") from None
-
-
-def refuse_unknown_report(report: str, metrics: Sequence[str]) -> None:
-    """ParameterError if a scenario names a report that there is not, or a metric of its own that is none."""
-    if report and report not in offered(REPORTS):
-        raise unknown_name("report", report, sorted(offered(REPORTS)))
-    for text in metrics:
-        parsed(text)

@@ -135,7 +135,7 @@ def matches(pattern: str, node: str) -> bool:
 
 
 def _marked(value: Any, file: Path) -> Any:
-    """A value whose texts know that a file says them."""
+    """A value whose texts know that they come from a file."""
     if isinstance(value, list):
         return [_marked(each, file) for each in value]
     return TextOfFile.of(value, file) if isinstance(value, str) else value

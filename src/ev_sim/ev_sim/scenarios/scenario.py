@@ -15,6 +15,7 @@ from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
+from ev_sim.profiles.profile import cycle_values
 from ev_sim.scenarios.about import (
     NAMESPACE,
     SCENARIO_NODE,
@@ -26,8 +27,6 @@ from ev_sim.scenarios.about import (
 )
 from ev_sim.scenarios.parameter_file import ParameterFile, matches
 from ev_sim.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
-
-_SPEED_PROFILE = "speed_profile."
 
 
 @dataclass(frozen=True)
@@ -54,10 +53,10 @@ class Run:
 
 @dataclass(frozen=True)
 class Overrides:
-    """What the command line says beyond the scenario's own files; later entries go before earlier ones.
+    """What the command line changes beyond the scenario's own files; later entries go before earlier ones.
 
     `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is driven must have each of
-    them; those that are `prepared`, which come before, may be for other methods, like what files say. `vehicle` is
+    them; those that are `prepared`, which come before, may be for other methods, like those of files. `vehicle` is
     another car than that of the scenario, as a name or a path; what the scenario itself changes about the car of all
     runs is left out then. What it changes about that of some runs stays: it is what these runs are about.
     """
@@ -68,15 +67,30 @@ class Overrides:
     vehicle: str | None = None
     prepared: Sequence[tuple[str, str, Any]] = ()
 
+    @classmethod
+    def of(
+        cls,
+        values: Sequence[tuple[str, str, Any]],
+        seed: int | None,
+        duration: float | None,
+        vehicle: str | None,
+        files: Sequence[Path],
+        cycle: str | None,
+    ) -> Overrides:
+        """Those with a seed of everything random and a speed cycle, whose duration counts where none is given."""
+        prepared, length = cycle_values(cycle) if cycle is not None else ([], None)
+        seeds = [] if seed is None else [("*", "seed", seed)]
+        return cls(files, [*values, *seeds], length if duration is None else duration, vehicle, prepared)
+
     @property
-    def told(self) -> tuple[tuple[str, str, Any], ...]:
+    def all_values(self) -> tuple[tuple[str, str, Any], ...]:
         """What is prepared, and the values that go before it."""
         return (*self.prepared, *self.values)
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """A name, what it says about itself, its runs, its file, and what of that does not hold."""
+    """A name, its own parameters, its runs, its file, and notes on what of that does not hold."""
 
     name: str
     parameters: ScenarioParameters
@@ -121,7 +135,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
         if only and run_name not in only:
             continue
         run = _run(run_name, namespace, files, overrides, duration)
-        may_differ = any((overrides.vehicle, overrides.files, overrides.told))
+        may_differ = any((overrides.vehicle, overrides.files, overrides.all_values))
         is_scaled = may_differ and _is_told(f"{COLUMN}.{SCALE}", namespace, overrides)
         if about.slow_ramp.lateral_acceleration and may_differ and not is_scaled:
             as_it_is = _run(run_name, namespace, [vehicle_file(about.vehicle), own], Overrides(), about.duration)
@@ -129,7 +143,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
             notes += [note] if note else []
         runs.append(replace(run, report=about.report or name, metrics=about.metrics))
     refuse_unused_values(overrides.values, runs)
-    _refuse_unfollowed_speed(overrides.told, runs)
+    _refuse_unfollowed_speed(overrides.all_values, runs)
     notes += [] if only else _unused_in(files, runs, overrides)
     notes += [note for run in runs for note in _late_faults(run)]
     return Scenario(name, about, tuple(runs), own.path, tuple(notes))
@@ -138,9 +152,7 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
 def _is_told(name: str, namespace: str, overrides: Overrides) -> bool:
     """Whether the command line or its files give a value to a parameter, NODE.PARAMETER."""
     role, _, parameter = name.partition(".")
-    files = (ParameterFile(path).values_for(f"{namespace}/{role}") for path in overrides.files)
-    told = (key for node, key, _ in overrides.told if node in ("*", role))
-    return parameter in told or any(parameter in values for values in files)
+    return parameter in _values(role, namespace, [*map(ParameterFile, overrides.files)], overrides)
 
 
 def _means_all(pattern: str, namespaces: Iterable[str]) -> bool:
@@ -157,7 +169,7 @@ def _late_faults(run: Run) -> Iterator[str]:
 
 
 def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:
-    """What a scenario says about itself stands in its own file only, and the runner tells the recorder what to do."""
+    """The parameters of a scenario stand in its own file only, and the runner sets those of the recorder."""
     for pattern in file.sections:
         if not any(matches(pattern, f"{space}/{node}") for space in (*namespaces, NAMESPACE) for node in nodes):
             raise ParameterError(f"{file.path}: section {quoted(pattern)} means no node; known: {', '.join(nodes)}")
@@ -183,9 +195,9 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
                 raise ParameterError(f"{node}: {error}", key) from None
 
 
-def _refuse_unfollowed_speed(told: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
-    """ParameterError for a speed over time, or a cycle, that is told where nobody ever follows one."""
-    names = [key for node, key, _ in told if node in ("*", "driver") and key.startswith(_SPEED_PROFILE)]
+def _refuse_unfollowed_speed(changed: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
+    """ParameterError for a speed over time, or a cycle, where no driver ever follows one."""
+    names = [key for node, key, _ in changed if node in ("*", "driver") and key.startswith("speed_profile.")]
     if names and not any(map(_follows_a_speed, runs)):
         raise ParameterError(
             f"driver.{names[0]} is refused: the driver goes by the pedals from the start on, "
@@ -194,24 +206,24 @@ def _refuse_unfollowed_speed(told: Iterable[tuple[str, str, Any]], runs: Sequenc
 
 
 def _follows_a_speed(run: Run) -> bool:
-    said = run.configurations["driver"].values()
-    pressed = said.get("pedals.begin", False) and said["pedals.begin_time"] == said["pedals.begin_speed"] == 0.0
+    values = run.configurations["driver"].values()
+    pressed = values.get("pedals.begin", False) and values["pedals.begin_time"] == values["pedals.begin_speed"] == 0.0
     return not pressed or run.configurations[MASTER].values().get("speed") == "imposed"
 
 
 def _unused_in(files: Sequence[ParameterFile], runs: Sequence[Run], overrides: Overrides) -> list[str]:
-    """What files say and no run uses, a note for each file, but for roles whose method the command line chooses."""
+    """What files set and no run uses, a note for each file, but for roles whose method the command line chooses."""
     switched = {node for node, key, _ in overrides.values if key == "method"}
     roles = [role for role in ROLES if role not in switched]
     notes = []
     for file in files:
-        said: dict[str, bool] = {}  # by name whether it is used
+        found: dict[str, bool] = {}  # by name whether it is used
         for run in runs:
             for role in (role for role in roles if role in run.configurations):
                 for name in file.values_for(f"{run.namespace}/{role}"):
                     is_used = name not in run.configurations[role].unused
-                    said[f"{role}.{name}"] = said.get(f"{role}.{name}", False) or is_used
-        if unused := [name for name, is_used in said.items() if not is_used]:
+                    found[f"{role}.{name}"] = found.get(f"{role}.{name}", False) or is_used
+        if unused := [name for name, is_used in found.items() if not is_used]:
             notes.append(f"used by no chosen method: {', '.join(unused)} of {file.path}")
     return notes
 
@@ -255,10 +267,10 @@ def _run(name: str, namespace: str, files: Sequence[ParameterFile], overrides: O
 def _refuse_before_a_file(
     configuration: Configuration, namespace: str, files: Sequence[ParameterFile], overrides: Overrides
 ) -> None:
-    """ParameterError for what is told after or beside the name of a file that says it: it would silently do nothing."""
+    """ParameterError for what is set after or beside the name of a file that has it: it would silently do nothing."""
     role = configuration.role
     places = [file.values_for(f"{namespace}/{role}").keys() for file in files]
-    places.append({key for node, key, _ in overrides.told if node in ("*", role)})
+    places.append({key for node, key, _ in overrides.all_values if node in ("*", role)})
     last = {name: place for place, names in enumerate(places) for name in names}
     for file in (name for name in configuration.from_files if name.endswith("file")):
         for name in configuration.from_files:
@@ -274,7 +286,7 @@ def _is_played(role: str, values: Mapping[str, Mapping[str, Any]]) -> bool:
 
 def _origin(name: str, role: str, namespace: str, files: Sequence[ParameterFile], overrides: Overrides) -> str:
     """Where a value was given that is refused, in words; nothing for one of the command line, which the user sees."""
-    if not name or any(key == name and node in ("*", role) for node, key, _ in overrides.told):
+    if not name or any(key == name and node in ("*", role) for node, key, _ in overrides.all_values):
         return ""
     given = [file.path for file in files if name in file.values_for(f"{namespace}/{role}")]
     return f" ({given[-1]})" if given else ""
@@ -284,5 +296,5 @@ def _values(role: str, namespace: str, files: Sequence[ParameterFile], overrides
     values: dict[str, Any] = {}
     for file in files:
         values.update(file.values_for(f"{namespace}/{role}"))
-    values.update({key: value for node, key, value in overrides.told if node in ("*", role)})
+    values.update({key: value for node, key, value in overrides.all_values if node in ("*", role)})
     return values

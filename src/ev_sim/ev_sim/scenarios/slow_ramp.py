@@ -1,6 +1,6 @@
 """The steering-wheel angle to which the amplitudes of a manoeuvre refer, found on the very car by a slow ramp.
 
-A scenario's file says the angles of its own car. Another car, road or speed has others: the standards find them by
+A scenario's file has the angles of its own car. Another car, road or speed has others: the standards find them by
 steering so slowly that the car is always in its steady state (FMVSS 126, S7.6; ISO 4138), and so do we, before the run.
 The ramp is one of the car, not of its control: it is driven with equal torques and without traction control.
 """
@@ -97,15 +97,12 @@ def on_its_own_car(run: Run, own: Run, ramp: SlowRampParameters, found: dict[str
 
 def _car(run: Run) -> dict[str, Any]:
     """What the angle depends on: the car, its road, its speed."""
-    values = {
-        f"{role}.{name}" if role != MASTER else name: value
-        for role, configuration in run.configurations.items()
-        if role in (MASTER, "rear_steering")
-        for name, value in configuration.values().items()
-    }
     return {
         name: value
-        for name, value in values.items()
+        for role in (MASTER, "rear_steering")
+        if role in run.configurations
+        for short, value in run.configurations[role].values().items()
+        for name in [short if role == MASTER else f"{role}.{short}"]
         if name.startswith(_OF_THE_CAR) and name not in _HOW_A_ROAD_IS_DRAWN
     }
 

@@ -58,37 +58,26 @@ _OWN_SERVICES = {MASTER: TIME_SERVICES, "test_bench": SERVICES}
 def permissions(namespace: str) -> dict[str, Permissions]:
     """The permissions of every role and of the recorder in a namespace such as /ev; the runner is not in the graph."""
     found = [_of_role(role, namespace) for role in ROLES.values()]
-    found.append(
-        Permissions(
-            RECORDER,
-            publishes=_topics((RECORDER_WRITES,), namespace) | _LOG | _PARAMETER_EVENTS | _REPORTS,
-            subscribes=_topics(RECORDED, namespace) | _REPORTS | _CLOCK,  # they go into the bag
-            serves=_services(RECORDER, _PARAMETER_SERVICES, namespace),
-        )
-    )
+    into_the_bag = _topics(RECORDED, namespace) | _REPORTS | _CLOCK
+    found.append(_of_node(RECORDER, _topics((RECORDER_WRITES,), namespace), into_the_bag, namespace))
     return {each.node: each for each in found}
 
 
 def _of_role(role: Role, namespace: str) -> Permissions:
-    is_master = role.name == MASTER
-    return Permissions(
-        role.name,
-        publishes=_topics(role.may_write, namespace)
-        | _LOG
-        | _PARAMETER_EVENTS
-        | _REPORTS
-        | (_CLOCK if is_master else frozenset()),
-        subscribes=_topics((*role.reads, RECORDER_WRITES) if is_master else role.reads, namespace),
-        serves=_services(role.name, (*_PARAMETER_SERVICES, *_OWN_SERVICES.get(role.name, ())), namespace),
-    )
+    writes, reads = _topics(role.may_write, namespace), _topics(role.reads, namespace)
+    if role.name == MASTER:
+        writes, reads = writes | _CLOCK, reads | _topics((RECORDER_WRITES,), namespace)
+    return _of_node(role.name, writes, reads, namespace)
+
+
+def _of_node(name: str, writes: frozenset[str], reads: frozenset[str], namespace: str) -> Permissions:
+    services = (*_PARAMETER_SERVICES, *_OWN_SERVICES.get(name, ()))
+    serves = frozenset(f"{namespace}/{name}/{service}" for service in services)
+    return Permissions(name, writes | _LOG | _PARAMETER_EVENTS | _REPORTS, reads, serves)
 
 
 def _topics(signals: tuple[type, ...], namespace: str) -> frozenset[str]:
     return frozenset(f"{namespace}/{TOPICS[signal].name}" for signal in signals)
-
-
-def _services(node: str, names: tuple[str, ...], namespace: str) -> frozenset[str]:
-    return frozenset(f"{namespace}/{node}/{name}" for name in names)
 
 
 def policy_file(namespace: str, permissions: Iterable[Permissions]) -> str:

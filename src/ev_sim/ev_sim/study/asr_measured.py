@@ -71,7 +71,7 @@ def _time_to_30(recording: Recording) -> float | None:
 
 
 def _given(recording: Recording, name: str, vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
-    """The torque that the control lets a wheel have [N m], and where it limits it; of a drive in speed mode its own."""
+    """The torque that the control gives a wheel [N m], and where it limits it; a drive in speed mode has its own."""
     command = channel(recording, f"torque_command.drive.{name}")
     if SET_POINT + name not in recording.channels:
         return command, command < channel(recording, f"torque_request.drive.{name}")

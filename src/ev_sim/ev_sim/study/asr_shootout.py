@@ -5,20 +5,91 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ev_core.lockstep.finding import find_method
+from ev_core.methods.register import methods_of, node_package
+from ev_msgs_py.contract.roles import MASTER
 from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.panels import Curve, Panel
 from ev_sim.measures.metric import Metric, metric
-from ev_sim.report.tables import text_table
-from ev_sim.study.asr_cases import SITUATIONS, controls, values_of
 from ev_sim.study.asr_measured import PERIOD
 from ev_sim.study.asr_measured import measure as measure
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
+
+VARIANTS = {  # methods of the role asr with another parameter than their own
+    "least_squares_error_bound": ("least_squares", "largest_error", 0.001),
+    "least_squares_square": ("least_squares", "template", "square"),
+    "maximum_transmissible_torque_always": ("maximum_transmissible_torque", "limits", "always"),
+    "slip_window_side_force": ("slip_window", "side_force.correction", "ellipse"),
+}
+
+
+def controls() -> list[str]:
+    """All traction controls of the package that brings the node, and the variants, none first."""
+    names = [name for name, method in methods_of("asr").items() if method.package == node_package("asr")]
+    names.remove("limp_home")  # does nothing about slip
+    return sorted((*names, *VARIANTS), key=lambda name: (name != "off", name))
+
+
+def values_of(control: str) -> tuple[tuple[str, str, Any], ...]:
+    """The parameters of a control, and of the plant if it needs a certain one: (node, parameter, value)."""
+    method, *changed = VARIANTS.get(control, (control,))
+    plant = find_method("asr", method).requires.get(MASTER)
+    values = [("asr", "method", method), *([("asr", *changed)] if changed else [])]
+    return (*values, (MASTER, "method", plant)) if plant else tuple(values)
+
+
+STRAIGHT, BEND = 5.0, 200.0  # lengths of a path with a bend [m]
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """A road and the drive torque of all wheels that is asked for on it within a second [N m]."""
+
+    torque: float
+    left: tuple[str, ...]
+    right: tuple[str, ...] = ()  # as left
+    lengths: tuple[float, ...] = ()  # of the segments [m]; the same surface everywhere without
+    grade: float = 0.0  # [1]
+    curvature: float = 0.0  # of the path behind the first metres [1/m]
+
+    def values(self) -> tuple[tuple[str, str, Any], ...]:
+        """What differs from the scenario's own file."""
+        values = [
+            ("driver", "pedals.time", [0.0, 0.5, 0.7, 1.5]),
+            ("driver", "pedals.drive_torque", [0.0, 0.0, 0.2 * self.torque, self.torque]),
+            ("driver", "pedals.brake_torque", [1000.0, 1000.0, 0.0, 0.0]),  # holds the car on the hill
+            ("plant", "road.left", list(self.left)),
+            ("plant", "road.right", list(self.right or self.left)),
+            ("plant", "road.grade", [self.grade]),
+        ]
+        if self.lengths:
+            values += [("plant", "road.pattern", "segments"), ("plant", "road.length", list(self.lengths))]
+        if self.curvature:
+            values += [("driver", "path.shape", "arcs"), ("driver", "path.length", [STRAIGHT, BEND])]
+            values.append(("driver", "path.curvature", [0.0, self.curvature]))
+        return tuple(values)
+
+
+SITUATIONS = {
+    "ice": Situation(3000.0, ("ice",)),
+    "snow": Situation(3000.0, ("packed_snow_1",)),
+    "snow 2": Situation(3000.0, ("packed_snow_2",)),
+    "wet": Situation(3000.0, ("wet_asphalt_1",)),
+    "dry": Situation(3600.0, ("dry_asphalt",)),
+    "dry, gentle": Situation(1500.0, ("dry_asphalt",)),
+    "ice left, dry right": Situation(2400.0, ("ice",), ("dry_asphalt",)),
+    "snow, then dry": Situation(2600.0, ("packed_snow_1", "dry_asphalt"), lengths=(10.0,)),
+    "dry, then ice": Situation(2400.0, ("dry_asphalt", "ice"), lengths=(10.0,)),
+    "snow, 5 % uphill": Situation(3000.0, ("packed_snow_1",), grade=0.05),
+    "snow, bend of 25 m": Situation(3000.0, ("packed_snow_1",), curvature=0.04),
+}
+
 
 ABOUT = "All traction controls pulling away on ice, snow, wet and dry roads, split friction, friction jumps, hill, bend"
 SCENARIO, RUN = "launch_split_mu", "steered"
@@ -41,6 +112,7 @@ QUANTITIES = {  # what is measured -> heading of its column and digits
     "recovery": ("torque back after [s]", 2),
 }
 COLUMNS = ("road", "asr", *(heading_ for heading_, _ in QUANTITIES.values()))
+LEFT = 2
 SUMS = ("distance_", "mean_slip_", "slip_energy_", "false_triggers_")
 
 
@@ -107,11 +179,6 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
         return tuple(shown(of.get(key), digits) for key, (_, digits) in QUANTITIES.items())
 
     return [(*name.split(": "), *numbers(result.measured)) for name, result in results.items()]
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

@@ -12,13 +12,11 @@ import numpy as np
 from ev_core.bus.database_file import load_database
 from ev_msgs_py.can.payload import joined
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.figures.figure import Figure
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.recording.recording import Recording
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.case import Case, CaseResult
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, CaseResult, Results
 
 SCENARIO = "bench_fault"
 CYCLE = 0.001  # s, of the bus
@@ -126,25 +124,19 @@ def _apart_after(recording: Recording, side: str, gear_ratio: float, t: np.ndarr
 
 def _named(recording: Recording, side: str, database: str, when: np.ndarray) -> set[str]:
     """The names of what is set in frames with faults of a drive and in heartbeats."""
-    circuit = _SIDES[side][0]
-    faults, heartbeat = _layouts(circuit, database)
+    circuit, frames = _SIDES[side][0], load_database(database)
+
+    def flags(frame: str, payload: int) -> set[str]:
+        return {name for name, value in frames[frame].values(payload).items() if value != 0.0}
+
     words = [recording.channels[f"can.feedback.drive_{circuit}_faults_{half}"][when] for half in ("low", "high")]
-    names = {name for low, high in zip(*words, strict=True) if low >= 0.0 for name in _set(faults, joined(low, high))}
-    for low in recording.channels[f"can.set_points.heartbeat_{circuit}"][when]:
-        if low >= 0.0:
-            own = {name for name in _set(heartbeat, int(low)) if name.endswith(f"Drive{circuit}")}
-            names |= {f"{name.removesuffix(f'Drive{circuit}')}" for name in own}
+    pairs = ((low, high) for low, high in zip(*words, strict=True) if low >= 0.0)
+    names = {name for low, high in pairs for name in flags(f"Drive{circuit}_Faults", joined(low, high))}
+    beats = {int(low) for low in recording.channels[f"can.set_points.heartbeat_{circuit}"][when] if low >= 0.0}
+    own = {name for low in beats for name in flags("Ecu_Heartbeat", low) if name.endswith(f"Drive{circuit}")}
+    names |= {name.removesuffix(f"Drive{circuit}") for name in own}
     renamed = {"Stale": "StaleFeedback"}
     return {renamed.get(name, name) for name in names if name not in ("Enable", "ErrorCode")}
-
-
-def _set(layout: Any, payload: int) -> set[str]:
-    return {name for name, value in layout.values(payload).items() if value != 0.0}
-
-
-def _layouts(circuit: str, name: str) -> tuple[Any, Any]:
-    database = load_database(name)
-    return database[f"Drive{circuit}_Faults"], database["Ecu_Heartbeat"]
 
 
 ABOUT = "Faults of bus, inverters and bench in the loop: zero torque in time, latched, named, reset (--seeds N)"
@@ -208,11 +200,6 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     """The same as aligned text, and what went wrong."""
     failures = sorted({f"{what}: {w}" for what in FAULTS for r in _all(given, results, what) if (w := wrong(what, r))})
     return "\n".join([text_table(COLUMNS, rows(given, results), left=(0, 4)), *failures])
-
-
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-    """None: the table says it all."""
-    return {}
 
 
 def _all(given: argparse.Namespace, results: Results, what: str) -> list[CaseResult]:

@@ -22,8 +22,7 @@ from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
 from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run, load_scenario
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 from ev_sim.surfaces import RoadParameters, Surface, left_and_right
 
 ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"
@@ -113,7 +112,7 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-    """Paths, and yaw rate, sideslip angle, speed and torque difference over time, of all methods one over the other."""
+    """Paths, and yaw rate, sideslip angle, speed and torque difference over time, all methods one over the other."""
     driven = {name: result.measured for name, result in results.items() if not result.refused}
 
     def over_time(title: str, ylabel: str, quantity: str):

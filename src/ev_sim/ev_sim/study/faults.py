@@ -17,10 +17,8 @@ from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
-from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 BEGIN = 5.0  # of the fault [s]
 DURATION = 10.0  # [s]
@@ -96,16 +94,9 @@ ABOUT = (
 )
 ROLE, DRAWN = "electronic_differential", "power_steering"
 OFF, LIMP = "off", "limp_home"
-COLUMNS = (
-    "fault",
-    "law",
-    "asr",
-    *(
-        f"{road}: {what}"
-        for road in ROADS
-        for what in ("path error [m]", "yaw rate error [deg/s]", "sideslip [deg]", "safe")
-    ),
-)
+_ON_A_ROAD = ("path error [m]", "yaw rate error [deg/s]", "sideslip [deg]", "safe")
+COLUMNS = ("fault", "law", "asr", *(f"{road}: {what}" for road in ROADS for what in _ON_A_ROAD))
+LEFT = 3
 SUMS = ("safe_",)
 SHORTEST = BEGIN
 
@@ -148,15 +139,15 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     """Largest deviations from the fault on: from the path [m], from its yaw rate [deg/s], sideslip angle [deg]."""
-    told = run.configurations["driver"].parameters.path
-    path, after = path_of(told), recording.time >= BEGIN
+    wanted = run.configurations["driver"].parameters.path
+    path, after = path_of(wanted), recording.time >= BEGIN
     deviation, leg = np.zeros(len(recording.time)), 0
     for n, (x, y) in enumerate(zip(channel(recording, "pose.x"), channel(recording, "pose.y"), strict=True)):
         _, leg = nearest(path, x, y, leg)
         along_x, along_y = path.along_x[leg], path.along_y[leg]
         deviation[n] = along_x * (y - path.y[leg]) - along_y * (x - path.x[leg])
     speed = channel(recording, "twist.longitudinal")
-    yaw_rate = np.degrees(channel(recording, motion.YAW_RATE) - told.curvature[-1] * speed)
+    yaw_rate = np.degrees(channel(recording, motion.YAW_RATE) - wanted.curvature[-1] * speed)
     sideslip = np.degrees(motion.sideslip_angle(recording))
     return {
         "path_error": float(np.abs(deviation[after]).max()),
@@ -199,15 +190,8 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 
 
 def _cells(given: argparse.Namespace, measured: Mapping[str, Any]) -> tuple[str, ...]:
-    safe = "yes" if is_safe(given, measured) else "no"
-    return (
-        f"{measured['path_error']:.2f}", f"{measured['yaw_rate_error']:.1f}", f"{measured['sideslip']:.1f}", safe
-    )  # fmt: skip
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:3])
+    numbers = (f"{measured[name]:.{n}f}" for name, n in (("path_error", 2), ("yaw_rate_error", 1), ("sideslip", 1)))
+    return (*numbers, "yes" if is_safe(given, measured) else "no")
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

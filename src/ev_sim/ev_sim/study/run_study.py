@@ -5,27 +5,130 @@ from __future__ import annotations
 import argparse
 import hashlib
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ev_msgs_py.refusal import LINE, ParameterError, shown
-from ev_sim.command_line.options import command_of
+from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
+from ev_sim.command_line.options import add_outputs, add_overrides, command_of, overrides
+from ev_sim.command_line.refusal import Parser
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.saving import figure_files, save_figures
 from ev_sim.measures.metric import Metric
 from ev_sim.recording.files_of_run import OF_ALL_RUNS, PAGE, SUMMARY
-from ev_sim.recording.outcome import RunFailed
-from ev_sim.recording.progress_bar import bar_of_runs
+from ev_sim.recording.outcome import RunFailed, bar_of_runs
 from ev_sim.report.summary import versions, write_summary
-from ev_sim.report.table_files import TABLES, write_tables
-from ev_sim.report.tables import print_metrics
+from ev_sim.report.tables import TABLES, print_metrics, text_table, write_tables
 from ev_sim.running.output_folder import OutputFolder
-from ev_sim.study.case import Case, CaseResult
-from ev_sim.study.command import arguments, study_cases
-from ev_sim.study.kept_rows import NAME, KeptRows, MeasureAndSave
-from ev_sim.study.study import Results, Study, study_named
+from ev_sim.scenarios.parameter_file import ParameterFile
+from ev_sim.scenarios.scenario import Overrides, refuse_unused_values
+from ev_sim.study.kept_rows import DRIVEN, KeptRows, MeasureAndSave
+from ev_sim.study.study import Case, CaseResult, Results, Study, run_of, study_named
 from ev_sim.study.workers import drive_cases
+
+_EVERY_NODE, _FILE = "*", "file"
+
+
+def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
+    """Parse the command line of a study; argparse ends the process with status 2 for words it does not know."""
+    study = study_named(name)
+    parser = Parser(prog=f"run.sh {name}", description=study.ABOUT)
+    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
+    parser.add_argument("--workers", type=_positive, metavar="N", help="worker processes here; default: one per core")
+    parser.add_argument("--out", type=Path, metavar="DIR", help=f"output folder; default results/{name}")
+    parser.add_argument("--anew", action="store_true", help="drive again what was driven before with this --out")
+    parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
+    add_overrides(parser)
+    add_outputs(parser)
+    study.add_options(parser)
+    return parser.parse_args(argv)
+
+
+def _positive(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, allowed is 1 or more")
+    return int(text)
+
+
+def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
+    """The cases of a study with what the command line changes in all of them.
+
+    ParameterError if it sets what a case sets itself, if two cases have one name, or if runs end before there is
+    anything to measure.
+    """
+    common, cases = overrides(given), study.cases(given)
+    shortest = getattr(study, "SHORTEST", 0.0)
+    if common.duration is not None and 0.0 < common.duration < shortest:
+        raise ParameterError(
+            f"--duration {common.duration:g} is refused: what this study measures comes later, "
+            f"allowed is {shortest:g} s or more"
+        )
+    _refuse_same_names(cases)
+    changed = _changed(common)
+    for case in cases:
+        _refuse_what_it_sets(case, changed)
+        if common.vehicle and case.vehicle:
+            raise ParameterError(f"--vehicle is refused: case {quoted(case.name)} sets it itself, {case.vehicle}")
+    cases = [
+        replace(
+            case,
+            values=(*case.values, *common.all_values),
+            files=(*case.files, *common.files),
+            duration=case.duration if common.duration is None else common.duration,
+            vehicle=common.vehicle or case.vehicle,
+        )
+        for case in cases
+    ]
+    _refuse_unused(study, given, cases)
+    return cases
+
+
+def _refuse_unused(study: Study, given: argparse.Namespace, cases: Sequence[Case]) -> None:
+    """ParameterError for what the command line sets or varies and no method of any case has."""
+    varied = study.variations(given) if hasattr(study, "variations") else {}
+    places = [(*name.split(".", 1), None) for name in varied if "." in name]
+    named = [*overrides(given).values, *places]
+    if not named:
+        return
+    alike = {(c.scenario, c.run, c.files, *(str(v) for v in c.values if v[1] == "method")): c for c in cases}
+    runs = []
+    for case in alike.values():
+        with suppress(ParameterError):  # a case that cannot be driven comes back as refused
+            runs.append(run_of(case))
+    if runs:
+        refuse_unused_values(named, runs)
+
+
+def _refuse_same_names(cases: Iterable[Case]) -> None:
+    seen: set[str] = set()
+    for case in cases:
+        if case.name in seen:
+            raise ParameterError(f"case {quoted(case.name)} is there twice, allowed is once")
+        seen.add(case.name)
+
+
+def _changed(common: Overrides) -> list[tuple[str, str]]:
+    """Node and name of each parameter that goes before those of the cases; a file of parameters only names files so."""
+    in_files = (name for file in common.files for name in ParameterFile(file).names())
+    files = [(_EVERY_NODE, name) for name in in_files if name.endswith(_FILE)]
+    return [*((node, name) for node, name, _ in common.all_values), *files]
+
+
+def _refuse_what_it_sets(case: Case, changed: Iterable[tuple[str, str]]) -> None:
+    """ParameterError for what would silently take the place of what a case sets, and is called by."""
+    for node, name in changed:
+        for its_node, its_name, _ in case.values:
+            if (node == its_node or _EVERY_NODE in (node, its_node)) and _takes_the_place(name, its_name):
+                raise ParameterError(
+                    f"{node}.{name} is refused: case {quoted(case.name)} sets {its_node}.{its_name} itself"
+                )
+
+
+def _takes_the_place(name: str, its_name: str) -> bool:
+    """Whether it is the same parameter, or a file of which that is read: speed_profile.file of speed_profile.time."""
+    return name == its_name or (name.endswith(_FILE) and its_name.startswith(name.removesuffix(_FILE)))
 
 
 def run_study(name: str, argv: Sequence[str]) -> None:
@@ -35,7 +138,7 @@ def run_study(name: str, argv: Sequence[str]) -> None:
     out = given.out or Path("results") / name
     rows = KeptRows(out, name, cases, given.anew)
     signals = {case.name: path for case in cases if given.signals and (path := rows.signals_of(case))}
-    names = [*OF_ALL_RUNS, *TABLES, NAME, *signals.values()]
+    names = [*OF_ALL_RUNS, *TABLES, DRIVEN, *signals.values()]
     with OutputFolder(out, f"study {name}", names, keeps=rows.files) as folder:
         start = time.monotonic()
         paths = {case: folder.directory / path for case, path in signals.items()}
@@ -53,8 +156,7 @@ def run_study(name: str, argv: Sequence[str]) -> None:
         if table is not None:
             write_tables(folder.directory, *table)
         if not given.no_report:
-            from ev_sim.report.page.content import measured_signals
-            from ev_sim.report.page.writing import Page, images_of, write_page
+            from ev_sim.report.page.writing import Page, images_of, measured_signals, write_page
 
             series = measured_signals({case: result.measured for case, result in results.items()})
             shown = Page(name, {"": content}, series, images_of(figures, folder.directory), tables)
@@ -86,12 +188,12 @@ def _drive(
     missing = {case.name: case for case in cases if case.name not in found}
     with bar_of_runs(name, len(cases), len(found)) as bar:
 
-        def heard(result: CaseResult) -> None:
+        def keep(result: CaseResult) -> None:
             rows.keep(missing[result.name], result)
             bar.update()
 
         measures = [MeasureAndSave(measure, paths[each]) if each in paths else measure for each in missing]
-        driven = drive_cases(list(missing.values()), measures, heard, given.scheduler, given.workers) if missing else []
+        driven = drive_cases(list(missing.values()), measures, keep, given.scheduler, given.workers) if missing else []
     results = {**found, **{result.name: result for result in driven}}
     for case, result in results.items():
         if case in paths and not result.refused and not paths[case].exists():
@@ -104,14 +206,21 @@ def _summed_up(
 ) -> tuple[dict[str, Metric], dict[str, Figure], str, Any]:
     """Metrics, figures, tables and, if the study has it, the table for files; RunFailed if a case lacks for them."""
     try:
-        metrics, figures = study.metrics(given, results), study.figures(given, results)
+        figures = study.figures(given, results) if hasattr(study, "figures") else {}
         table = study.table(given, results) if hasattr(study, "table") else None
-        return metrics, figures, study.tables(given, results), table
+        return study.metrics(given, results), figures, printed(study, given, results), table
     except Exception as error:
         lacking = next((result for result in results.values() if result.refused), None)
         if lacking is None or isinstance(error, ParameterError):
             raise
         raise RunFailed(f"this study needs all of its cases; {lacking.name}: {lacking.refused}") from error
+
+
+def printed(study: Study, given: argparse.Namespace, results: Results) -> str:
+    """What a study prints above its metrics, as aligned text; may be empty."""
+    if hasattr(study, "tables"):
+        return study.tables(given, results)
+    return text_table(study.COLUMNS, study.rows(given, results), left=study.COLUMNS[: getattr(study, "LEFT", 1)])
 
 
 def _print_notes(results: Sequence[CaseResult]) -> None:

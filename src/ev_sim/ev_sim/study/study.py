@@ -1,17 +1,98 @@
-"""What a study is, and which ones there are."""
+"""What a study is, which ones there are, and one run among the many of a study."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
+import time
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Protocol
 
 from ev_core.methods.offered import offered, offered_module
-from ev_sim.figures.figure import Figure
-from ev_sim.measures.metric import Metric
-from ev_sim.recording.recording import Recording
-from ev_sim.scenarios.scenario import Run
-from ev_sim.study.case import Case, CaseResult
+from ev_msgs_py.refusal import unknown_name
+from ev_sim.measures.metric import Metric, NotMeasured
+from ev_sim.recording.recording import Recording, signal_hash
+from ev_sim.recording.truth import true_motion
+from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
+
+Measure = Callable[[Recording, Run], Mapping[str, Any]]  # of the true motion
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A run of a scenario, and what differs from the scenario's own file; `values` are (node, parameter, value).
+
+    A study drives several methods, so some values may be for others than that of this case.
+
+    `run` is needed for a scenario with several runs only.
+    """
+
+    name: str
+    scenario: str
+    values: tuple[tuple[str, str, Any], ...] = ()
+    run: str = ""
+    files: tuple[Path, ...] = ()
+    duration: float | None = None
+    vehicle: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CaseResult:
+    """What a study has measured on a case, or in `refused` one line on why it cannot be driven or measured.
+
+    `simulated_time` and `wall_time` [s] are those of driving, `notes` what its nodes noted.
+    """
+
+    name: str
+    measured: Mapping[str, Any]
+    signal_hash: str = ""
+    simulated_time: float = 0.0
+    wall_time: float = 0.0
+    refused: str = ""
+    notes: tuple[str, ...] = ()
+
+
+def drive_case(case: Case, measure: Measure) -> CaseResult:
+    """Drive a case offline and measure it; nothing else is kept of its signals than their hash.
+
+    A case that its parameters, a law on this vehicle, or a signal that is not finite forbid comes back as refused, and
+    so does one that is driven, with its hash, and cannot be measured. OSError if its signals cannot be written.
+    """
+    from ev_sim.recording.offline import run_offline  # numba is slow to import, and a list of studies drives nothing
+
+    try:
+        run = run_of(case)
+        start = time.monotonic()
+        notes: list[str] = []
+        recording = run_offline(
+            run.configurations, run.duration, note=lambda role, text: notes.append(f"{role}: {text}")
+        )
+    except ValueError as error:  # a ParameterError or SignalError, or the refusal of a vehicle by a law
+        return CaseResult(case.name, {}, refused=str(error))
+    wall_time = time.monotonic() - start
+    driven = CaseResult(case.name, {}, signal_hash(recording), run.duration, wall_time, "", tuple(dict.fromkeys(notes)))
+    try:
+        return replace(driven, measured=measure(true_motion(recording, run.configurations), run))
+    except OSError:
+        raise
+    except NotMeasured as why:
+        return replace(driven, refused=str(why))
+    except Exception as error:  # a run too short, or another than was thought of: the other cases are measured
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        cause = " ".join(f"{type(error).__name__} {error}".split())
+        return replace(driven, refused=f"{cause} ({Path(last.filename).name}, line {last.lineno})")
+
+
+def run_of(case: Case) -> Run:
+    """The configured graph of a case; ParameterError, in one line, if something in it is refused."""
+    overrides = Overrides(case.files, (), case.duration, case.vehicle, prepared=case.values)
+    scenario = load_scenario(case.scenario, overrides, only=(case.run,) if case.run else ())
+    if len(scenario.runs) > 1:
+        raise unknown_name(f"run of {case.scenario}", case.run, [run.name for run in scenario.runs])
+    return scenario.runs[0]
+
 
 GROUP = "ev_stack.studies"  # of entry points: the name of a study, and its module
 
@@ -19,7 +100,7 @@ Results = Mapping[str, CaseResult]  # name of the case -> what came out
 
 
 class Study(Protocol):
-    """A module that says which cases to drive, what to measure on each, and what all of them say together."""
+    """A module that gives the cases to drive, what to measure on each, and the metrics of all of them together."""
 
     ABOUT: str  # one line for --list
 
@@ -41,14 +122,14 @@ class Study(Protocol):
     def rows(self, given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
         """The table that a page of the documentation shows."""
 
-    def tables(self, given: argparse.Namespace, results: Results) -> str:
-        """What is printed above the metrics, as aligned text; may be empty."""
-
-    # A study may also have `table(given, results)`, whose columns and rows of values are kept as files, and `SHORTEST`,
-    # the least simulated time with which there is anything to measure [s].
-
-    def figures(self, given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-        """Figures by the name of their file without suffix."""
+    # A study may also have
+    #
+    # - `figures(given, results)`, by the name of their file without suffix,
+    # - `tables(given, results)`, the text that is printed above the metrics; without it these are its rows below
+    #   COLUMNS, of which the first LEFT ones are set to the left,
+    # - `table(given, results)`, whose columns and rows of values are kept as files,
+    # - `variations(given)`, by NODE.PARAM the values that it varies itself,
+    # - `SHORTEST`, the least simulated time with which there is anything to measure [s].
 
 
 def study_names() -> list[str]:

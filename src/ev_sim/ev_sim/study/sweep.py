@@ -18,12 +18,10 @@ from ev_sim.measures.metric import Metric
 from ev_sim.measures.samples import own_metrics
 from ev_sim.recording.recording import Recording
 from ev_sim.report.reports import report_for
-from ev_sim.report.table_files import cell
-from ev_sim.report.tables import text_table
+from ev_sim.report.tables import cell, text_table
 from ev_sim.scenarios.parameter_file import read_yaml
 from ev_sim.scenarios.scenario import Run, load_scenario
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"
 SEED = "seed"
@@ -97,7 +95,7 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
 
 
 def _shown_value(value: Any) -> str:
-    """A value with all digits that tell it from others."""
+    """A value with all digits that distinguish it from others."""
     return str(value).removesuffix(".0") if isinstance(value, float) else str(value)
 
 
@@ -148,8 +146,8 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     columns, rows = table(given, results)
     given_ones = len(variations(given))
     texts = [[*map(_shown_value, row[:given_ones]), *map(cell, row[given_ones:])] for row in rows]
-    said = "" if columns[given_ones:] else f"\n\nno metric was measured: scripts/run.sh {given.scenario} says why"
-    return text_table(columns, texts, left=()) + said
+    hint = "" if columns[given_ones:] else f"\n\nno metric was measured: scripts/run.sh {given.scenario} says why"
+    return text_table(columns, texts, left=()) + hint
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

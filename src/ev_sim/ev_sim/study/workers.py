@@ -1,17 +1,79 @@
-"""Drive the cases of a study on worker processes: those of this machine, or of a dask scheduler elsewhere."""
+"""Drive the cases of a study on worker processes: those of this machine, or of a dask scheduler elsewhere.
+
+Here they are forked when all that a case needs is loaded, so that they begin at once; a pool of the library ends as a
+whole with one lost worker and does not name its case, and a dask cluster of this machine loads all of it anew.
+"""
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
+from typing import TYPE_CHECKING
 
 from ev_sim.recording.outcome import RunFailed
+from ev_sim.report.summary import versions
 from ev_sim.running.children import ends_with_us
-from ev_sim.study.case import Case, CaseResult, Measure, drive_case, run_of
+from ev_sim.study.kept_rows import digest_of_sources
+from ev_sim.study.study import Case, CaseResult, Measure, drive_case, run_of
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+_PATIENCE = 60.0  # s for a scheduler to answer and for its first worker to join
+
+
+def drive_on_cluster(
+    jobs: Sequence[tuple[Case, Measure]], progress: Callable[[CaseResult], None], scheduler: str
+) -> list[CaseResult]:
+    """The results of all cases, each with what measures it, in their order; `scheduler` is an address, tcp://HOST:PORT.
+
+    The cases of a worker that is lost are driven again by others. RunFailed if there is no such scheduler, if it has no
+    workers, or if a worker computes with other versions, sources or config files than this process.
+    """
+    from distributed import as_completed  # dask is slow to import
+
+    with _client(scheduler) as client:
+        refuse_others(client)
+        # dask would drive the same case once only and take the rest from its cache; here each one is driven.
+        futures = client.map(drive_case, *zip(*jobs, strict=True), pure=False)
+        for _, result in as_completed(futures, with_results=True):
+            progress(result)
+        return client.gather(futures)
+
+
+@contextmanager
+def _client(scheduler: str) -> Iterator[Client]:
+    from distributed import Client
+
+    logging.getLogger("distributed").setLevel(logging.ERROR)
+    try:
+        client = Client(scheduler, timeout=_PATIENCE)
+    except (OSError, ValueError) as error:
+        raise RunFailed(f"scheduler {scheduler} cannot be reached: {error}") from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=_PATIENCE)
+        except TimeoutError:
+            raise RunFailed(f"scheduler {scheduler} has no workers, allowed is one or more") from None
+        yield client
+
+
+def refuse_others(client: Client) -> None:
+    """Signals are equal to the last bit only where the same text is computed by the same packages."""
+    own, sources = versions(), digest_of_sources(config=True)
+    for worker, theirs in client.run(versions).items():
+        for package, version in theirs.items():
+            if version != own[package]:
+                raise RunFailed(f"worker {worker} has {package} {version}, allowed is {own[package]} as here")
+    for worker, digest in client.run(digest_of_sources, config=True).items():
+        if digest != sources:
+            raise RunFailed(f"worker {worker} has other sources or config files, allowed are those of here")
+
 
 Job = tuple[Case, Measure]
 
@@ -31,7 +93,7 @@ class Worker:
         ends = (its_end, self._connection)
         self._process = _FORK.Process(target=_serve, args=(*ends, jobs, ends_with_us()), daemon=True)
         self._process.start()
-        its_end.close()  # so that the end of the process is heard
+        its_end.close()  # so that the pipe ends with the process
 
     def fileno(self) -> int:
         """What `multiprocessing.connection.wait` waits for: the result, or the end of the process."""
@@ -40,7 +102,7 @@ class Worker:
     def begin(self, number: int) -> None:
         """Let it drive a case."""
         self.number = number
-        with suppress(OSError):  # a process that has ended is noticed by who waits for its result
+        with suppress(OSError):  # a process that has ended is noticed when its result is asked for
             self._connection.send(number)
 
     def result(self) -> CaseResult:
@@ -63,7 +125,7 @@ class Worker:
 def _serve(connection: Connection, parents: Connection, jobs: Sequence[Job], bind: Callable[[], None] | None) -> None:
     """Answer until the parent ends, however it does: what it holds, the lock of its folder too, is held here as well.
 
-    Without signals of death its end is heard by the pipe, of which its own end is closed here.
+    Without signals of death the pipe shows its end: the own end of the parent is closed here.
     """
     if bind is not None:
         bind()
@@ -91,7 +153,7 @@ def drive_cases(
     scheduler: str | None = None,
     workers: int | None = None,
 ) -> list[CaseResult]:
-    """The results of all cases, in their order, whatever the number of workers; `progress` hears of each one.
+    """The results of all cases, in their order, whatever the number of workers; `progress` is called with each one.
 
     `measure` is one function for all cases, or one for each of them. `scheduler` is the address of a running scheduler
     (tcp://HOST:PORT); without it `workers` processes (as many as there are cores) live on this machine until the end.
@@ -100,8 +162,6 @@ def drive_cases(
     """
     jobs = [*zip(cases, [measure] * len(cases) if callable(measure) else measure, strict=True)]
     if scheduler is not None:
-        from ev_sim.study.cluster import drive_on_cluster  # dask is slow to import
-
         return drive_on_cluster(jobs, progress, scheduler)
     return _drive_here(jobs, progress, workers or len(os.sched_getaffinity(0)))
 
@@ -146,5 +206,5 @@ def _load(case: Case) -> None:
     """What driving a case needs is loaded once, for all workers that are forked then."""
     from ev_sim.recording.offline import load_compiled
 
-    with suppress(ValueError):  # a case that is refused says so when it is driven
+    with suppress(ValueError):  # a case that is refused comes back as refused when it is driven
         load_compiled(run_of(case).configurations)

@@ -19,11 +19,9 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.recording.recording import Recording, load, save
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
-from ev_sim.study.case import Case, CaseResult, Measure
-from ev_sim.study.command import arguments, study_cases
-from ev_sim.study.depends import NEVER_DRIVES, case_key, digest_of_sources
-from ev_sim.study.kept_rows import as_json, result_of
-from ev_sim.study.study import study_named
+from ev_sim.study.kept_rows import NEVER_DRIVES, as_json, case_key, decoded, digest_of_sources, result_of
+from ev_sim.study.run_study import arguments, study_cases
+from ev_sim.study.study import Case, CaseResult, Measure, study_named
 from ev_sim.verdicts.need import Driven, Need, ScenarioRuns, StudyCases, StudyNeed
 
 _ONLY_JUDGES = (*NEVER_DRIVES, "ev_sim/verdicts", "ev_sim/figures")
@@ -100,7 +98,7 @@ def kept_by_user() -> Kept:
 def measured_at(path: Path, name: str) -> CaseResult | None:
     """What a study has measured on a case, which is called by this name; None if it has not yet."""
     kept = read_checked(path)
-    return None if kept is None else result_of(json.loads(kept), name)
+    return None if kept is None else result_of(json.loads(kept, object_hook=decoded), name)
 
 
 @lru_cache(maxsize=6)  # one of a whole cycle has 80 MB

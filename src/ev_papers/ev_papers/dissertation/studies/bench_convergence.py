@@ -10,11 +10,8 @@ from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import BENCH, DRIVERS, SCENARIO, Values
 from ev_papers.dissertation.studies import bench_cases
 from ev_papers.dissertation.studies.bench_cases import apart, away_from_switches, ideal
-from ev_sim.figures.figure import Figure
 from ev_sim.measures.metric import Metric
-from ev_sim.report.tables import text_table
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 ABOUT = "The urban cycle on the bench beside the virtual run - difference against each parameter of the bench"
 COLUMNS = (
@@ -121,13 +118,3 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
         (name, f"{value:g}", unit, *(f"{each:.4f}" for each in found))
         for (name, value, unit), found in differences(results).items()
     ]
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:1])
-
-
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-    """None: a table says it all."""
-    return {}

@@ -16,15 +16,14 @@ from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.panels import Curve, Panel
 from ev_sim.measures.metric import Metric
-from ev_sim.report.tables import text_table
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 
 ABOUT = "Dissertation, figure 5.26 - torque of model and bench for five methods, and what their difference comes from"
 COLUMNS = (
     *("driver", "method", "model against bench [%]", "published, at most", "distance [%]"),
     *("exchange", "rotor before the transducer", *IDEAL, "bus"),
 )
+LEFT = 2
 SUMS = ("largest_",)
 PUBLISHED = "5..10"  # %, figure 5.26
 RUNS: dict[str, tuple[str, Values]] = {
@@ -102,11 +101,6 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
             first, distance, *rest = (f"{value:.2f}" for value in differences(results, method, driver).values())
             found.append((driver, f"{method} {METHODS[method].title}", first, PUBLISHED, distance, *rest))
     return found
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:

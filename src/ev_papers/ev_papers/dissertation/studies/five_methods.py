@@ -13,10 +13,8 @@ from ev_papers.dissertation.studies.printed import gains
 from ev_sim.figures.drawing import STROKES, TEXT_SIZE, TITLE_SIZE
 from ev_sim.figures.figure import Figure, new_figure
 from ev_sim.measures.metric import Metric, mean_over_seeds
-from ev_sim.report.tables import text_table
-from ev_sim.scenarios.cycle import LISTED
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.profiles.profile import LISTED
+from ev_sim.study.study import Case, Results
 
 _OURS, _PRINTED = STROKES[0][0], STROKES[1][0]
 
@@ -58,6 +56,7 @@ COLUMNS = (
     *("2.39", "printed"),
     *("energy [kW min]", "2.40 as printed [kW min]", "printed, as kWh"),
 )
+LEFT = 2
 SUMS = ("methods_apart_", "method_1_above_2_", "seeds_with_", "gain_")
 MEASURED = {  # quantities of `urban_cases.measure` by unit
     "1": (
@@ -192,11 +191,6 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
         )
 
     return [row(driver, method) for driver in given.drivers for method in METHODS]
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
 
 
 def _shown(metric: Metric, factor: float = 1.0, form: str = ".3f") -> str:

@@ -10,11 +10,8 @@ from dataclasses import dataclass
 from ev_papers.dissertation.measures import urban_cases
 from ev_papers.dissertation.measures.urban_cases import DRIVERS, METHODS, Values, roads
 from ev_papers.dissertation.studies.five_methods import judged_quantity
-from ev_sim.figures.figure import Figure
 from ev_sim.measures.metric import Metric, mean_over_seeds
-from ev_sim.report.tables import text_table
-from ev_sim.study.case import Case
-from ev_sim.study.study import Results
+from ev_sim.study.study import Case, Results
 from ev_sim.surfaces import SURFACES
 
 ABOUT = "Dissertation, five methods - what the wheel efficiencies hang on, one assumption changed at a time"
@@ -154,13 +151,3 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
         return f"{value:.3f}" if change.name == "base" else f"{value:.3f} ({value - base:+.3f})"
 
     return [(change.title, *(shown(change, method) for method in METHODS)) for change in CHANGES]
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text: wheel efficiencies, and in brackets how far they are from the first line."""
-    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:1])
-
-
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-    """None: the table says it."""
-    return {}

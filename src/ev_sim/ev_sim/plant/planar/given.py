@@ -10,7 +10,7 @@ from ev_core.law import GRAVITY, ParameterError, Vehicle, entry, group, paramete
 from ev_core.vehicle.drive_train import wheel_inertias
 from ev_core.vehicle.tyre import MfTyres, mf_tyres
 from ev_sim.drives.drive import DRIVES, DriveParameters
-from ev_sim.profiles.speed_profile import SpeedProfileParameters, with_profile_from_file
+from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file
 from ev_sim.surfaces import RoadParameters
 from ev_sim.tyres.mf_tyre import is_plain
 

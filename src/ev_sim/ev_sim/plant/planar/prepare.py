@@ -15,8 +15,7 @@ from ev_sim.plant.planar.contact import RoadTables, road_tables
 from ev_sim.plant.planar.drive_torques import Lags
 from ev_sim.plant.planar.energy import EfficiencyMap, Electrical, PowerConstants, electrical_over
 from ev_sim.plant.planar.given import BodyConstants, PlanarParameters, body_constants
-from ev_sim.profiles.profile import Profile
-from ev_sim.profiles.speed_profile import wanted_speed
+from ev_sim.profiles.profile import Profile, wanted_speed
 
 # Largest product of step and eigenvalue; the Runge-Kutta method is stable up to 2.78, and at half of that the motion
 # that decays within a step is still no worse than it would be if it were exact.

@@ -35,12 +35,12 @@ def groups_of(channels: Iterable[str]) -> list[dict[str, Any]]:
 def _of_topic(topic: Topic, names: set[str]) -> dict[str, Any]:
     plots = []
     prefix = topic.name.replace("/", ".")
-    for field, said in topic.shape.fields.items():
+    for field, declared in topic.shape.fields.items():
         start = f"{prefix}.{field}"
         found = [channel for channel in topic.channels if channel in names and _belongs(channel, start)]
         if found:
             curves = [_curve(channel, start) for channel in found]
-            plots.append({"title": _words(field), "unit": said.unit, "about": said.about, "curves": curves})
+            plots.append({"title": _words(field), "unit": declared.unit, "about": declared.about, "curves": curves})
     about = (topic.signal.__doc__ or "").partition("\n")[0]
     return {"title": topic.name, "about": about, "plots": plots}
 

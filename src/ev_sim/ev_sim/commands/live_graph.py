@@ -1,28 +1,32 @@
-"""Shows the running graph without the ros2 command: nodes, topics, who writes and reads them, and their rates."""
+"""Looks at the running graph: nodes, topics and rates, policies for DDS security, views for RViz and Foxglove."""
 
 from __future__ import annotations
 
+import argparse
 import sys
 import time
 from contextlib import suppress
 
 import rclpy
+from rclpy.exceptions import InvalidNamespaceException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
+from rclpy.validate_namespace import validate_namespace
 
+from ev_core.nodes.stop_request import StopRequest
 from ev_msgs_py.refusal import LINE, quoted, shown
 from ev_msgs_py.wire.layout import message_class
-from ev_sim.command_line.refusal import Parser
+from ev_sim.command_line.refusal import Parser, refuse
 from ev_sim.running.domain import reserved_domains
 
 _OWN_NAME = "inspect_graph"
-_DISCOVERY_TIME = 1.0  # s that nodes have to answer before the graph is taken as complete
+_LOOKING_TIME = 1.0  # s that nodes have to answer before the graph is taken as complete
 _ROS_OWN = ("/parameter_events", "/rosout")
 
 
-def main(argv: list[str] | None = None) -> None:
+def inspect(argv: list[str]) -> None:
     """scripts/inspect.sh [--seconds S] [--echo TOPIC]"""
     parser = Parser(prog="inspect.sh", description="Show the running graph: nodes, topics, rates.")
     parser.add_argument("--seconds", type=_positive, default=2.0, help="how long rates are measured")
@@ -31,7 +35,7 @@ def main(argv: list[str] | None = None) -> None:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = Node(_OWN_NAME, start_parameter_services=False)
-        _wait(_DISCOVERY_TIME)
+        time.sleep(_LOOKING_TIME)
         if given.echo:
             print(_one_message(node, given.echo))
         else:
@@ -49,12 +53,6 @@ def _positive(text: str) -> float:
     if not 0.0 < seconds < float("inf"):
         raise ValueError
     return seconds
-
-
-def _wait(seconds: float) -> None:
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
-        time.sleep(0.05)
 
 
 def _topics(node: Node) -> dict[str, str]:
@@ -111,3 +109,73 @@ def _one_message(node: Node, topic: str) -> str:
     while (taken := subscription.handle.take_message(kind, True)) is None:
         time.sleep(0.01)
     return str(deserialize_message(taken[0], kind))
+
+
+_ABOUT_POLICIES = "Write the policy file of the graph for DDS security, or hold the running graph against it."
+_DISCOVERY_TIME = 2.0  # s that nodes have to answer before the graph is taken as complete
+
+
+def policies(argv: list[str]) -> None:
+    """ev-stack security_policies [--namespace /ev] [--check]"""
+    from ev_sim.security.permissions import permissions, permissions_in_use, policy_file, violations
+
+    parser = Parser(prog="security_policies", description=_ABOUT_POLICIES)
+    parser.add_argument("--namespace", type=_namespace, default="/ev", help="of the nodes; default /ev")
+    parser.add_argument(
+        "--check", action="store_true", help="hold the running graph against it, status 1 if it does more"
+    )
+    given = parser.parse_args(argv)
+    allowed = permissions(given.namespace)
+    if not given.check:
+        print(policy_file(given.namespace, allowed.values()), end="")
+        return
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        node = Node("security_policies", start_parameter_services=False)
+        time.sleep(_DISCOVERY_TIME)
+        used = permissions_in_use(node, given.namespace)
+    finally:
+        rclpy.try_shutdown()
+    if not used:
+        refuse(f"no node is running in namespace {given.namespace}")
+    found = violations(allowed, used.values())
+    print(f"{len(used)} nodes, {len(found)} things that the policy does not allow", *found, sep="\n")
+    sys.exit(bool(found))
+
+
+def _namespace(text: str) -> str:
+    namespace = text.rstrip("/")
+    try:
+        validate_namespace(namespace or "/")
+    except InvalidNamespaceException as error:
+        raise argparse.ArgumentTypeError(str(error).splitlines()[0]) from None
+    return namespace
+
+
+_VISUALIZATION = "visualization"  # in the graph
+_VIEW_PERIOD = 0.05  # s of wall time between two looks
+
+
+def visualize(argv: list[str]) -> None:
+    """ev-stack visualization [--ros-args ...]; the namespace is /ev unless -r __ns:=/NAME gives another one."""
+    from ev_sim.dashboard.controls import Controls
+    from ev_sim.dashboard.live_frames import LiveFrames
+    from ev_sim.dashboard.ros_views import RosViews
+
+    with StopRequest() as stop:
+        rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            node = rclpy.create_node(_VISUALIZATION, namespace="ev", start_parameter_services=False)
+            frames = LiveFrames(node, lambda cause, text: node.get_logger().warning(text, once=True))
+            views = RosViews(node, node.get_logger().warning)
+            controls = Controls(node.context, node.get_namespace(), f"{_VISUALIZATION}_controls", frames.take_car)
+            was_there = False
+            while not stop.received and (controls.has_master or not was_there):
+                was_there |= controls.has_master
+                controls.look()
+                if frames.look() and frames.vehicle is not None:
+                    views.publish(frames.time, frames.values, frames.vehicle)
+                time.sleep(_VIEW_PERIOD)
+        finally:
+            rclpy.try_shutdown()
+    print(f"{_VISUALIZATION}: stopped" if stop.received else f"{_VISUALIZATION}: the run has ended")

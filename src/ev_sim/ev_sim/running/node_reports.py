@@ -1,4 +1,4 @@
-"""What the nodes of a run tell the runner that has started them, each on a line of its own (`nodes/runner_line.py`)."""
+"""What the nodes of a run report to the runner that has started them, each on its line (`nodes/runner_line.py`)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ev_msgs_py.contract.frame import PLACES, SIZE, Frame, places
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import shown
-from ev_sim.recording.progress_bar import announce
+from ev_sim.recording.outcome import announce
 from ev_sim.recording.recording import Recording
 from ev_sim.scenarios.scenario import Run
 
@@ -28,28 +28,28 @@ _NAMED = 20  # warnings; more than these are counted only
 _WRITER_OF = {TOPICS[signal].name: writer for signal, writer in WRITERS.items()}
 
 
-class Told:
-    """Simulated time, what is to be said to the user, and whether all nodes of the run have heard each other alone."""
+class NodeReports:
+    """Simulated time, lines for the user, and whether the nodes of the run have taken messages of each other alone."""
 
     def __init__(self, namespace: str) -> None:
         self.time = 0.0
         self._warnings: dict[str, None] = {}
         self._more_warnings = 0
-        self.timing: dict[str, Any] = {}  # how well real time was kept, as the master says at its end
+        self.timing: dict[str, Any] = {}  # how well real time was kept, as the master reports at its end
         self.rests = False  # whether a service has stopped time
         self._namespace = namespace.rstrip("/")
         self._key = secrets.token_bytes()
         self._lines: dict[str, ListeningEnd] = {}
         self._words: list[str] = []
         self._noted: dict[str, str] = {}
-        self._waits: dict[str, tuple[float, Sequence[str] | None]] = {}  # by node: when it said so, and for whom
+        self._waits: dict[str, tuple[float, Sequence[str] | None]] = {}  # by node: when it reported so, and for whom
         self._adding: set[str] = set()  # nodes whose sums are due at the end
         self._tallies: dict[str, Mapping[str, Any]] = {}
 
     def line(self, node: str, adds_up: bool = False) -> tuple[str, int]:
         """For the environment of a node, by which it finds its end, and the descriptor that it has to inherit.
 
-        One that `adds_up` has to tell its sums at its end; those of the recorder are those of the recording.
+        One that `adds_up` has to report its sums at its end; those of the recorder are those of the recording.
         """
         if adds_up and node != RECORDER:
             self._adding.add(node)
@@ -62,7 +62,7 @@ class Told:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Why the run may not be reproducible, as nodes say: each once, and how often something else was said."""
+        """Why the run may not be reproducible, as nodes report: each reason once, and how often there were others."""
         more = [f"{self._more_warnings} more warnings, which are in /diagnostics"] if self._more_warnings else []
         return (*self._warnings, *more)
 
@@ -72,17 +72,17 @@ class Told:
         return tuple(self._noted.values())
 
     def new_words(self) -> tuple[str, ...]:
-        """What is to be said at once: that time was stopped, or goes on."""
+        """What the user is to see at once: that time was stopped, or goes on."""
         words, self._words = tuple(self._words), []
         return words
 
     def waits_for(self, node: str, within: float) -> Sequence[str] | None:
-        """The roles for which a node has said within the last seconds that it waits; None if it has said nothing."""
+        """The roles for which a node has reported within the last seconds that it waits; None without a report."""
         at, whom = self._waits.get(node, (-inf, None))
         return whom if time.monotonic() - at <= within else None
 
     def look(self) -> None:
-        """Take what was said since the last look."""
+        """Take what was reported since the last look."""
         for node, line in self._lines.items():
             for message in line.heard():
                 try:
@@ -112,10 +112,10 @@ class Told:
             self._noted.setdefault(shown(word.what) if word.kind == NOTE else text, text)
 
     def others_heard(self, recording: Recording) -> list[str]:
-        """A line for each node that has taken on a topic what the node of its role does not say that it has said.
+        """A line for each node that has taken something on a topic which the node of its role has not sent.
 
         Compared are the sums at the last step that both ends have, of the recorder those of the recording. One of the
-        user's own has none; another one that has told none, as it was killed before, has a line as well.
+        user's own has none; another one that has reported none, as it was killed before, has a line as well.
         """
         silent = [node for node in self._lines if node in self._adding and node not in self._tallies]
         if self._tallies:
@@ -149,15 +149,15 @@ class Told:
             line.close()
 
 
-def _differ(taken: Mapping[str, int], said: Mapping[str, int]) -> bool:
-    both = taken.keys() & said.keys()
-    return bool(taken and said) and not (both and taken[max(both, key=int)] == said[max(both, key=int)])
+def _differ(taken: Mapping[str, int], sent: Mapping[str, int]) -> bool:
+    both = taken.keys() & sent.keys()
+    return bool(taken and sent) and not (both and taken[max(both, key=int)] == sent[max(both, key=int)])
 
 
 @contextmanager
-def told(namespace: str) -> Iterator[Told]:
-    """For the time of a run; where that does not come to its end, what was noted is said all the same."""
-    found = Told(namespace)
+def node_reports(namespace: str) -> Iterator[NodeReports]:
+    """For the time of a run; where that does not come to its end, what was noted is printed all the same."""
+    found = NodeReports(namespace)
     try:
         yield found
     except BaseException:
@@ -169,6 +169,10 @@ def told(namespace: str) -> Iterator[Told]:
         found.close()
 
 
-def not_reproducible(run: Run, told: Told, recording: Recording) -> tuple[str, ...]:
+def not_reproducible(run: Run, reports: NodeReports, recording: Recording) -> tuple[str, ...]:
     """Why a run that was driven over DDS may not give the same numbers again."""
-    return (*(["driven by the wall clock"] if run.realtime else []), *told.warnings, *told.others_heard(recording))
+    return (
+        *(["driven by the wall clock"] if run.realtime else []),
+        *reports.warnings,
+        *reports.others_heard(recording),
+    )

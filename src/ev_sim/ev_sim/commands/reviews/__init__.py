@@ -1,1 +1,0 @@
-"""Commands about runs that were driven, and about what the sources published."""
