@@ -80,10 +80,6 @@ class Tally:
         self._sums = self.block[_SUMS:].reshape(_MOST, KEPT)
         self._call, self._at = _FUNCTION(address()), self.block.ctypes.data
 
-    def add(self, step: int, numbers: int) -> None:
-        """Add what was taken for a step and is said of it, in the frame at an address."""
-        self._call(self._at, 0, self.count, step, numbers)
-
     def add_taken(self, step: int, numbers: int) -> None:
         """Add what was taken for a step, in the frame at an address."""
         self._call(self._at, 0, self.taken, step, numbers)

@@ -15,7 +15,7 @@ from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
 from ev_core.lockstep.stepper import WRITERS, Answer
-from ev_core.node_loop.memory import End
+from ev_core.node_loop.message_memory import End
 from ev_core.nodes.ending import wait_until_heard
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import RECORDER

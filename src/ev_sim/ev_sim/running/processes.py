@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ev_core.node_loop import records
+from ev_core.node_loop import ordinary_steps
 from ev_core.nodes.stop_request import StopRequest
 from ev_sim.recording.files_of_run import PARAMETERS
 from ev_sim.recording.outcome import Outcome, Progress
@@ -70,7 +70,7 @@ def run_in_processes(
     """
     refuse_unready()
     file = directory / PARAMETERS
-    records.keep()  # whoever has updated the sources has set up nothing anew
+    ordinary_steps.keep_code()  # whoever has updated the sources has set up nothing anew
     with (
         free_domain() as domain,
         own_namespace(domain, run.namespace),

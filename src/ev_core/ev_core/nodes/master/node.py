@@ -11,7 +11,7 @@ from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
 
 from ev_core.lockstep.stepper import Answer
-from ev_core.node_loop.memory import End
+from ev_core.node_loop.message_memory import End
 from ev_core.nodes.master.advance import Advance, Silence
 from ev_core.nodes.master.inputs import MasterInputs
 from ev_core.nodes.master.parameters import MasterParameters
