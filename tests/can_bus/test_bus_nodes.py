@@ -363,7 +363,7 @@ def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_i
         for _ in range(50):
             send()
         now = time.monotonic()
-        monkeypatch.setattr("ev_core.nodes.on_bus.cycles.time.monotonic", lambda: now + 0.05)
+        monkeypatch.setattr("ev_core.nodes.bus_nodes.time.monotonic", lambda: now + 0.05)
         node.poll()
         assert drive.torque == 0.0
         assert drive.state in (FAULT, FAULT_REACTION_ACTIVE)

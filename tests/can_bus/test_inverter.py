@@ -27,7 +27,7 @@ from ev_msgs_py.can.drive_states import (
     SWITCH_ON_DISABLED,
 )
 from ev_msgs_py.can.frames import bench_frames
-from ev_msgs_py.can.protection import protected
+from ev_msgs_py.can.payload import protected
 from ev_sim.inverter.parameters import CircuitParameters
 from ev_sim.inverter.set_points import receive_set_point
 from ev_sim.inverter.state import Circuit

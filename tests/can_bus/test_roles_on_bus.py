@@ -14,7 +14,7 @@ from can_bus.databases import by_cantools
 from can_bus.test_channels import FRAMES, received
 from run_script import ENVIRONMENT, RUN
 
-from ev_control.inverter_gateway.on_bus import GatewayOnBus
+from ev_control.inverter_gateway.station import GatewayOnBus
 from ev_core.bus.channel import BusMeter, Channel
 from ev_core.bus.parameters import BusParameters
 from ev_msgs_py.can.frame_length import exact_frame

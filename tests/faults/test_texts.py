@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ev_core.faults.fault import parsed
-from ev_core.faults.row import FaultRow
-from ev_core.faults.striking import HEAD, PLACE, WIDTH
+from ev_core.faults.row import HEAD, PLACE, WIDTH, FaultRow
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.parts import compiled_parts, hand_over, part_of
 from ev_msgs_py.contract.frame import Frame, channels, places

@@ -31,10 +31,9 @@ from ev_core.lockstep.inbox import (
     note_answer,
 )
 from ev_core.lockstep.stepper import arrival_place, upstream_signals
-from ev_msgs_py.contract.bus_signals import SetPointFrames
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.frame import PLACES, TIME
-from ev_msgs_py.contract.optional_signals import BenchShafts, RearSteeringState
+from ev_msgs_py.contract.optional_signals import BenchShafts, RearSteeringState, SetPointFrames
 from ev_msgs_py.contract.roles import EXTRA, MASTER, REQUIRED, ROLES, RoleKind
 from ev_msgs_py.contract.signals import (
     BodyPose,

@@ -2,20 +2,81 @@
 
 from __future__ import annotations
 
-from ev_control.inverter_gateway.hearing import end_cycle
-from ev_control.inverter_gateway.parameters import BOTH, GatewayParameters
-from ev_control.inverter_gateway.state import Device, Gateway
+from ev_control.inverter_gateway.gateway import BOTH, Device, Feedback, Gateway, GatewayParameters
+from ev_core.bus.checking import (
+    REPEATED,
+    TOLERANCES,
+    WRONG_CRC,
+    WRONG_SEQUENCE,
+    CheckState,
+    check,
+    is_valid,
+    no_new_data,
+)
 from ev_msgs_py.can.drive_states import (
     DISABLE_VOLTAGE,
     FAULT,
     FAULT_REACTION_ACTIVE,
     FAULT_RESET,
     OPERATION_ENABLED,
+    REMOTE,
     SWITCH_ON_DISABLED,
     controlword_towards_operation,
+    state_of,
 )
-from ev_msgs_py.can.frames import TORQUE_MODE
+from ev_msgs_py.can.frames import RPM, SENT, TORQUE_MODE, BenchFrames, DeviceFrames, guarded
+from ev_msgs_py.can.payload import extracted, inserted, next_counter
 from ev_msgs_py.compilable import compilable
+
+MOTION, ELECTRICAL, TEMPERATURES, FAULTS = range(len(SENT))
+
+
+@compilable
+def receive_feedback(f: BenchFrames, own: DeviceFrames, s: Feedback, kind: int, payload: int) -> None:
+    """Take a frame of this device; what is not valid is counted."""
+    data_id = own.data_ids[kind]
+    if kind == MOTION:
+        s.heard = 1.0
+        if _is_good(s, s.motion, payload, f.motion.length, data_id):
+            word = int(extracted(payload, f.motion.statusword))
+            s.age, s.state, s.remote = 0.0, float(state_of(word)), 1.0 if word & REMOTE != 0 else 0.0
+            s.torque = extracted(payload, f.motion.torque)
+            s.torque_sum += s.torque
+            s.torque_count += 1.0
+            s.speed = RPM * extracted(payload, f.motion.speed)
+    elif kind == ELECTRICAL:
+        if _is_good(s, s.electrical, payload, f.electrical.length, data_id):
+            s.dc_voltage = extracted(payload, f.electrical.dc_voltage)
+            s.dc_current = extracted(payload, f.electrical.dc_current)
+            s.phase_current = extracted(payload, f.electrical.phase_current)
+    elif kind == TEMPERATURES:
+        if _is_good(s, s.temperatures, payload, f.temperatures.length, data_id):
+            s.winding_temperature = extracted(payload, f.temperatures.winding)
+            s.inverter_temperature = extracted(payload, f.temperatures.inverter)
+    elif _is_good(s, s.faults, payload, f.faults.length, data_id):
+        s.fault_bits = extracted(payload, f.faults.faults)
+        s.warning_bits = extracted(payload, f.faults.warnings)
+        s.error_code = extracted(payload, f.faults.error_code)
+
+
+@compilable
+def _is_good(s: Feedback, checked: CheckState, payload: int, length: float, data_id: float) -> bool:
+    status = check(TOLERANCES, checked, payload, int(length), int(data_id))
+    if is_valid(status):
+        s.lost += checked.lost_data
+        return True
+    if status in (WRONG_CRC, REPEATED, WRONG_SEQUENCE):
+        s.refused += 1.0
+    return False
+
+
+@compilable
+def end_cycle(s: Feedback) -> None:
+    """Tell the check of the fastest frame when none has come since the last call."""
+    if s.heard == 0.0:
+        no_new_data(s.motion)
+    s.heard = 0.0
+
 
 _QUIET = 0.005  # s without torque, command or reset bit, with which a reset begins: its bit shall be seen to rise
 _ALONE = 10.0  # cycles in which the other drive could have said that it is released, too
@@ -140,3 +201,34 @@ def command_device(p: GatewayParameters, s: Device, mode: int, value: float) -> 
         s.torque, s.speed = value, p.speed_limit
     else:
         s.torque, s.speed = 0.0, value
+
+
+@compilable
+def set_point(f: BenchFrames, own: DeviceFrames, s: Device, most: float) -> int:
+    """The payload of the next set-point, with a torque of at most `most` [N m]; its counter goes on."""
+    turns = may_turn(s)
+    payload = inserted(0, f.set_point.mode, s.mode)
+    payload = inserted(payload, f.set_point.controlword, float(controlword(s)))
+    payload = inserted(payload, f.set_point.torque, min(max(s.torque, -most), most) if turns else 0.0)
+    payload = inserted(payload, f.set_point.speed, s.speed / RPM if turns else 0.0)
+    payload = inserted(payload, f.set_point.torque_limit, most if turns else 0.0)
+    counter = int(s.counter)
+    s.counter = float(next_counter(counter))
+    return guarded(f.set_point, payload, own.set_point_data_id, counter)
+
+
+@compilable
+def heartbeat(f: BenchFrames, s: Gateway, place: int) -> int:
+    """The payload of the next heartbeat of a circuit; its counter goes on."""
+    latched = max(
+        max(s.drive_11.command_stale, s.drive_12.command_stale), max(s.load_11.command_stale, s.load_12.command_stale)
+    )
+    stale = s.drive_11.stale + 2.0 * s.drive_12.stale + 4.0 * s.load_11.stale + 8.0 * s.load_12.stale
+    enable = s.drive_11.enable + 2.0 * s.drive_12.enable + 4.0 * s.load_11.enable + 8.0 * s.load_12.enable
+    payload = inserted(0, f.heartbeat.command_stale, latched)
+    payload = inserted(payload, f.heartbeat.implausible, s.drive_11.implausible + 2.0 * s.drive_12.implausible)
+    payload = inserted(payload, f.heartbeat.stale, stale)
+    payload = inserted(payload, f.heartbeat.enable, enable)
+    counter = int(s.heartbeat_counters[place])
+    s.heartbeat_counters[place] = float(next_counter(counter))
+    return guarded(f.heartbeat, payload, f.ecu_data_id, counter)

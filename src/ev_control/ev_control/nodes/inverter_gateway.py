@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from ev_control.inverter_gateway.commands import Commands
-from ev_control.inverter_gateway.on_bus import GatewayOnBus
-from ev_control.inverter_gateway.panel import Panel
-from ev_control.inverter_gateway.parameters import GatewayParameters
-from ev_control.inverter_gateway.station import GatewayStation
-from ev_core.bus.channel import Frame
-from ev_core.bus.channels import Channels
+from ev_control.inverter_gateway.gateway import GatewayParameters
+from ev_control.inverter_gateway.panel import Commands, Panel
+from ev_control.inverter_gateway.station import GatewayOnBus, GatewayStation
+from ev_core.bus.channel import Channels, Frame
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.inbox import HoldingInbox
-from ev_core.nodes.on_bus.node import BusNode
-from ev_core.nodes.on_bus.role import RoleOnBus
+from ev_core.nodes.bus_nodes import BusNode, RoleOnBus
 from ev_core.run_role import make_node, run_node, told
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 

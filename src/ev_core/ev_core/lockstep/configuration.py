@@ -15,8 +15,8 @@ from ev_core.methods.hooks import ReadingFiles
 from ev_core.methods.register import Method, create, methods_of, refuse_layout, refuse_taken
 from ev_core.parameters.declaration import Entry, Spec, defaults, entries, flatten
 from ev_core.parameters.values import entries_by_name, replaced
-from ev_core.sensors.quantities import sensors_for
 from ev_core.sensors.random_numbers import seeded
+from ev_core.sensors.row import sensors_for
 from ev_core.vehicle.files import with_files
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import ROLES

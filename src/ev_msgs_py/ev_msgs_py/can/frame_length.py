@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from ev_msgs_py.can.protection import LONGEST
+from ev_msgs_py.can.payload import LONGEST
 from ev_msgs_py.compilable import compilable, inlined
 
 _CRC_POLYNOMIAL = 0x4599

@@ -9,17 +9,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.optional_signals import (
     BenchElectrical,
     BenchEnergy,
     BenchShafts,
     BenchTemperatures,
+    BusStates,
     CellCondition,
+    FeedbackFrames,
     LoadCommand,
     MotorElectrics,
     MotorTemperatures,
     RearSteeringState,
+    SetPointFrames,
     WheelSpeedCommand,
 )
 from ev_msgs_py.contract.signals import (

@@ -7,18 +7,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.fields import Shape, shape_of
 from ev_msgs_py.contract.optional_signals import (
     BenchElectrical,
     BenchEnergy,
     BenchShafts,
     BenchTemperatures,
+    BusStates,
     CellCondition,
+    FeedbackFrames,
     LoadCommand,
     MotorElectrics,
     MotorTemperatures,
     RearSteeringState,
+    SetPointFrames,
     WheelSpeedCommand,
 )
 from ev_msgs_py.contract.signals import (

@@ -9,10 +9,10 @@ from typing import Any
 
 from ev_core.methods.common_parameters import CommonParameters
 from ev_core.methods.register import methods_of
-from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.declaration import Entry, Spec, entries
 from ev_core.parameters.values import units_for
-from ev_core.sensors.quantities import sensors_for
+from ev_core.sensors.row import sensors_for
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_sim.scenarios.about import ScenarioParameters
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from ev_core.law import compilable, sqrt
 from ev_msgs_py.can.frames import RPM, SENT, BenchFrames, DeviceFrames, guarded
-from ev_msgs_py.can.payload import inserted
-from ev_msgs_py.can.protection import last_counter, next_counter
+from ev_msgs_py.can.payload import inserted, last_counter, next_counter
 from ev_sim.inverter.inverter import statusword
 from ev_sim.inverter.parameters import InverterParameters
 from ev_sim.inverter.state import Inverter

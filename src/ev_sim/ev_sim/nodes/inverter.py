@@ -6,7 +6,7 @@ from typing import Any
 
 from ev_core.bus.channel import Frame
 from ev_core.bus.parameters import CIRCUITS
-from ev_core.nodes.on_bus.node import BusNode
+from ev_core.nodes.bus_nodes import BusNode
 from ev_core.run_role import run_node
 from ev_sim.inverter.injection import inject
 from ev_sim.inverter.parameters import InverterNodeParameters

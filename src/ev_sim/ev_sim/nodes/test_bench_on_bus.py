@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from ev_core.bus.channel import BusMeter
-from ev_core.bus.channels import Channels
+from ev_core.bus.channel import BusMeter, Channels
 from ev_core.lockstep.configuration import Configuration
-from ev_core.nodes.on_bus.role import RoleOnBus
+from ev_core.nodes.bus_nodes import RoleOnBus
 from ev_sim.test_bench.on_bus import BenchOnBus, meters_of
 
 

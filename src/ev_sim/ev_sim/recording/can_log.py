@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ev_core.bus.database_file import load_database
 from ev_core.bus.model import SENT
-from ev_core.bus.parameters import CIRCUITS
+from ev_core.bus.parameters import CIRCUITS, load_database
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.parts import compiled_parts
 from ev_core.lockstep.run import call
 from ev_core.parameters.record import names
 from ev_msgs_py.can.payload import joined
 from ev_msgs_py.contract import frame
-from ev_msgs_py.contract.bus_signals import BusStates
+from ev_msgs_py.contract.optional_signals import BusStates
 from ev_sim.recording.recording import Recording
 from ev_sim.test_bench.circuits_on_can import CanCircuitsState, channel_layouts
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ev_core.nodes.master.parameters import LONGEST
+from ev_core.nodes.master.real_time import LONGEST
 from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import RECORDED

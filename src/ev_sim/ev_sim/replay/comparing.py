@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.nodes.master.timing import Histogram
+from ev_core.nodes.master.real_time import Histogram
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant

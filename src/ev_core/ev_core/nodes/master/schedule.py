@@ -7,9 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from ev_core.lockstep.stepper import Stepper
-from ev_core.nodes.master.held_inputs import HeldInputs
-from ev_core.nodes.master.parameters import RECORDER_LAG, MasterParameters
-from ev_core.nodes.master.timing import Timing
+from ev_core.nodes.master.real_time import RECORDER_LAG, HeldInputs, MasterParameters, Timing
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import Frame
 
