@@ -18,7 +18,7 @@ from ros_graph import NAMESPACE, ros_domain
 from sensor_msgs.msg import BatteryState, JointState
 from std_srvs.srv import SetBool, Trigger
 
-from ev_control.nodes.inverter_gateway import InverterGatewayNode
+from ev_control.inverter_gateway.node import InverterGatewayNode
 from ev_core.bus.channel import Channel
 from ev_core.nodes.spinning import spin
 from ev_msgs_py.can.drive_states import ENABLE_COMMAND, FAULT, FAULT_REACTION_ACTIVE, OPERATION_ENABLED

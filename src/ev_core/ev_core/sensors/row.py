@@ -25,46 +25,28 @@ from ev_core.sensors.measuring import (
     measure,
     sensor_parameters,
 )
-from ev_msgs_py.contract import frame
+from ev_msgs_py.contract import frame, signals
+from ev_msgs_py.contract import optional_signals as optional
 from ev_msgs_py.contract.fields import shape_of
-from ev_msgs_py.contract.optional_signals import (
-    BenchElectrical,
-    BenchShafts,
-    BenchTemperatures,
-    CellCondition,
-    MotorElectrics,
-    MotorTemperatures,
-    RearSteeringState,
-)
-from ev_msgs_py.contract.signals import (
-    BatteryCondition,
-    BodyPose,
-    BodyVelocity,
-    InertialMeasurement,
-    MotorStates,
-    SteeringColumnState,
-    TireForces,
-    WheelStates,
-)
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 # In the order of the parameter reference. What nobody measures (commands, the recorder) is not among them.
-_OF_CIRCUITS = (BenchShafts, BenchElectrical, BenchTemperatures)
+_OF_CIRCUITS = (optional.BenchShafts, optional.BenchElectrical, optional.BenchTemperatures)
 
 
 _MEASURED = (
-    WheelStates,
-    MotorStates,
-    InertialMeasurement,
-    BodyVelocity,
-    BodyPose,
-    BatteryCondition,
-    TireForces,
-    MotorElectrics,
-    MotorTemperatures,
-    CellCondition,
-    SteeringColumnState,
-    RearSteeringState,
+    signals.WheelStates,
+    signals.MotorStates,
+    signals.InertialMeasurement,
+    signals.BodyVelocity,
+    signals.BodyPose,
+    signals.BatteryCondition,
+    signals.TireForces,
+    optional.MotorElectrics,
+    optional.MotorTemperatures,
+    optional.CellCondition,
+    signals.SteeringColumnState,
+    optional.RearSteeringState,
     *_OF_CIRCUITS,
 )
 
