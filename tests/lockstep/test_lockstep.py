@@ -562,7 +562,7 @@ def test_realtime_hears_who_is_late_each_time():
             assert box.take(n * PERIOD).numbers[PLACES[DriverCommand].start] == n - 1
         arrival = box.offer(DriverCommand, n * PERIOD, [float(n)] * sizes[DriverCommand])
         assert arrival is (Arrival.OLD if n else Arrival.NEW)
-        assert box.newest(DriverCommand) == n * PERIOD
+        assert box.held.stamp_of(DriverCommand) == n * PERIOD
 
 
 def test_realtime_integrates_with_zero_what_was_never_heard():

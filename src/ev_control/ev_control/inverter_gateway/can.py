@@ -1,4 +1,7 @@
-"""The gateway as a role of the graph: the same steps as in `station`, a period at a time, with frames as signals."""
+"""The gateway as a role of the graph: orders of an instant, buttons, and frames as signals, a period at a time.
+
+Each tick has the same steps as a cycle of `station`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""How the gateway speaks for the controller."""
+"""The parameters and the state of the gateway, and whether a circuit measures what can be.
+
+The transducer is compared with the inverter, and with the wheel that the circuit stands for.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Leading an inverter through its states: enable, stop at the first fault, reset in sequence."""
+"""Leading an inverter through its states: feedback in, enable, stop at the first fault, reset in sequence, frames out.
+
+Feedback is checked frame by frame, and kept as far as it is valid. Set-points and a heartbeat go out, which has what
+the gateway has latched and enabled.
+"""
 
 from __future__ import annotations
 

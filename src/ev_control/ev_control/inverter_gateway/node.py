@@ -64,7 +64,7 @@ class GatewayRoleOnBus(RoleOnBus):
         """The stamp of the newest torque command."""
         inbox = self.stepper.inbox
         assert isinstance(inbox, HoldingInbox), "it plays in real time"
-        return inbox.newest(WheelTorqueCommand)
+        return inbox.held.stamp_of(WheelTorqueCommand)
 
     def open_channels(self) -> Channels:
         """As its parameters say, with their log."""

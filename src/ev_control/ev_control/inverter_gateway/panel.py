@@ -1,4 +1,7 @@
-"""What a gateway node offers around its bus: the services, and what it publishes of its devices."""
+"""The ROS side of a gateway node: services, commands of the graph, feedback of the inverters and their diagnosis.
+
+Commands are wheel torques for the drives, torques or speeds for the load machines; feedback goes out as stock messages.
+"""
 
 from __future__ import annotations
 

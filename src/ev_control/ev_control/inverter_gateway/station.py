@@ -1,4 +1,7 @@
-"""The gateway without ROS, bus and clock: frames and commands in, one cycle, frames out."""
+"""The gateway without ROS and clock: frames and commands in, one cycle, frames out.
+
+`GatewayOnBus` is the role of the graph in real time: orders at the instants, frames on the bus in cycles of 1 ms.
+"""
 
 from __future__ import annotations
 

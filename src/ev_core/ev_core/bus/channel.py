@@ -1,4 +1,4 @@
-"""One channel of a bus as a node uses it: classic data frames in and out, metered and logged."""
+"""The channels of a bus as a node uses them: classic data frames in and out, metered and logged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which bus a node speaks on, as its parameters say."""
+"""The parameters of the bus that a node speaks on, and the DBC file of its frames, read once when a node starts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,12 @@
-"""The faults behind one object, in plain Python: what they are told and what they keep, as two rows of numbers."""
+"""Faults of signals in the frame: their output takes the place of the numbers, once per control period.
+
+A row of numbers has the settings of the faults behind one object, another one what lasts between periods:
+
+    constants  total  size of the state  entries  period [s]  then for each entry the numbers from KIND to OTHER_ROUNDS
+    state      for each entry that remembers: whether it has begun, then the numbers
+
+`FaultRow` makes both rows, and steps them in plain Python.
+"""
 
 from __future__ import annotations
 

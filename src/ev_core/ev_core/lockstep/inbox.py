@@ -215,6 +215,33 @@ class Inbox:
         return found
 
 
+class HeldInputs:
+    """The numbers of the newest message of each kind, in a frame, and its stamp."""
+
+    def __init__(self, reads: tuple[type, ...]) -> None:
+        self._reads = reads
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self.frame = Frame()
+        self._stamps: dict[type, int] = {}
+
+    def keep(self, kind: type, stamp: int, numbers: Sequence[float]) -> None:
+        """Keep a message."""
+        self._stamps[kind] = stamp
+        self.frame.numbers[PLACES[kind]] = array("d", numbers)
+
+    def stamp_of(self, kind: type) -> int:
+        """The stamp of the message of a kind, -1 if there is none."""
+        return self._stamps.get(kind, -1)
+
+    @property
+    def missing(self) -> tuple[type, ...]:
+        """The kinds of which nothing has come."""
+        return tuple(kind for kind in self._reads if kind not in self._stamps)
+
+
 class HoldingInbox(Inbox):
     """An inbox in which steps may be left out, and in which the newest inputs stand for those that do not come.
 
@@ -233,17 +260,14 @@ class HoldingInbox(Inbox):
     ) -> None:
         super().__init__(reads, heralds, period, may_skip=True, lead=lead)
         self._pacing, self._neutral = pacing, neutral
-        self._forget()
-
-    def _forget(self) -> None:
-        self._held = Frame()
-        self._newest: dict[type, int] = {}  # stamp by kind
+        self.held = HeldInputs(reads)
         self._paced = -1  # newest stamp of the pacing ones
 
     def expect(self, stamp: int) -> None:
         """Forget everything; the next step is the one of this stamp, or any later one."""
         super().expect(stamp)
-        self._forget()
+        self.held.clear()
+        self._paced = -1
 
     def offer(self, kind: type, stamp: int, numbers: Sequence[float]) -> Arrival:
         """Judge a message, keep its numbers if it is new or begins a new run, and hold them if they are the newest.
@@ -252,23 +276,18 @@ class HoldingInbox(Inbox):
         """
         arrival, last = super().offer(kind, stamp, numbers), self.last
         is_of_run = last is None or (stamp - last) % self.period == 0
-        if arrival is not Arrival.GAP and stamp > self.newest(kind) and is_of_run:
+        if arrival is not Arrival.GAP and stamp > self.held.stamp_of(kind) and is_of_run:
             if arrival is Arrival.REPEATED:  # it is not: the step has been taken without it
                 arrival = Arrival.OLD
-            self._newest[kind] = stamp
-            self._held.numbers[PLACES[kind]] = array("d", numbers)
+            self.held.keep(kind, stamp, numbers)
             if kind in self._pacing:
                 self._paced = max(self._paced, stamp)
         return arrival
 
-    def newest(self, kind: type) -> int:
-        """The stamp of the newest message of a kind that has come, -1 if there is none."""
-        return self._newest.get(kind, -1)
-
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, or that shall wait no longer; None if there is none."""
         whole = super().complete()
-        if whole is not None or not (self._neutral or len(self._newest) == len(self.reads)):
+        if whole is not None or not (self._neutral or not self.held.missing):
             return whole
         return max((stamp for stamp in self.waiting if stamp < self._paced), default=None)
 
@@ -278,5 +297,5 @@ class HoldingInbox(Inbox):
         inputs = super().take(stamp)
         for i, kind in enumerate(self.reads):
             if not came >> i & 1:
-                inputs.copy(self._held, PLACES[kind])
+                inputs.copy(self.held.frame, PLACES[kind])
         return inputs

@@ -1,4 +1,7 @@
-"""A role of the graph whose frames go over a real CAN bus, in real time."""
+"""Nodes that speak on a CAN bus in real time: frames as they come, and a cycle every millisecond by the wall clock.
+
+`BusNode` has nothing but its bus, `RoleOnBus` plays a role of the graph besides.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The common part of all nodes of the graph: parameters, topics, and a part that is stepped by stamps."""
+"""The common part of all nodes of the graph: parameters, topics, and a part that is stepped by stamps.
+
+`spinning.spin` polls such a node for the inputs that its next step waits for; compiled code takes its ordinary steps.
+"""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Sensors in the frame: what they show takes the place of the true numbers, once per control period.
+"""Sensors in the frame: their output takes the place of the true numbers, once per control period.
 
-A row of numbers holds what the sensors behind one object are told, another one what lasts between periods:
+A row of numbers has the settings of the sensors behind one object, another one what lasts between periods:
 
     constants  total  size of the state  sensors  then for each sensor the numbers from KIND to FIRST
-    state      period                             then for each sensor whether it has begun, what it shows, what is on
+    state      period                             then for each sensor whether it has begun, its output, what is on
                                                   its way
 """
 

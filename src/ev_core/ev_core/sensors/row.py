@@ -1,4 +1,7 @@
-"""The sensors behind one object, in plain Python: what they are told and what they keep, as two rows of numbers."""
+"""The sensors behind one object: the quantities that they measure, and their settings and state as two rows of numbers.
+
+The quantities are the fields of the signals, by the sensor that each of them names.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The frames of a bus from the text of a DBC file; nothing of the reader is used later."""
+"""The frames of a bus from the text of a DBC file; nothing of the reader is used later.
+
+A frame has its signals by name, and packs values into bytes and back.
+"""
 
 from __future__ import annotations
 

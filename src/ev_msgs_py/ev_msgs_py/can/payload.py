@@ -1,7 +1,12 @@
-"""A payload of 64 bits: its two words of 32 bits, and one signal in it.
+"""A payload of 64 bits: its two words, the signals in it, and its end-to-end protection.
 
-One signal in the payload of a frame: a physical value as a whole number of steps in some of its bits.
-A payload is one whole number, byte 0 in its lowest 8 bits, so that a signal in Intel order is a shift and a mask.
+A payload is one whole number, byte 0 in its lowest 8 bits, so that a signal in Intel order is a shift and a mask: a
+physical value as a whole number of steps in some of its bits.
+
+The protection is AUTOSAR E2E profile 1, variant 1A. Byte 0 is the checksum, the low half of byte 1 a counter from 0 to
+14. The checksum is CRC-8 SAE J1850 with start value and final XOR 0 (AUTOSAR PRS E2E protocol, profile 1), over the two
+bytes of the data id, low one first, and bytes 1 to the last: a frame that is right but comes under another identifier
+is found too.
 """
 
 from __future__ import annotations

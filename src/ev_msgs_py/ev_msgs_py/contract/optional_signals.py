@@ -1,4 +1,8 @@
-"""Signals that only some graphs have: drives in speed mode, actuators, motors and cells, the test bench."""
+"""Signals that only some graphs have: drives in speed mode, actuators, motors and cells, the test bench, its CAN bus.
+
+Each payload of the bus is two words of 32 bits, which a float64 holds exactly; -1: no frame. A period has a place for
+each tick of 1 ms, of which the first ones are used; what comes less often has one place.
+"""
 
 from __future__ import annotations
 

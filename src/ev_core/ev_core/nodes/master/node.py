@@ -1,4 +1,7 @@
-"""The master of time: publishes the state of each instant, waits for all answers, integrates to the next instant."""
+"""The master of time: publishes the state of each instant, waits for all answers, integrates to the next instant.
+
+It answers no message, but goes on where it may.
+"""
 
 from __future__ import annotations
 

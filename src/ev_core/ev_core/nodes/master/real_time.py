@@ -1,4 +1,4 @@
-"""How well real time was kept, with its times counted in bins."""
+"""The parameters of how time runs, the newest inputs that real time holds, and how well real time was kept."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ev_core.lockstep.inbox import HeldInputs
 from ev_core.methods.common_parameters import CommonParameters
 from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract import frame, stamps
@@ -63,25 +64,16 @@ _DRIVE = slice(_COMMAND.start, _COMMAND.start + 4)
 _BRAKE = slice(_COMMAND.start + 4, _COMMAND.stop)
 
 
-class HeldInputs:
-    """Keeps the numbers of the newest message of each kind, its stamp, and when it came."""
+class FadingInputs(HeldInputs):
+    """The newest inputs, of which the torque command fades with its age."""
 
-    def __init__(self, reads: tuple[type, ...]) -> None:
-        self._reads = reads
-        self.clear()
-
-    def clear(self) -> None:
-        """Forget everything."""
-        self._frame = Frame()
-        self._stamps: dict[type, int] = {}
-        self._command_came = 0.0
+    _command_came = 0.0
 
     def take(self, kind: type, stamp: int, numbers: Sequence[float], limit: int) -> bool:
         """Keep a message, whose stamp must be above those of its kind before and not above the limit; whether it is."""
         if not self.stamp_of(kind) < stamp <= limit:
             return False
-        self._stamps[kind] = stamp
-        self._frame.numbers[frame.PLACES[kind]] = frame.numbers_of(numbers)
+        self.keep(kind, stamp, numbers)
         if kind is WheelTorqueCommand:
             self.came_now()
         return True
@@ -90,22 +82,13 @@ class HeldInputs:
         """The age of the torque command by the wall clock counts from now on."""
         self._command_came = time.monotonic()
 
-    def stamp_of(self, kind: type) -> int:
-        """The stamp of the message of a kind that is held, -1 if there is none."""
-        return self._stamps.get(kind, -1)
-
-    @property
-    def missing(self) -> tuple[type, ...]:
-        """What has not been heard yet."""
-        return tuple(kind for kind in self._reads if kind not in self._stamps)
-
     def share(self, now: int, period: int, p: MasterParameters) -> float:
         """What is left of the held torque command [1] in the step from now on.
 
         It falls to zero by a ramp. No torque acts any more when the command is `command_timeout` old, so what counts
         is its age at the end of the step, by its stamp or by the wall clock, whichever is more.
         """
-        sent = self._stamps[WheelTorqueCommand]
+        sent = self.stamp_of(WheelTorqueCommand)
         age = max(stamps.to_seconds(now - sent), time.monotonic() - self._command_came)
         left = p.command_timeout - age - stamps.to_seconds(period)
         if left <= 0.0:
@@ -115,7 +98,7 @@ class HeldInputs:
     def at(self, share: float, brake_torque: float) -> Frame:
         """The inputs of a step; what is missing of the command's torques is made up for by braking."""
         here = Frame()
-        here.numbers[:] = self._frame.numbers
+        here.numbers[:] = self.frame.numbers
         if share < 1.0:
             numbers = here.numbers
             numbers[_DRIVE] = frame.numbers_of([share * torque for torque in numbers[_DRIVE]])

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from ev_core.lockstep.stepper import Stepper
-from ev_core.nodes.master.real_time import RECORDER_LAG, HeldInputs, MasterParameters, Timing
+from ev_core.nodes.master.real_time import RECORDER_LAG, FadingInputs, MasterParameters, Timing
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import Frame
 
@@ -60,7 +60,7 @@ class Schedule:
     def __init__(self, stepper: Stepper, realtime: bool, parameters: MasterParameters) -> None:
         self._stepper = stepper
         self.realtime = realtime
-        self.held = HeldInputs(stepper.reads)
+        self.held = FadingInputs(stepper.reads)
         self.timing = Timing(stepper.reads)
         self._pace = Pace()
         self._recorded = -1  # stamp up to which the recorder holds everything
