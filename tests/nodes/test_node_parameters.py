@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 
 from ev_core.lockstep.inbox import note_answer
 from ev_core.methods.register import all_methods
-from ev_core.nodes.runner_line import LINE
+from ev_core.nodes.runner_line import RUNNER_LINE
 from ev_core.nodes.spinning import refuse_what_raises
 from ev_core.parameters.declaration import entries
 from ev_msgs_py.contract.roles import ROLES
@@ -84,7 +84,7 @@ def test_a_change_of_any_length_is_told_to_the_runner(context, monkeypatch, coun
     """With all its values it would not fit into a word, or not into the socket."""
     told = Told("/ev")
     address, _ = told.line("driver")
-    monkeypatch.setenv(LINE, address)
+    monkeypatch.setenv(RUNNER_LINE, address)
     node = node_of(context, "driver", {})
     times = [n / count / 7 for n in range(count)]
     assert tried(node, speed_profile__time=times, speed_profile__speed=[10.0 + each for each in times]) == ""

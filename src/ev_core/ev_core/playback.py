@@ -1,4 +1,4 @@
-"""What a role said in a recorded run as a method: `driver=results/shchur2019/signals.npz`."""
+"""Roles that are played by what was recorded: `driver=results/shchur2019/signals.npz`."""
 
 from __future__ import annotations
 

@@ -136,7 +136,7 @@ class LockstepGateway:
     gateway: Gateway = part(Gateway)
     said: list[float] = series(ALL_SAID, NO_FRAME, unit="1", about="as in SetPointFrames")
     heard: list[float] = series(4 * _HEARD, NO_FRAME, unit="1", about="as in FeedbackFrames")
-    noted: list[float] = series(4, unit="1", about="faults of each device since the start, as `diagnosis.latched`")
+    noted: list[float] = series(4, unit="1", about="faults of each device since the start, as `gateway.latched`")
 
 
 def prepare(parameters: LockstepGatewayParameters, _vehicle: Vehicle, period: float) -> GatewayConstants:

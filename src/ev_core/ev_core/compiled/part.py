@@ -135,12 +135,12 @@ def _function(name: str, head: int, change: Callable[..., None]) -> int:
 
 def function() -> int:
     """The address of the one function of all sensors."""
-    return _function("sensors", measuring.HEAD, measuring.measure)
+    return _function("sensors", measuring.SENSORS_HEAD, measuring.measure)
 
 
 def fault_function() -> int:
     """The address of the one function of all faults of signals."""
-    return _function("faults", row.HEAD, row.strike)
+    return _function("faults", row.FAULTS_HEAD, row.strike)
 
 
 class RowPart:

@@ -33,9 +33,11 @@ CONSTANT, SCALED, OFFSET, NOISY, TILTED, SWAPPED, FROZEN, LOST, DELAYED, REORDER
 # What an entry, one fault of one number, is told. OTHER is the place of the number that it is swapped with, NUMBER its
 # own among those of the fault, MEMORY where the state has what it remembers, LENGTH numbers. A message carries PLACE in
 # single precision if it ROUNDS.
-WIDTH = 13
-KIND, PLACE, OTHER, BEGIN, END, VALUE, SEED, NAME, NUMBER, MEMORY, LENGTH, ROUNDS, OTHER_ROUNDS = range(WIDTH)
-HEAD = 4
+FAULT_WIDTH = 13
+KIND, PLACE, OTHER, BEGIN, END, VALUE, SEED, FAULT_NAME, NUMBER, MEMORY, LENGTH, ROUNDS, OTHER_ROUNDS = range(
+    FAULT_WIDTH
+)
+FAULTS_HEAD = 4
 
 # The last word of the counter says what a random number is for; sensors have 0 and 1.
 FOR_NOISE, FOR_LOSS = 2, 3
@@ -46,8 +48,8 @@ def strike(frame: Numbers, state: Numbers, faults: Sequence[float]) -> None:
     """Let all faults do what they do to the numbers in a frame, one after the other."""
     period = int(frame[TIME] / faults[3] + 0.5)
     for n in range(int(faults[2])):
-        begin = HEAD + n * WIDTH
-        suffer(frame, state, faults[begin : begin + WIDTH], period)
+        begin = FAULTS_HEAD + n * FAULT_WIDTH
+        suffer(frame, state, faults[begin : begin + FAULT_WIDTH], period)
 
 
 @compilable
@@ -107,7 +109,7 @@ def remembered(state: Numbers, c: Sequence[float], period: int, is_on: bool, tru
 @compilable
 def words(c: Sequence[float], period: int, block: int, purpose: int) -> tuple[int, int, int, int]:
     """Four random words of a fault in a period; the key is the seed and the text of the fault."""
-    return philox(period & WORD, period >> 32, block, purpose, int(c[SEED]), int(c[NAME]))
+    return philox(period & WORD, period >> 32, block, purpose, int(c[SEED]), int(c[FAULT_NAME]))
 
 
 @compilable
@@ -127,13 +129,13 @@ def of_signals(texts: tuple[str, ...]) -> list[Fault]:
 
 
 class FaultRow:
-    """Faults of signals that an object with these `writes` publishes; `constants` and `state` are as `striking` says.
+    """Faults of signals that an object with these `writes` publishes; `constants` and `state` are as above.
 
     ParameterError for a number that is not among them.
     """
 
     def __init__(self, faults: Sequence[Fault], writes: tuple[type, ...], seed: int, period: float) -> None:
-        self.constants = [0.0] * HEAD
+        self.constants = [0.0] * FAULTS_HEAD
         self._size = 0
         texts = [fault.text for fault in faults]
         for n, fault in enumerate(faults):
@@ -142,7 +144,12 @@ class FaultRow:
             for told in self._entries(fault, writes, seed, name, period):
                 self.constants += told
         total = len(self.constants)
-        self.constants[:HEAD] = float(total), float(self._size), float((total - HEAD) // WIDTH), period
+        self.constants[:FAULTS_HEAD] = (
+            float(total),
+            float(self._size),
+            float((total - FAULTS_HEAD) // FAULT_WIDTH),
+            period,
+        )
         self.start()
 
     def _entries(
@@ -165,7 +172,7 @@ class FaultRow:
 
     def go_on_from(self, other: Any) -> None:
         """What the same faults remember goes on; others begin with the present numbers."""
-        keep_memories(self, other, HEAD, WIDTH, (NAME, NUMBER, LENGTH), MEMORY)
+        keep_memories(self, other, FAULTS_HEAD, FAULT_WIDTH, (FAULT_NAME, NUMBER, LENGTH), MEMORY)
 
     def step(self, numbers: Numbers) -> None:
         """Put what the faults leave of them into the place of the numbers in a frame; once per period."""

@@ -19,7 +19,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from ev_core.lockstep import tally
 from ev_core.node_loop import steps
 from ev_core.node_loop.message_memory import RUN, End
-from ev_core.node_loop.steps import FAILED, GID, HEAD, INPUT, NOT_FINITE, ODD, OUTPUT
+from ev_core.node_loop.steps import FAILED, GID, INPUT, LOOP, NOT_FINITE, ODD, OUTPUT
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.stamps import NANOSECONDS
 from ev_msgs_py.refusal import ParameterError, quoted
@@ -131,7 +131,7 @@ class OrdinarySteps:
         with context:
             self._wait_set = rclpy_implementation.WaitSet(1, 1, 0, 0, 0, 0, context)
         inputs = [reader.end for reader in self._readers]
-        self._head = np.zeros(1, HEAD)
+        self._head = np.zeros(1, LOOP)
         self._inputs, self._outputs = np.zeros(len(inputs), INPUT), np.zeros(len(outputs), OUTPUT)
         self._senders = np.full((len(inputs), _SENDERS, 2), -1)
         self._runs = np.array([tuple(run) for end in (*inputs, *outputs) for run in end.runs], RUN)

@@ -179,7 +179,7 @@ def _wall_clock(head: Any, memory: Any) -> int:
     return now
 
 
-HEAD = np.dtype(
+LOOP = np.dtype(
     [
         *integers("topics", "publishers", "runs", "senders", "size"),  # how many there are
         *integers("inputs", "heralds", "followed", "period", "lead", "may_skip"),  # as in `Steps`
@@ -206,7 +206,7 @@ P = types.voidptr
 
 @cfunc(types.int32(P, P, P, P, P, P, P, P, P), error_model="numpy")
 def step(head, steps, inputs, outputs, runs, senders, frames, block, tally):
-    h = carray(head, 1, HEAD)[0]
+    h = carray(head, 1, LOOP)[0]
     s = carray(steps, {3 + 2 * ROWS}, np.int64)
     memory = Memory(
         carray(block, h.size, np.uint8),
@@ -229,7 +229,7 @@ def step(head, steps, inputs, outputs, runs, senders, frames, block, tally):
         carray(tally, {BLOCK}, np.int64),
     )
 '''
-_RECORDS = {"HEAD": HEAD, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN}
+_RECORDS = {"LOOP": LOOP, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN}
 _NAMES = {**_RECORDS, "Memory": Memory, "Steps": Steps, "take_steps": take_steps}
 
 

@@ -16,8 +16,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-LINE = "EV_STACK_RUNNER_LINE"  # variable of the environment: file descriptor, process of the runner, key of the sums
-PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME, TIMING, TALLY = KINDS = (
+RUNNER_LINE = (
+    "EV_STACK_RUNNER_LINE"  # variable of the environment: file descriptor, process of the runner, key of the sums
+)
+PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME_SERVICE, TIMING, TALLY = WORD_KINDS = (
     "progress",  # of the recorder: `values` has the stamp up to which the run is held [ns]
     "waits",  # `values` has the roles that a node waits for
     "warning",  # why the run may not be reproducible
@@ -50,7 +52,7 @@ class Word:
         """ValueError where it has another form."""
         word = cls(**_object(message))
         forms = (word.kind, str), (word.text, str), (word.what, str), (word.values, dict)
-        if word.kind not in KINDS or not all(isinstance(value, kind) for value, kind in forms):
+        if word.kind not in WORD_KINDS or not all(isinstance(value, kind) for value, kind in forms):
             raise ValueError(f"kind {word.kind!r}")
         return word
 
@@ -106,7 +108,7 @@ class RunnerLine:
 
 def _inherited() -> tuple[socket.socket | None, bytes]:
     """The socket that the environment names, if it is one whose other end the runner has made, and the key."""
-    number, _, rest = os.environ.get(LINE, "").partition(" ")
+    number, _, rest = os.environ.get(RUNNER_LINE, "").partition(" ")
     runner, _, key = rest.partition(" ")
     try:
         line = socket.socket(fileno=os.dup(int(number)))

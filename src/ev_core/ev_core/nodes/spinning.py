@@ -3,7 +3,7 @@
 rclpy's executors build a wait set of everything for every message, services included. Here a step wakes up for one
 subscription, its last input, and polls the others; services, and so parameters, are looked at now and then, and what
 there may be besides goes through an ordinary executor. A node that has a process to itself does that in compiled code
-for as long as nothing odd comes (`polled`).
+for as long as nothing odd comes (`node_loop`).
 """
 
 from __future__ import annotations

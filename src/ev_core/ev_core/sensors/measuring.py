@@ -94,10 +94,12 @@ NUMBERS, HEADING, SHARE = range(3)
 
 # What a sensor is told. Three places: of the first number, or of z and w, or of share, amount and whole; MEMORY is that
 # of its own numbers in the state, FIRST how many pairs of its numbers are measured in front of these.
-WIDTH = 20
-KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, NAME = range(14)
-GAIN, LOWEST, HIGHEST, DISTRIBUTION, NOISE_OF_READING, FIRST = range(14, WIDTH)
-HEAD = 3
+SENSOR_WIDTH = 20
+KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, SENSOR_NAME = range(
+    14
+)
+GAIN, LOWEST, HIGHEST, DISTRIBUTION, NOISE_OF_READING, FIRST = range(14, SENSOR_WIDTH)
+SENSORS_HEAD = 3
 
 
 class Numbers(Protocol):
@@ -117,8 +119,8 @@ def measure(frame: Numbers, state: Numbers, sensors: Sequence[float]) -> None:
     """Let all sensors show what they make of the true numbers in a frame."""
     period = int(state[0])
     for n in range(int(sensors[2])):
-        begin = HEAD + n * WIDTH
-        show(frame, state, sensors[begin : begin + WIDTH], period)
+        begin = SENSORS_HEAD + n * SENSOR_WIDTH
+        show(frame, state, sensors[begin : begin + SENSOR_WIDTH], period)
     state[0] += 1.0
 
 
@@ -155,7 +157,7 @@ def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> Non
 @compilable
 def words(c: Sequence[float], period: int, block: int, purpose: int) -> tuple[int, int, int, int]:
     """Four random words of a sensor in a period; the key is the seed and the name."""
-    return philox(period & WORD, period >> 32, block, purpose, int(c[SEED]), int(c[NAME]))
+    return philox(period & WORD, period >> 32, block, purpose, int(c[SEED]), int(c[SENSOR_NAME]))
 
 
 @compilable

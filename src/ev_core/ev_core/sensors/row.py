@@ -17,13 +17,13 @@ from ev_core.sensors.measuring import (
     DELAY,
     DISTRIBUTIONS,
     FIRST,
-    HEAD,
     HEADING,
     MEMORY,
-    NAME,
     NUMBERS,
+    SENSOR_NAME,
+    SENSOR_WIDTH,
+    SENSORS_HEAD,
     SHARE,
-    WIDTH,
     Numbers,
     measure,
     sensor_parameters,
@@ -132,20 +132,20 @@ def sensors_for(signals: tuple[type, ...]) -> type:
 
 
 class SensorRow:
-    """Those of some sensors that are not ideal; `parameters` are as `quantities.sensors_for` declares them.
+    """Those of some sensors that are not ideal; `parameters` are as `sensors_for` declares them.
 
     With fewer wheels `driven` a test bench has fewer channels. `constants` and `state` are rows of numbers as
     `measuring` has them, the state all that lasts.
     """
 
     def __init__(self, parameters: Any, seed: int, driven: Collection[str] = WHEEL_NAMES) -> None:
-        self.constants = [0.0] * HEAD
+        self.constants = [0.0] * SENSORS_HEAD
         self._size = 1
         for quantity, errors in imperfect(parameters):
             for part in quantity.parts(driven):
                 self.constants += self._told(quantity, errors, seed, part)
         total = len(self.constants)
-        self.constants[:HEAD] = float(total), float(self._size), float((total - HEAD) // WIDTH)
+        self.constants[:SENSORS_HEAD] = float(total), float(self._size), float((total - SENSORS_HEAD) // SENSOR_WIDTH)
         self.start()
 
     def _told(self, quantity: Quantity, errors: Any, seed: int, part: range) -> list[float]:
@@ -164,7 +164,7 @@ class SensorRow:
     def go_on_from(self, other: Any) -> None:
         """Go on in the period where others were; a sensor that has another delay or was not there begins with it."""
         self.state[0] = other.state[0]
-        keep_memories(self, other, HEAD, WIDTH, (NAME, FIRST, COUNT, DELAY), MEMORY)
+        keep_memories(self, other, SENSORS_HEAD, SENSOR_WIDTH, (SENSOR_NAME, FIRST, COUNT, DELAY), MEMORY)
 
     def step(self, frame: Numbers) -> None:
         """Put what the sensors show into a frame of true numbers; once per period, the first time at the start."""

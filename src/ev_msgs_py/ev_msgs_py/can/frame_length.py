@@ -105,7 +105,7 @@ def header(identifier: int, length: int) -> Header:
 @compilable
 def wire_bits(bits: float, state: float, crc: float, payload: int, length: int) -> float:
     """Bits on the wire of a frame with this header, stuff bits and the pause behind it counted."""
-    if length == LONGEST:  # as in `protection.checksum`
+    if length == LONGEST:  # as in `payload.checksum`
         return _wire_bits(bits, state, crc, payload, LONGEST)
     return _wire_bits(bits, state, crc, payload, length)
 

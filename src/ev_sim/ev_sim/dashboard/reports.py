@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
 from ev_core.nodes.reports import HEALTH, NOTED
-from ev_core.nodes.runner_line import TIME, TIMING
+from ev_core.nodes.runner_line import TIME_SERVICE, TIMING
 from ev_core.nodes.signal_io import HELD, Reader
 from ev_msgs_py.contract.roles import RECORDER, ROLES
 from ev_msgs_py.refusal import shown
@@ -55,7 +55,7 @@ class Reported:
     def _note_status(self, status: DiagnosticStatus) -> None:
         if status.name.endswith((HEALTH, TIMING)) or status.hardware_id:  # of a device: its node notes what is latched
             return
-        text, about_time = shown(f"{status.name}: {status.message}"), status.name.endswith(TIME)
+        text, about_time = shown(f"{status.name}: {status.message}"), status.name.endswith(TIME_SERVICE)
         what = next((shown(value.value) for value in status.values if value.key == NOTED), text)
         if about_time or (what not in self._said and len(self._said) < _MOST):
             self._said.add(what)

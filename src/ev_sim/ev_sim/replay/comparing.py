@@ -31,7 +31,7 @@ def latency_of(recorded: Recorded) -> dict[str, Any]:
     `jitter` by topic, of each role its first: by how much more or less than the control period two messages of
     successive instants were apart.
     `latency` by topic: how long after the last message that its role may read a message came, as the recorder heard
-    both; of the plant, which keeps time, there is none. Histograms as in `nodes/master/timing.py`, and medians [s].
+    both; of the plant, which keeps time, there is none. Histograms as in `nodes/master/real_time.py`, and medians [s].
     """
     if not recorded.arrivals:
         return {}

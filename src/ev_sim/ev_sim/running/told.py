@@ -13,7 +13,7 @@ import numpy as np
 
 from ev_core.lockstep.stepper import WRITERS
 from ev_core.lockstep.tally import Tally
-from ev_core.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME, TIMING, WAITS, WARNING, ListeningEnd, Word
+from ev_core.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME_SERVICE, TIMING, WAITS, WARNING, ListeningEnd, Word
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import PLACES, SIZE, places
 from ev_msgs_py.contract.roles import RECORDER
@@ -100,7 +100,7 @@ class Told:
             self.timing = dict(word.values)
         elif word.kind == TALLY:
             self._tallies[node] = {"taken": dict(word.values["taken"]), "said": dict(word.values["said"])}
-        elif word.kind == TIME:
+        elif word.kind == TIME_SERVICE:
             self.rests = bool(word.values["rests"])
             self._words.append(text)
         elif word.kind == WARNING:

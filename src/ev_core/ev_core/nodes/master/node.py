@@ -16,10 +16,9 @@ from rclpy.clock_type import ClockType
 from ev_core.lockstep.inbox import Arrival, Inbox
 from ev_core.lockstep.stepper import Answer
 from ev_core.node_loop.message_memory import End
-from ev_core.nodes.master.advance import Advance, Silence
+from ev_core.nodes.master.advance import Advance, Silence, TimeServices
 from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.nodes.master.schedule import Schedule
-from ev_core.nodes.master.time_services import TimeServices
 from ev_core.nodes.reception import Reception
 from ev_core.nodes.runner_line import TIMING, Word
 from ev_core.nodes.signal_io import StatePublisher
