@@ -76,7 +76,7 @@ def command_loads(p: LockstepGatewayParameters, g: Gateway, load: LoadCommand) -
 def watch_bench(
     p: LockstepGatewayParameters, rotor: float, g: Gateway, load: LoadCommand, shafts: BenchShafts, period: float
 ) -> None:
-    """Whether the bench measures what can be, once all frames of a period were heard; rotors of an inertia [kg m^2]."""
+    """Whether the bench measures what can be, once all frames of a period have come; rotors of an inertia [kg m^2]."""
     right, left = int(p.wheel_11), int(p.wheel_12)
     watch(p.plausibility, g.drive_11, rotor, shafts.torque[right], shafts.speed[right], load.speed[right], period)
     watch(p.plausibility, g.drive_12, rotor, shafts.torque[left], shafts.speed[left], load.speed[left], period)
@@ -149,7 +149,7 @@ def prepare(parameters: LockstepGatewayParameters, _vehicle: Vehicle, period: fl
 
 
 def at_start(p: LockstepGatewayParameters) -> LockstepGateway:
-    """Nothing is heard or enabled yet."""
+    """Nothing has come and nothing is enabled yet."""
     s = LockstepGateway()
     s.gateway.waits = p.auto_enable
     return s
@@ -194,7 +194,7 @@ def can(
 ) -> SetPointFrames:
     """Lead the inverters over CAN frames: torques and speeds out, feedback in, both guarded by counter and CRC.
 
-    The frames of the ticks to come leave in them, one after the other; what is heard came in the ticks before.
+    The frames of the ticks to come leave in them, one after the other; feedback came in the ticks before.
     """
     g, f = s.gateway, c.frames
     s.heard[:] = heard

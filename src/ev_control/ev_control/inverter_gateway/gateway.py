@@ -16,7 +16,7 @@ from ev_msgs_py.can.frames import FAULTS, LONG_AGO, names_of
 
 @dataclass(slots=True)
 class Feedback:
-    """What an inverter has said last, as it arrived."""
+    """The newest feedback of an inverter, as it arrived."""
 
     motion: CheckState = part(CheckState)
     electrical: CheckState = part(CheckState)
@@ -115,7 +115,7 @@ def watch(
 ) -> None:
     """Note for how long torque [N m] and speed [rad/s] of the transducer have been far from inverter and wheel.
 
-    The transducer sits behind the rotor [kg m^2], and shows the mean of a period, as what was heard in it is averaged.
+    The transducer sits behind the rotor [kg m^2], and shows the mean of a period, as the feedback in it is averaged.
     It is latched while the drive is to be enabled, and before that keeps it from being enabled.
     """
     f = s.feedback

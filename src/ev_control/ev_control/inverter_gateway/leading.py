@@ -83,7 +83,7 @@ def end_cycle(s: Feedback) -> None:
 
 
 _QUIET = 0.005  # s without torque, command or reset bit, with which a reset begins: its bit shall be seen to rise
-_ALONE = 10.0  # cycles in which the other drive could have said that it is released, too
+_ALONE = 10.0  # cycles in which the other drive could have shown that it is released, too
 MAY_BE_ENABLED, LATCHED, SILENT, WITHOUT_COMMAND, DOUBTFUL = range(5)
 
 
@@ -103,9 +103,9 @@ def advance_gateway(p: GatewayParameters, s: Gateway, ticks: float, period: floa
 
 @compilable
 def _enable_where_possible(p: GatewayParameters, s: Gateway) -> None:
-    """The load machines first: until they hold the shafts as they are told, the drives' measurements are in doubt.
+    """The load machines first: until they hold the shafts as commanded, the drives' measurements are in doubt.
 
-    Then both drives together, or the one of them that says that it follows its controlword.
+    Then both drives together, or the one of them that follows its controlword by its own status.
     """
     if refusal(p, s.load_11) == MAY_BE_ENABLED:
         s.load_11.enable = 1.0
@@ -154,7 +154,7 @@ def is_faulty(s: Device) -> bool:
 
 @compilable
 def _advance_reset(p: GatewayParameters, s: Device, state: int, period: float) -> None:
-    """It has succeeded when the inverter says, freshly and after the bit was sent, that it is without fault."""
+    """It has succeeded when a fresh statusword, after the bit was sent, is without fault."""
     fresh = s.feedback.age <= p.feedback_timeout
     s.reset_time += period
     if s.reset_time > 2.0 * _QUIET and fresh and state == SWITCH_ON_DISABLED:
@@ -193,7 +193,7 @@ def controlword(s: Device) -> int:
 
 @compilable
 def may_turn(s: Device) -> bool:
-    """Whether its command may go out: it is enabled, and says so."""
+    """Whether its command may go out: it is enabled, and its statusword confirms it."""
     return s.enable != 0.0 and int(s.feedback.state) == OPERATION_ENABLED
 
 

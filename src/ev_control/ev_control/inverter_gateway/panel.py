@@ -131,7 +131,7 @@ LOAD_COMMAND = "load_command"
 
 
 class Commands:
-    """Hands the newest command of each topic to the station; `reports` is told what is refused."""
+    """Hands the newest command of each topic to the station; `reports` is given what is refused."""
 
     def __init__(
         self, node: Node, station: GatewayStation, parameters: Callable[[], GatewayParameters],

@@ -87,7 +87,7 @@ class GatewayStation:
         command_device(self.p, self.devices[name], mode, value)
 
     def enable(self, names: tuple[str, ...]) -> str:
-        """Begin to enable devices, or say in one line why none of them is."""
+        """Begin to enable devices, or return the reason, in one line, why none of them is."""
         reasons = {
             LATCHED: "has a latched fault: reset it first",
             SILENT: f"says nothing: no valid feedback within {self.p.feedback_timeout:g} s",
@@ -136,10 +136,10 @@ _PLACES = (0, SAID, LOADS, LOADS + SAID)  # of their set-points in SetPointFrame
 
 
 class GatewayOnBus(LawObject):
-    """Plays the role by the method `can`, with a `station` that speaks on the bus in the place of frames as signals.
+    """Plays the role by the method `can`, with a `station` on the bus in the place of frames as signals.
 
-    Its signals are what it has said since the instant before, the newest frames if there were too many. `newest` tells
-    the stamp of the newest torque command.
+    Its signals are the frames that it has sent since the instant before, the newest ones if there are too many.
+    `newest` gives the stamp of the newest torque command.
     """
 
     def __init__(self, configuration: Configuration, newest: Callable[[], int]) -> None:
@@ -194,7 +194,7 @@ class GatewayOnBus(LawObject):
             command_drives(p, g, command)
         g.commanded = newest
         command_loads(p, g, load)
-        # The bench says at an instant what it measured before the last one (`BenchOnBus`).
+        # The output of the bench at an instant is what it measured before the last one (`BenchOnBus`).
         for place, device in enumerate((g.drive_11, g.drive_12)):
             of = device.feedback
             now, (of.torque_sum, of.torque_count) = (of.torque_sum, of.torque_count), self._heard_before[place]

@@ -98,7 +98,7 @@ class Channel:
     ) -> None:
         self.name = name
         self._bus = open_channel(interface, name, address)
-        self._is_multicast = interface == "udp_multicast"  # it hears itself, by the clock of this machine
+        self._is_multicast = interface == "udp_multicast"  # it receives its own frames, by the clock of this machine
         self._log, self._meter = log, meter
         self._emptied = time.monotonic()  # what comes out later is younger than this
         self.sent = self.received = self.refused = self.unsent = self.late = 0
@@ -181,7 +181,7 @@ _MOST = 500  # frames taken from a channel at one go: a bus that never falls sil
 
 
 class Channels:
-    """Opens what the parameters say; BusError or ValueError in one line, and nothing stays open, if it cannot."""
+    """Opens the channels of the parameters; BusError or ValueError in one line, with nothing open, if it cannot."""
 
     def __init__(self, p: BusInterface, log: str = "", meters: Mapping[str, BusMeter] | None = None) -> None:
         self._channels: dict[str, Channel] = {}

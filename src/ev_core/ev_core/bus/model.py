@@ -1,7 +1,7 @@
 """A channel of the bus without hardware: who sends when, how long it takes, what is lost; longest response times.
 
 A channel of the bus without hardware: who sends when, how long it takes, what is lost; the same in each run.
-Of the frames that wait, the one with the lowest identifier goes as soon as the bus is free; a frame on the wire is not
+The waiting frame with the lowest identifier goes as soon as the bus is free; a frame on the wire is not
 interrupted. Times are in bits, counted from the beginning of the present tick. A place holds one frame that waits and
 the newest one that has arrived, as the message objects of a CAN controller do: a frame that ends on the wire before the
 one in front of it was taken overwrites that, which counts as lost.

@@ -1,4 +1,4 @@
-"""The parameters of the bus that a node speaks on, and the DBC file of its frames, read once when a node starts."""
+"""The parameters of a node's bus, and the DBC file of its frames, read once when a node starts."""
 
 from __future__ import annotations
 

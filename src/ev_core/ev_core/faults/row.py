@@ -30,16 +30,16 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 CONSTANT, SCALED, OFFSET, NOISY, TILTED, SWAPPED, FROZEN, LOST, DELAYED, REORDERED, RESTARTED = range(len(OF_SIGNALS))
 
-# What an entry, one fault of one number, is told. OTHER is the place of the number that it is swapped with, NUMBER its
-# own among those of the fault, MEMORY where the state has what it remembers, LENGTH numbers. A message carries PLACE in
-# single precision if it ROUNDS.
+# The settings of an entry, one fault of one number. OTHER is the place of the number that it is swapped with, NUMBER
+# its own among those of the fault, MEMORY where the state has what it remembers, LENGTH numbers. A message carries
+# PLACE in single precision if it ROUNDS.
 FAULT_WIDTH = 13
 KIND, PLACE, OTHER, BEGIN, END, VALUE, SEED, FAULT_NAME, NUMBER, MEMORY, LENGTH, ROUNDS, OTHER_ROUNDS = range(
     FAULT_WIDTH
 )
 FAULTS_HEAD = 4
 
-# The last word of the counter says what a random number is for; sensors have 0 and 1.
+# The last word of the counter is the purpose of a random number; sensors have 0 and 1.
 FOR_NOISE, FOR_LOSS = 2, 3
 
 
@@ -139,7 +139,7 @@ class FaultRow:
         self._size = 0
         texts = [fault.text for fault in faults]
         for n, fault in enumerate(faults):
-            again = texts[:n].count(fault.text)  # of two that say the same each has random numbers of its own
+            again = texts[:n].count(fault.text)  # two of one text have random numbers of their own
             name = zlib.crc32((f"{fault.text} {again}" if again else fault.text).encode())
             for told in self._entries(fault, writes, seed, name, period):
                 self.constants += told
@@ -189,7 +189,7 @@ def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, 
         )
     }
     topics = {TOPICS[signal].name.replace("/", ".") for signal in writes}
-    if fault.kind == "restarted":  # a node that is killed says nothing at all
+    if fault.kind == "restarted":  # a node that is killed has no output at all
         if fault.where not in topics:
             unknown = unknown_name("topic of this node", fault.where, topics)
             raise ParameterError(f"faults: {quoted(fault.text)}: {unknown}")

@@ -123,7 +123,7 @@ class Inbox:
     `reads` are the signal types of one step, `period` is the step in nanoseconds. A node that has not stepped yet
     takes any stamp as its first; from then on steps follow each other without a gap, unless `may_skip` (realtime,
     where the master does not wait). A message may run ahead of the next step by one more step, because the writers
-    do not wait for each other within a step; the `heralds` need this node's step before they speak of the next one.
+    do not wait for each other within a step; the `heralds` need this node's step before they publish the next one.
 
     The n-th run after a reset has stamps of n times `RUN` above its instants: what is still under way of a run before
     is of no step. The first stamp of a later run, or stamp zero after others, of one of the heralds begins a new run.
@@ -272,7 +272,7 @@ class HoldingInbox(Inbox):
     def offer(self, kind: type, stamp: int, numbers: Sequence[float]) -> Arrival:
         """Judge a message, keep its numbers if it is new or begins a new run, and hold them if they are the newest.
 
-        Those of a step that was taken without them are held for the next one, too: who is late each time is heard.
+        Those of a step that was taken without them are held for the next one, too: a sender may be late each time.
         """
         arrival, last = super().offer(kind, stamp, numbers), self.last
         is_of_run = last is None or (stamp - last) % self.period == 0

@@ -25,7 +25,7 @@ from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
 
 
 class Answer(NamedTuple):
-    """What a node says for one instant: the numbers of what it writes, in a frame."""
+    """The output of a node for one instant: the numbers of what it writes, in a frame."""
 
     stamp: int
     frame: Frame
@@ -40,7 +40,7 @@ _FIRST_TO_ANSWER = ROLES[next(role for role in step_order(ROLES))]
 def arrival_place(signal: type) -> tuple[int, int, int]:
     """Where a signal stands among all of one instant in the order of their arrival: higher arrives later.
 
-    Of its signals a role publishes first those that the first role to answer needs most.
+    A role publishes those of its signals first that the first role to answer needs most.
     """
     writer, needed = WRITERS[signal], _FIRST_TO_ANSWER.reads
     urgency = needed.index(signal) if signal in needed else len(needed)
@@ -61,7 +61,7 @@ class Stepper:
 
     `make` gives a new part, at rest; `period` is the step in nanoseconds. A part that answers at once answers with the
     stamp of its inputs. One that integrates answers with the stamp of the next step, and with its initial state for as
-    long as it has not stepped. With a `key` all that is taken and said is added up, unless steps `may_skip`.
+    long as it has not stepped. With a `key` all inputs and outputs are added up, unless steps `may_skip`.
     """
 
     def __init__(
@@ -73,10 +73,10 @@ class Stepper:
         # An integrating writer repeats its last two answers, so its stamp zero may be a late repetition.
         heralds = frozenset(s for s in self.upstream if s not in INTEGRATED)
         # The master repeats no other state than the present one, so it must not leave anybody behind: it goes on when
-        # the others that integrate have done so too. They have heard all that answer, and these the master.
+        # the others that integrate have done so too. They have all answers, and these needed the master's state.
         followed = frozenset(s for s in self.reads if s in INTEGRATED) if method.role == MASTER else frozenset()
         heralds |= {*ROLES[MASTER].writes}
-        # Who integrates and is not the master speaks of the next instant: that says nothing of this one's inputs.
+        # The others that integrate publish the next instant, from which nothing follows for the inputs of this one.
         self._pacing = frozenset(s for s in self.reads if s in ROLES[MASTER].writes or s not in INTEGRATED)
         lead = period if self.integrates else 0
         if may_skip:
@@ -123,7 +123,7 @@ class Stepper:
         return answers
 
     def _must_begin(self, stamp: int) -> bool:
-        """Whether others have yet to hear the initial state, or that of an instant at which it cannot step any more."""
+        """Whether others still need the initial state, or that of an instant at which it cannot step any more."""
         answer = self.answer
         return answer is None or (self.inbox.last is None and stamp > answer.stamp)
 

@@ -1,4 +1,4 @@
-"""What a node takes and says, added up step by step, so that both ends of a topic can be compared when a run is over.
+"""Inputs and outputs of a node, added up step by step, so that both ends of a topic can be compared after a run.
 
 The sum of a topic goes over the numbers of all steps, as words of 32 bits, each times a secret odd number of its place
 and one of its step, modulo 2^64 (multilinear hashing: Carter & Wegman 1979, Lemire & Kaser 2014). Who speaks in the
@@ -68,7 +68,7 @@ def address() -> int:
 
 
 class Tally:
-    """The sums of a node, with a key that the other nodes have as well: of what it `takes`, and of what it `says`."""
+    """The sums of a node, with a key that the other nodes have as well: of what it `takes`, and of its outputs."""
 
     def __init__(self, key: bytes, takes: Sequence[type], says: Sequence[type] = ()) -> None:
         taken, said = ([signal for signal in signals if signal in PLACES] for signals in (takes, says))
@@ -85,7 +85,7 @@ class Tally:
         self._call(self._at, 0, self.taken, step, numbers)
 
     def add_said(self, step: int, numbers: int) -> None:
-        """Add what is said of a step, in the frame at an address."""
+        """Add the outputs of a step, in the frame at an address."""
         self._call(self._at, self.taken, self.count, step, numbers)
 
     def forget(self) -> None:

@@ -90,7 +90,7 @@ def prepare_message(address: int, capacity: int) -> None:
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 9)
 _NOBODY = b"\xff" * 16  # no identity
 _FORGET_PERIOD = 0.05  # s after which senders that are refused are looked at again
-_SENDERS = 8  # of each input: who may speak, and others who are known to be refused
+_SENDERS = 8  # of each input: the admitted one, and others that are known to be refused
 _CAPACITY = 4096  # bytes of a message that need not be asked for
 
 
@@ -118,7 +118,7 @@ class Block:
 
 
 class OrdinarySteps:
-    """Lets the loop drive the stepper of a node; `outputs` are its publishers, in the order in which they shall speak.
+    """Lets the loop drive the stepper of a node; `outputs` are its publishers, in the order of their turns.
 
     Its arrays of records last as long as the loop may be called.
     """
@@ -211,11 +211,11 @@ class OrdinarySteps:
 
     @property
     def spoke(self) -> float:
-        """When it has spoken last, on the monotonic clock."""
+        """When it has published last, on the monotonic clock."""
         return float(self._head["spoke"][0]) / NANOSECONDS
 
     def _name_senders(self) -> None:
-        """Tell the loop who may speak."""
+        """Give the loop the identities of the admitted publishers."""
         for senders, reader in zip(self._senders, self._readers, strict=True):
             senders[0] = np.frombuffer(reader.speaker.admitted or _NOBODY, np.int64)
         if time.monotonic() >= self._forget_at:

@@ -1,6 +1,6 @@
 """The ordinary steps of a node in lockstep as one compiled loop: messages in, a step, messages out, sleep.
 
-Ordinary is a message from the one who may speak, laid out as our nodes do, finite, and NEW by the protocol of
+Ordinary is a message of the admitted publisher, laid out as our nodes do, finite, and NEW by the protocol of
 `lockstep/inbox.py`, which is compiled here and works on the memory of the node's inbox. Whatever else comes ends the
 loop and is for Python to see to.
 """
@@ -59,8 +59,8 @@ def take_steps(
 ) -> int:
     """Take steps until there is a reason to stop, which is returned.
 
-    `steps` and `frames` are those of the node's inbox. Of the `senders` (inputs, n, 2) the first may speak, and the
-    others are known to be refused.
+    `steps` and `frames` are those of the node's inbox. The first of the `senders` (inputs, n, 2) is
+    admitted, and the others are known to be refused.
     """
     while True:
         came = False
@@ -148,7 +148,7 @@ def _step(head: Any, steps: Any, frames: Any, tally: Any) -> int:
 
 @compilable
 def _speak(head: Any, steps: Any, outputs: Any, runs: Any, frames: Any, memory: Any) -> None:
-    """Publish the last answer, as far as somebody hears it."""
+    """Publish the last answer, as far as it has subscribers."""
     stamp = steps.done[ANSWER]
     here = memory.words.ctypes.data
     for i in range(len(outputs)):

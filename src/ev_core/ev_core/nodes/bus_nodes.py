@@ -1,4 +1,4 @@
-"""Nodes that speak on a CAN bus in real time: frames as they come, and a cycle every millisecond by the wall clock.
+"""Nodes on a CAN bus in real time: frames as they come, and a cycle every millisecond by the wall clock.
 
 `BusNode` has nothing but its bus, `RoleOnBus` plays a role of the graph besides.
 """
@@ -47,7 +47,7 @@ class Ticks:
         return max(self._start + (self._counted + 1) * TICK - time.monotonic(), 0.0)
 
 
-_MOST_SAID = 10  # troubles that are told
+_MOST_SAID = 10  # troubles that are reported
 
 
 class SpeaksInCycles(Protocol):
@@ -128,7 +128,7 @@ class WithBus:
 class BusNode(WithBus, Node):
     """Takes frames as they come and makes a cycle every millisecond; how it is run, see `spinning`.
 
-    A subclass says what a frame and a cycle mean. ParameterError, BusError or OSError if it cannot be made.
+    A subclass defines what a frame and a cycle mean. ParameterError, BusError or OSError if it cannot be made.
     """
 
     done = False
@@ -177,7 +177,7 @@ class BusNode(WithBus, Node):
 
     @property
     def channels(self) -> Channels | None:
-        """What it speaks on; None before it is open and after it was closed."""
+        """Its channels; None before they are open and after they were closed."""
         return self._bus.channels if self._bus else None
 
     def take_steps(self, until: float, guard: int) -> bool:
@@ -205,7 +205,7 @@ class BusNode(WithBus, Node):
 class RoleOnBus(WithBus, SteppedNode):
     """Steps as every node does, and besides makes cycles of 1 ms by the wall clock, with frames in and out.
 
-    A subclass says by what its role is played (`played_by`): an object that steps or advances, with `receive(circuit,
+    A subclass makes what plays its role (`played_by`): an object that steps or advances, with `receive(circuit,
     frame)` and `cycle(ticks)` for the bus.
     """
 
@@ -218,7 +218,7 @@ class RoleOnBus(WithBus, SteppedNode):
         raise NotImplementedError
 
     def open_channels(self) -> Channels:
-        """The channels that it speaks on; BusError, ValueError or OSError if they cannot be had."""
+        """The channels of its bus; BusError, ValueError or OSError if they cannot be had."""
         raise NotImplementedError
 
     def new_part(self, configuration: Configuration) -> Part:
@@ -240,7 +240,7 @@ class RoleOnBus(WithBus, SteppedNode):
         return frames
 
     def close(self) -> None:
-        """Leave the bus, and tell the runner what was said."""
+        """Leave the bus, and report the sums to the runner."""
         WithBus.close(self)
         SteppedNode.close(self)
 

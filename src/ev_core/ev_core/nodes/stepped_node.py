@@ -36,7 +36,7 @@ _LOOK_PERIOD = 0.02  # s of wall time between looks for what nobody waits for: r
 
 
 class Polled:
-    """Takes messages from its `readers`; `wanted` says which of them the next step waits for."""
+    """Takes messages from its `readers`; `wanted` gives those that the next step waits for."""
 
     readers: dict[type, SignalReader]
     writers: dict[type, SignalWriter]
@@ -81,15 +81,15 @@ class Polled:
         return -1 if self.realtime else stamps.LAST_EXACT
 
     def ends(self) -> list[End]:
-        """The publishers of what it says in a step."""
+        """The publishers of its outputs in a step."""
         return [writer.end for writer in self.writers.values()]
 
     def went_on(self, spoke: float) -> None:
-        """Called when steps were taken, with the time on the monotonic clock at which it spoke last."""
+        """Called when steps were taken, with the time on the monotonic clock at which it published last."""
         self.reports.pass_on_now_and_then(self.stepper.part)
 
     def sweep(self) -> None:
-        """Take everything: what nobody waits for are repetitions, and they tell that somebody misses an answer."""
+        """Take everything: what nobody waits for are repetitions, by which others ask for an answer that they miss."""
         for reader in self.readers.values():
             while (message := reader.take()) is not None:
                 reader.receive(message)
@@ -159,7 +159,7 @@ class SteppedNode(Node, Polled):
 
     @property
     def configuration(self) -> Configuration:
-        """What the parameters say now."""
+        """The present parameters."""
         return self.live.configuration
 
     @property
@@ -180,7 +180,7 @@ class SteppedNode(Node, Polled):
         return self.reception.receiver(topic)
 
     def _succeeded(self, signal: type) -> Succeeded:
-        """What is told when the writer of a signal was started anew."""
+        """What is called when the writer of a signal was started anew."""
         return self.reception.note_new_master if WRITERS.get(signal) == MASTER else lambda _: None
 
     def publish(self, answer: Answer) -> None:
@@ -190,7 +190,7 @@ class SteppedNode(Node, Polled):
         self.reports.pass_on_now_and_then(self.stepper.part)
 
     def successor(self, configuration: Configuration) -> Part:
-        """What goes on with other parameters; the state lasts, of one that has spoken: before that there is none."""
+        """What goes on with other parameters; the state lasts, of one that has published: before that there is none."""
         part = self.new_part(configuration)
         if self.stepper.answer is not None:
             hand_over(self.stepper.part, part)
@@ -214,7 +214,7 @@ class SteppedNode(Node, Polled):
             self._waiting.look(self.stepper.inbox.last, whom)
 
     def close(self) -> None:
-        """Tell the runner what was taken and said, as far as it is added up."""
+        """Report the sums of inputs and outputs to the runner, as far as they are added up."""
         stepper = self.stepper
         if stepper.tally is not None and stepper.answer is not None:
             last = -stepper.period if stepper.inbox.last is None else stepper.inbox.last
@@ -228,7 +228,7 @@ class SteppedNode(Node, Polled):
 
 
 def ask_for(p: CommonParameters) -> Iterator[str]:
-    """Ask for what the parameters say, for all threads of this process; what is not granted, one line each."""
+    """Ask for priority and memory for all threads of this process; one line for each that is not granted."""
     if p.scheduling_priority:
         try:
             for thread in Path("/proc/self/task").iterdir():

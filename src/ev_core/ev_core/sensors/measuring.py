@@ -92,8 +92,8 @@ def sensor_parameters(unit: str, largest: float) -> type:
 # axis; as a share and the amount that it is of the whole.
 NUMBERS, HEADING, SHARE = range(3)
 
-# What a sensor is told. Three places: of the first number, or of z and w, or of share, amount and whole; MEMORY is that
-# of its own numbers in the state, FIRST how many pairs of its numbers are measured in front of these.
+# The settings of a sensor. Three places: of the first number, or of z and w, or of share, amount and whole; MEMORY is
+# that of its own numbers in the state, FIRST how many pairs of its numbers are measured in front of these.
 SENSOR_WIDTH = 20
 KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, SENSOR_NAME = range(
     14
@@ -110,7 +110,7 @@ class Numbers(Protocol):
     def __setitem__(self, place: int, number: float, /) -> None: ...
 
 
-# The last word of the counter says what a random number is for.
+# The last word of the counter is the purpose of a random number.
 FOR_NOISE, FOR_DROPOUT = range(2)
 
 
@@ -176,7 +176,7 @@ def sampled(true: float, normal: float, c: Sequence[float]) -> float:
     if c[NOISE_OF_READING] > 0.0:  # of an infinite number a share of 0 would be none
         size += c[NOISE_OF_READING] * abs(true)
     value = c[GAIN] * true + c[BIAS] + size * normal
-    if not isfinite(value):  # whoever publishes it says which number that is
+    if not isfinite(value):  # the publisher names that number
         return value
     value = min(max(value, c[LOWEST]), c[HIGHEST])
     return value if c[QUANTISATION] == 0.0 else value - remainder(value, c[QUANTISATION])

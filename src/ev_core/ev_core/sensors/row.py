@@ -65,7 +65,7 @@ _SPECIAL = {
 class Quantity:
     """Fields of a signal that one sensor measures; its parameters accept errors up to `largest`, in `unit`.
 
-    `kind` says how the fields carry what is measured: as its numbers; as z and w of a quaternion; or as a share and the
+    `kind` is the form of what is measured in the fields: its numbers; z and w of a quaternion; or a share and the
     amount that this is of a further field, `whole`.
     """
 

@@ -79,7 +79,7 @@ _MULTIPLEXED = re.compile(r"SG_MUL_VAL_\s+\d")
 _SIZES = re.compile(r"(\d+)\s*\|\s*(\d+)\s*@|BO_\s+\d+\s+\w+\s*:\s*(\d+)")  # start and length in bits, bytes
 _MOST_BITS = 64
 _LONGEST_SIGNAL = 32  # bits; a float64 and compiled code hold such numbers exactly
-_SMALLEST, _LARGEST = 1e-9, 1e9  # of a scale; beyond them float64 does not tell all numbers of a signal apart
+_SMALLEST, _LARGEST = 1e-9, 1e9  # of a scale; beyond them float64 does not hold all numbers of a signal apart
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ class Database:
 def database_of(content: bytes) -> Database:
     """The frames that the content of a DBC file declares; to read it takes as long as seconds of a run.
 
-    ParameterError in one line that names frame and signal if it has what is not spoken here: anything but classic
+    ParameterError in one line that names frame and signal if it has what is not supported: anything but classic
     frames with 11-bit identifiers, Intel order, and the protection of profile 1.
     """
     from cantools.database import load_string  # takes 0.2 s that only nodes on a bus shall spend

@@ -52,9 +52,9 @@ class RoleKind(Enum):
 class Role:
     """What a node reads and writes, not how it does it.
 
-    `default_method` plays the role where no parameter says otherwise; a role that is `optional` is played only where a
+    `default_method` plays the role where no parameter names another; a role that is `optional` is played only where a
     parameter chooses its method. A method reads only what it uses, and a plant model writes only what it can know
-    (`writes` is what it may write). What a role `offers` is written only by methods that say so.
+    (`writes` is what it may write). What a role `offers` is written only by methods that declare it.
     """
 
     name: str

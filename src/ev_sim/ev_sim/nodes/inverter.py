@@ -36,7 +36,7 @@ class InverterNode(BusNode):
         self.circuits[circuit].receive(frame)
 
     def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
-        """Advance everything; what the inverters have to say."""
+        """Advance everything; the frames of the inverters."""
         return [(name, frame) for name, circuit in self.circuits.items() for frame in circuit.step(ticks)]
 
 

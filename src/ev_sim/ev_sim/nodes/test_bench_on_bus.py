@@ -21,7 +21,7 @@ class OnBus(RoleOnBus):
         return BenchOnBus(configuration, self._meters_of(configuration))
 
     def open_channels(self) -> Channels:
-        """As its parameters say, and measured; the log is the gateway's."""
+        """Those of its parameters, with meters; the log is the gateway's."""
         return Channels(self.configuration.parameters.bus, meters=self._meters_of(self.configuration))
 
     def _meters_of(self, configuration: Configuration) -> Mapping[str, BusMeter]:

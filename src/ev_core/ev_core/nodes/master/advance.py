@@ -1,4 +1,4 @@
-"""From instant to instant, as far as the schedule allows; and whom a run waits for, in words."""
+"""From instant to instant as far as the schedule allows, services that stop time, and whom a run waits for."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Silence:
 
 
 class Advance:
-    """Steps the master's part whenever the next instant has come; `stepped` is told what it says then."""
+    """Steps the master's part whenever the next instant has come; `stepped` is given its output then."""
 
     def __init__(
         self, stepper: Stepper, schedule: Schedule, stepped: Callable[[Answer], None], warn: Callable[[str], None]
@@ -105,7 +105,7 @@ class TimeServices:
     """pause, resume, step and reset of a node, by std_srvs/Trigger.
 
     `now()` is the present instant; `begin()` begins a new run; `rest()` is called when time comes to stand still and
-    `go_on()` when it may go on; `reports` is told of each call that was answered.
+    `go_on()` when it may go on; `reports` is given each call that was answered.
     """
 
     def __init__(

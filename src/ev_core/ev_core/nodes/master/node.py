@@ -79,7 +79,7 @@ class MasterInputs:
 
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 # It doubles up to this where that does not help: each repetition is answered by all, and publishers keep 256 messages,
-# which a recorder that is held up for seconds has still to hear.
+# which a recorder that is held up for seconds has still to receive.
 _LONGEST_RETRY = 0.4
 
 
@@ -173,9 +173,9 @@ class MasterNode(SteppedNode):
         self._silence.answered()
 
     def _wait_for_the_recorder(self) -> None:
-        """Real time has not waited for it, and what a process has said last is lost if it ends too soon.
+        """Real time has not waited for it, and the last message of a process is lost if it ends too soon.
 
-        Where none is followed, whoever hears the state may be one.
+        Where none is followed, any subscriber of the state may be one.
         """
         reader = self.readers.get(RECORDER_WRITES)
 
