@@ -19,11 +19,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from ev_control.inverter_gateway.diagnosis import diagnosis
-from ev_control.inverter_gateway.parameters import GatewayParameters
+from ev_control.inverter_gateway.gateway import GatewayParameters
+from ev_control.inverter_gateway.panel import diagnosis
 from ev_control.inverter_gateway.station import GatewayStation
 from ev_core.bus.channel import Frame
-from ev_core.bus.database_file import load_database
+from ev_core.bus.parameters import load_database
 from ev_core.parameters.record import fill, numbers
 from ev_core.parameters.values import build
 from ev_msgs_py.can.database import Database

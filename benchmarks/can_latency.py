@@ -26,10 +26,10 @@ import can
 
 from ev_core.bus.channel import Channel, Frame
 from ev_core.bus.checking import INITIAL, TOLERANCES, CheckState, check, is_valid
-from ev_core.bus.database_file import load_database
 from ev_core.bus.opening import open_channel
-from ev_msgs_py.can.frame_layout import FrameLayout
-from ev_msgs_py.can.protection import next_counter
+from ev_core.bus.parameters import load_database
+from ev_msgs_py.can.database import FrameLayout
+from ev_msgs_py.can.payload import next_counter
 
 PERIOD = 0.001  # s
 BLOCK = 1.0  # s of one kind of traffic

@@ -20,7 +20,7 @@ from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
 from ev_core.lockstep.stepper import WRITERS
-from ev_core.nodes.master.time_services import TIME
+from ev_core.nodes.master.advance import TIME_SERVICE
 from ev_core.nodes.reports import HEALTH
 from ev_core.nodes.signal_io import QUALITY
 from ev_core.nodes.spinning import spin
@@ -106,7 +106,7 @@ class Probe(Node):
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.name.endswith(TIME):
+            if status.name.endswith(TIME_SERVICE):
                 continue
             if status.name.endswith(HEALTH):
                 self.health[status.name] = {value.key: value.value for value in status.values}

@@ -6,9 +6,9 @@ from setuptools import find_packages, setup
 
 # What `ros2 run` starts is put into lib/ev_control by colcon; a wheel would put it on the PATH, under these bare names.
 NODES = [
-    "electronic_differential = ev_control.nodes.electronic_differential:main",
-    "asr = ev_control.nodes.asr:main",
-    "inverter_gateway = ev_control.nodes.inverter_gateway:main",
+    "electronic_differential = ev_control.nodes:main",
+    "asr = ev_control.nodes:main",
+    "inverter_gateway = ev_control.inverter_gateway.node:main",
 ]
 IS_COLCON = not {"install", "develop"}.isdisjoint(sys.argv)
 

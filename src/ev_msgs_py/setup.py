@@ -5,7 +5,7 @@ from setuptools import find_packages, setup
 setup(
     name="ev_msgs_py",
     version="0.1.0",
-    description="What the nodes say to each other: signals, topics, roles, frames, wire format, CAN frames.",
+    description="The interface of the nodes: signals, topics, roles, frames, wire format, CAN frames.",
     maintainer="EV Control Stack maintainers",
     maintainer_email="maintainers@ev-control-stack.org",
     license="Apache-2.0",

@@ -7,10 +7,10 @@ from setuptools import find_packages, setup
 
 # What `ros2 run` starts is put into lib/ev_sim by colcon; a wheel would put it on the PATH, under these bare names.
 NODES = [
-    "plant = ev_sim.nodes.plant:main",
-    "steering_column = ev_sim.nodes.steering_column:main",
-    "driver = ev_sim.nodes.driver:main",
-    "rear_steering = ev_sim.nodes.rear_steering:main",
+    "plant = ev_sim.nodes:main",
+    "steering_column = ev_sim.nodes:main",
+    "driver = ev_sim.nodes:main",
+    "rear_steering = ev_sim.nodes:main",
     "test_bench = ev_sim.nodes.test_bench:main",
     "recorder = ev_sim.nodes.recorder:main",
     "inverter = ev_sim.nodes.inverter:main",

@@ -10,10 +10,10 @@ import can
 import numpy as np
 import pytest
 from can_bus.databases import by_cantools
+from can_bus.exact_bits import exact_frame
 from can_bus.lockstep_runs import HEALTHY, driven
 
 from ev_core.bus.channel import BusLog
-from ev_msgs_py.can.frame_length import exact_frame
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.recording.offline import run_offline
 from ev_sim.recording.recording import Recording, signal_hash

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ev_msgs_py.can.protection import crc8
+from ev_msgs_py.can.payload import crc8
 
 # AUTOSAR SWS CRC library, section 7.2.1.1 (8-bit SAE J1850), table of test data.
 PUBLISHED = {

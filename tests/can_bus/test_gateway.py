@@ -7,8 +7,8 @@ import math
 import pytest
 from can_bus.databases import ours
 
-from ev_control.inverter_gateway.diagnosis import FAULTY, GOOD, SILENT, WARNED, diagnosis
-from ev_control.inverter_gateway.parameters import GatewayParameters
+from ev_control.inverter_gateway.gateway import GatewayParameters
+from ev_control.inverter_gateway.panel import FAULTY, GOOD, SILENT, WARNED, diagnosis
 from ev_control.inverter_gateway.station import GatewayStation
 from ev_core.bus.channel import Frame
 from ev_core.parameters.values import build
@@ -26,7 +26,7 @@ from ev_msgs_py.can.drive_states import (
     SWITCHED_ON,
 )
 from ev_msgs_py.can.frames import DEVICES, SPEED_MODE, TORQUE_MODE
-from ev_msgs_py.can.protection import checksum, counter_of, next_counter
+from ev_msgs_py.can.payload import checksum, counter_of, next_counter
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.inverter.circuit_station import CircuitStation
 from ev_sim.inverter.inverter_parameters import CircuitParameters

@@ -27,7 +27,7 @@ from ev_msgs_py.can.drive_states import (
     SWITCH_ON_DISABLED,
 )
 from ev_msgs_py.can.frames import bench_frames
-from ev_msgs_py.can.protection import protected
+from ev_msgs_py.can.payload import protected
 from ev_sim.inverter.circuit_station import advance_circuit
 from ev_sim.inverter.device import Circuit
 from ev_sim.inverter.inverter_parameters import CircuitParameters

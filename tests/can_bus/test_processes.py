@@ -17,10 +17,10 @@ from can_bus.test_bus_nodes import World
 from can_bus.test_channels import FRAMES, group, received
 from ros_graph import NAMESPACE, ros_domain
 
-from ev_control.inverter_gateway.parameters import GatewayParameters
+from ev_control.inverter_gateway.gateway import GatewayParameters
 from ev_control.inverter_gateway.station import GatewayStation
 from ev_core.bus.channel import Channel
-from ev_core.nodes.on_bus.cycles import Ticks
+from ev_core.nodes.bus_nodes import Ticks
 from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import FAULT, OPERATION_ENABLED, SWITCH_ON_DISABLED
 from ev_msgs_py.can.frames import TORQUE_MODE

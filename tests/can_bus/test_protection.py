@@ -23,7 +23,7 @@ from ev_core.bus.checking import (
 )
 from ev_core.compiled.function import compiled, in_memory
 from ev_core.parameters.record import numbers
-from ev_msgs_py.can.protection import checksum, counter_of, next_counter, protected
+from ev_msgs_py.can.payload import checksum, counter_of, next_counter, protected
 
 LENGTH, DATA_ID = 8, 0x123
 

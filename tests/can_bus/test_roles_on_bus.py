@@ -11,13 +11,13 @@ from typing import Any
 import can
 import pytest
 from can_bus.databases import by_cantools
+from can_bus.exact_bits import exact_frame
 from can_bus.test_channels import FRAMES, received
 from run_script import ENVIRONMENT, RUN
 
-from ev_control.inverter_gateway.on_bus import GatewayOnBus
+from ev_control.inverter_gateway.station import GatewayOnBus
 from ev_core.bus.channel import BusMeter, Channel
 from ev_core.bus.parameters import BusParameters
-from ev_msgs_py.can.frame_length import exact_frame
 from ev_msgs_py.can.payload import joined
 from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand

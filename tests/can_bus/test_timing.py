@@ -6,9 +6,10 @@ import random
 
 import pytest
 from can_bus.databases import ours
+from can_bus.exact_bits import exact_frame, stuff_bits
 
 from ev_core.bus.model import Cyclic, bus_load, response_times
-from ev_msgs_py.can.frame_length import crc15, exact_frame, frame_bits, header, longest_frame, stuff_bits, wire_bits
+from ev_msgs_py.can.frame_length import crc15, frame_bits, header, longest_frame, wire_bits
 
 
 @pytest.mark.parametrize(("length", "bits"), [(0, 55), (1, 65), (8, 135)])

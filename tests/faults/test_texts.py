@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ev_core.faults.fault import parsed
-from ev_core.faults.row import FaultRow
-from ev_core.faults.striking import HEAD, PLACE, WIDTH
+from ev_core.faults.row import FAULT_WIDTH, FAULTS_HEAD, PLACE, FaultRow
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.parts import compiled_parts, hand_over, part_of
 from ev_msgs_py.contract.frame import Frame, channels, places
@@ -91,7 +90,7 @@ def test_who_is_restarted_says_nothing_at_all():
     asr = configure("asr", {"method": "speed_corridor", "faults": ["restarted torque_command until 1"]})
     row = FaultRow(parsed(asr.faults), asr.method.writes, 0, 0.01)
     assert len(asr.method.writes) == 2
-    struck = {int(row.constants[n + PLACE]) for n in range(HEAD, len(row.constants), WIDTH)}
+    struck = {int(row.constants[n + PLACE]) for n in range(FAULTS_HEAD, len(row.constants), FAULT_WIDTH)}
     assert struck == {place for signal in asr.method.writes for place in places(signal)}
 
 

@@ -10,15 +10,14 @@ from fuzz.fuzzing import assert_one_line, damaged, fuzzed, spoil
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_control.inverter_gateway.parameters import GatewayParameters
+from ev_control.inverter_gateway.gateway import GatewayParameters
 from ev_control.inverter_gateway.station import GatewayStation
 from ev_core.bus.channel import Frame
 from ev_core.bus.checking import TOLERANCES, WRONG_CRC, CheckState, check
-from ev_core.bus.database_file import EV_BENCH, load_database
+from ev_core.bus.parameters import EV_BENCH, load_database
 from ev_core.bus.socketcand_hub import HOST, SocketcandHub
 from ev_core.parameters.data_file import find_in_config
-from ev_msgs_py.can.payload import are_words, extracted, inserted, joined, quantised, words
-from ev_msgs_py.can.protection import COUNTERS, protected
+from ev_msgs_py.can.payload import COUNTERS, are_words, extracted, inserted, joined, protected, quantised, words
 from ev_msgs_py.refusal import ParameterError
 
 LAYOUTS = sorted(ours(), key=lambda frame: frame.name)

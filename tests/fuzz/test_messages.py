@@ -39,7 +39,7 @@ def test_what_is_no_message_is_refused_by_all_in_the_same_way(case):
     signal, message = case
     format_ = format_of(signal)
     refusals: list[MessageError] = []
-    MessageTable(TOPICS[signal]).check([message], lambda place, error: refusals.append(error))
+    MessageTable(TOPICS[signal]).numbers([message], lambda place, error: refusals.append(error))
     try:
         stamp, numbers = format_.read(message)
     except MessageError as error:

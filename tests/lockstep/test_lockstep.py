@@ -3,21 +3,37 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 
+import numpy as np
 import pytest
 from fake_network import FakeNetwork, Faults, WatchedStepper
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba import njit
 from toy_methods import OFFERED, begun_at, toy, toy_graph
 
+from ev_core.compiling.library import OPTIONS, register_functions
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import sequence
-from ev_core.lockstep.inbox import Arrival, HoldingInbox, Inbox
+from ev_core.lockstep.inbox import (
+    LAST,
+    NEVER,
+    NEW,
+    ROWS,
+    Arrival,
+    HoldingInbox,
+    Inbox,
+    Steps,
+    judged,
+    keep,
+    missing,
+    note_answer,
+)
 from ev_core.lockstep.stepper import arrival_place, upstream_signals
-from ev_msgs_py.contract.bus_signals import SetPointFrames
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.frame import PLACES, TIME
-from ev_msgs_py.contract.optional_signals import BenchShafts, RearSteeringState
+from ev_msgs_py.contract.optional_signals import BenchShafts, RearSteeringState, SetPointFrames
 from ev_msgs_py.contract.roles import EXTRA, MASTER, REQUIRED, ROLES, RoleKind
 from ev_msgs_py.contract.signals import (
     BodyPose,
@@ -344,7 +360,7 @@ def test_incomplete_steps_do_not_pile_up():
     box = inbox(may_skip=True)
     for step in range(1000):
         assert say(box, WheelStates, step * PERIOD) is Arrival.NEW
-    assert len(box.pending) < 10
+    assert len(box.waiting) < 10
     assert say(box, DriverCommand, 999 * PERIOD) is Arrival.NEW
     assert box.complete() == 999 * PERIOD
 
@@ -391,6 +407,48 @@ def test_realtime_takes_the_newest_complete_step_and_forgets_the_older():
     assert box.complete() is None
     assert say(box, WheelStates, 50 * PERIOD) is Arrival.NEW
     assert say(box, WheelStates, 49 * PERIOD + 1) is Arrival.GAP
+
+
+@pytest.fixture(scope="module")
+def compiled_inbox() -> Callable[[int, Steps, np.ndarray, np.ndarray], list[int]]:
+    """What the protocol, compiled, makes of messages: of each what it is, and the inputs that are missing then."""
+
+    @njit(**OPTIONS)
+    def taken(steps, stamps, inputs):
+        found = [(0, 0)]
+        for stamp, i in zip(stamps, inputs):  # noqa: B905, compiled
+            arrival = judged(steps, stamp, i)
+            if arrival == NEW:
+                keep(steps, stamp, i)
+            if missing(steps) == 0:
+                steps.done[LAST] += steps.period
+                note_answer(steps, steps.done[LAST] + steps.lead)
+            found.append((arrival, missing(steps)))
+        return found
+
+    register_functions()
+    return taken
+
+
+STAMPS = st.integers(-2, 12).map(lambda step: step * PERIOD) | st.sampled_from([7, RUN, RUNS, 3 * PERIOD + RUN])
+
+
+@given(
+    st.lists(st.tuples(STAMPS, st.integers(0, 2)), min_size=1),
+    st.sampled_from([(7, 0, 0, 0), (3, 0, PERIOD, 0), (1, 4, PERIOD, 0), (7, 0, 0, 1)]),
+    st.booleans(),
+)
+@settings(deadline=None)
+def test_the_protocol_means_the_same_compiled(compiled_inbox, messages, constants, under_way):
+    """It is one text: `Inbox` and a node in Python interpret it, the loop of a node is compiled from it."""
+    heralds, followed, lead, may_skip = constants
+    ways = []
+    for judge_all in (compiled_inbox, compiled_inbox.py_func):
+        done, stamps = np.array([0 if under_way else NEVER, NEVER, NEVER]), np.full(ROWS, NEVER)
+        steps = Steps(done, stamps, np.zeros(ROWS, np.int64), 7, heralds, followed, PERIOD, lead, may_skip)
+        found = judge_all(steps, *(np.array(column) for column in zip(*messages, strict=True)))
+        ways.append((found, [each.tolist() for each in steps[:3]]))
+    assert ways[0] == ways[1]
 
 
 # The stepper
@@ -453,10 +511,10 @@ def test_a_joining_column_stands_still_until_it_can_step():
 
 def test_stamp_zero_makes_a_new_object():
     stepper = WatchedStepper(toy("driver", (BodyVelocity,)))
-    first = feed(stepper, 0)
+    first = numbers_said(feed(stepper, 0))
     feed(stepper, PERIOD)
     feed(stepper, 2 * PERIOD)
-    assert numbers_said(feed(stepper, 0)) == numbers_said(first)
+    assert numbers_said(feed(stepper, 0)) == first
 
 
 def test_repetitions_go_down_the_graph_only():
@@ -504,7 +562,7 @@ def test_realtime_hears_who_is_late_each_time():
             assert box.take(n * PERIOD).numbers[PLACES[DriverCommand].start] == n - 1
         arrival = box.offer(DriverCommand, n * PERIOD, [float(n)] * sizes[DriverCommand])
         assert arrival is (Arrival.OLD if n else Arrival.NEW)
-        assert box.newest(DriverCommand) == n * PERIOD
+        assert box.held.stamp_of(DriverCommand) == n * PERIOD
 
 
 def test_realtime_integrates_with_zero_what_was_never_heard():

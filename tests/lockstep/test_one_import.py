@@ -14,7 +14,7 @@ from ev_msgs_py.contract.roles import ROLES
 
 SRC = Path(__file__).parents[2] / "src"
 DOORS = ("ev_core.law", "ev_control.law")
-OF_BUSES = "ev_msgs_py.contract.bus_signals"  # which no law of a car reads
+OF_BUSES = "ev_msgs_py.contract.optional_signals"  # which no law of a car reads
 
 
 @pytest.mark.parametrize("door", DOORS)

@@ -12,7 +12,8 @@ from ros_graph import PATIENCE, Probe, node_of, ros_domain
 from ev_core.lockstep.finding import find_method
 from ev_core.methods.part import CalledBack
 from ev_core.methods.register import create
-from ev_core.node_loop import records
+from ev_core.node_loop import steps
+from ev_core.node_loop.ordinary_steps import VARIABLE, is_switched_on
 from ev_core.nodes.spinning import spin
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.fields import SignalError
@@ -67,9 +68,10 @@ class Bench:
             self.probe.publisher_of(type(signal)).publish(self.probe.packed(seconds, signal))
 
 
-@pytest.fixture
-def law() -> Iterator[Bench]:
+@pytest.fixture(params=["1", "0"], ids=["compiled loop", "loop in Python"])
+def law(request: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Bench]:
     """A law with a memory, after its first step."""
+    monkeypatch.setenv(VARIABLE, request.param)
     with ros_domain() as context:
         bench = Bench(
             context,
@@ -197,8 +199,8 @@ class Stopping(CalledBack):
 
 
 def test_ordinary_steps_are_taken_in_compiled_code_and_others_in_python(law, monkeypatch):
-    """With the same numbers; what a part raises there is raised by the node."""
-    assert records.address()  # compiled if nobody has yet
+    """With the same numbers; what a part raises there is raised by the node. Switched off, all are taken in Python."""
+    assert steps.address()  # compiled if nobody has yet
     judged = []
     for reader in law.node.readers.values():
         judge = reader.judge
@@ -206,7 +208,7 @@ def test_ordinary_steps_are_taken_in_compiled_code_and_others_in_python(law, mon
     for step in range(1, 4):
         law.say_packed(step * PERIOD, DRIVER, STANDING, TURNED)
         law.run(lambda step=step: len(law.heard) == step + 1)
-    assert not judged
+    assert not judged and (law.node._ordinary is not None) == is_switched_on()
     law.say_packed(3 * PERIOD, DRIVER)  # once more: it asks for the answer
     law.run(lambda: len(law.heard) == 5)
     law.node.stepper.part = Stopping(law.node.stepper.part, 5 * PERIOD)

@@ -11,12 +11,11 @@ from rclpy.parameter import Parameter
 from ros_graph import node_of, ros_domain
 from std_srvs.srv import Trigger
 
-from ev_core.lockstep.stepper import Answer
+from ev_core.lockstep.inbox import note_answer
 from ev_core.methods.register import all_methods
-from ev_core.nodes.runner_line import LINE
+from ev_core.nodes.runner_line import RUNNER_LINE
 from ev_core.nodes.spinning import refuse_what_raises
 from ev_core.parameters.declaration import entries
-from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES
 from ev_sim.recording.run_recorder import RecorderParameters
 from ev_sim.running.node_reports import NodeReports as Told
@@ -85,7 +84,7 @@ def test_a_change_of_any_length_is_told_to_the_runner(context, monkeypatch, coun
     """With all its values it would not fit into a word, or not into the socket."""
     told = Told("/ev")
     address, _ = told.line("driver")
-    monkeypatch.setenv(LINE, address)
+    monkeypatch.setenv(RUNNER_LINE, address)
     node = node_of(context, "driver", {})
     times = [n / count / 7 for n in range(count)]
     assert tried(node, speed_profile__time=times, speed_profile__speed=[10.0 + each for each in times]) == ""
@@ -100,7 +99,7 @@ def test_a_change_of_any_length_is_told_to_the_runner(context, monkeypatch, coun
 def test_a_change_is_taken_over_live_and_the_state_lasts(law):
     before = law.stepper.part
     before.state = [3.0]  # the integral
-    law.stepper.answer = Answer(0, Frame())
+    note_answer(law.stepper.inbox.steps, 0)
     assert tried(law, natural_frequency=9.0, max_torque_difference=80.0) == ""
     assert law.get_parameter("natural_frequency").value == law.configuration.parameters.natural_frequency == 9.0
     assert law.stepper.part is not before

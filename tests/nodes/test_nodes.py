@@ -8,7 +8,7 @@ from rclpy.node import Node
 from ros_graph import NAMESPACE, NODES, WAYS, Graph, graph, offline_hash, publisher, recorded_hash, shchur
 
 from ev_core.lockstep.finding import find_method
-from ev_core.sensors.quantities import QUANTITIES
+from ev_core.sensors.row import QUANTITIES
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.contract.topics import TOPICS

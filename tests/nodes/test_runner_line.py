@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_core.nodes.runner_line import KINDS, LINE, NOTE, PROGRESS, TALLY, WARNING, RunnerLine, Word
+from ev_core.nodes.runner_line import NOTE, PROGRESS, RUNNER_LINE, TALLY, WARNING, WORD_KINDS, RunnerLine, Word
 from ev_sim.recording.recording import Recording
 from ev_sim.running.node_reports import NodeReports as Told
 from ev_sim.running.node_reports import node_reports as opened
@@ -26,7 +26,7 @@ def told(monkeypatch):
     """What the runner is told by a node of this process, and the node's end."""
     words = Told("/ev")
     address, _ = words.line("asr")
-    monkeypatch.setenv(LINE, address)
+    monkeypatch.setenv(RUNNER_LINE, address)
     yield words
     words.close()
 
@@ -100,7 +100,7 @@ def test_a_child_finds_its_end_and_no_other_process_does(told):
     told.close()
     address, inherited = told.line("asr")
     for name, descriptors in (("child", [inherited]), ("stranger", [])):
-        environment = {**os.environ, LINE: address}
+        environment = {**os.environ, RUNNER_LINE: address}
         command = [sys.executable, "-c", "\n".join(words), name]
         subprocess.run(command, env=environment, pass_fds=descriptors, check=True, timeout=60)
     told.look()
@@ -109,7 +109,7 @@ def test_a_child_finds_its_end_and_no_other_process_does(told):
 
 @pytest.mark.parametrize("address", ["", "7", "x y z", "99999 1 00", "0 1 zz"])
 def test_a_node_without_a_runner_tells_nobody(address, monkeypatch):
-    monkeypatch.setenv(LINE, address)
+    monkeypatch.setenv(RUNNER_LINE, address)
     line = RunnerLine()
     line.tell(Word(WARNING, "nobody hears that"))
     line.close()
@@ -118,7 +118,7 @@ def test_a_node_without_a_runner_tells_nobody(address, monkeypatch):
 
 def test_another_socket_under_the_number_is_no_line(monkeypatch):
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
-    monkeypatch.setenv(LINE, f"{theirs.fileno()} {os.getpid()} 00")
+    monkeypatch.setenv(RUNNER_LINE, f"{theirs.fileno()} {os.getpid()} 00")
     RunnerLine().tell(Word(WARNING, "x"))
     ours.setblocking(False)
     with pytest.raises(BlockingIOError):
@@ -133,12 +133,12 @@ JSON = st.recursive(
     max_leaves=8,
 )
 VALUES = st.dictionaries(st.sampled_from(["stamp", "rests", "taken", "said", "x"]), JSON, max_size=3) | JSON
-WORDS = st.dictionaries(st.sampled_from(["kind", "text", "what", "values", "more"]), JSON | st.sampled_from(KINDS))
+WORDS = st.dictionaries(st.sampled_from(["kind", "text", "what", "values", "more"]), JSON | st.sampled_from(WORD_KINDS))
 
 
 @given(
     said=st.binary(max_size=30)
-    | (WORDS | JSON | st.builds(lambda k, v: {"kind": k, "values": v}, st.sampled_from(KINDS), VALUES)).map(
+    | (WORDS | JSON | st.builds(lambda k, v: {"kind": k, "values": v}, st.sampled_from(WORD_KINDS), VALUES)).map(
         lambda j: json.dumps(j).encode()
     )
 )

@@ -13,7 +13,7 @@ from ev_core.lockstep.finding import find_method
 from ev_core.lockstep.graph import check_graph
 from ev_core.methods.common_parameters import CommonParameters
 from ev_core.methods.register import all_methods, method, methods_of, refuse_taken
-from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.declaration import flatten, parameter
 from ev_core.parameters.values import entries_by_name
 from ev_msgs_py.contract.roles import MASTER, REQUIRED, ROLES

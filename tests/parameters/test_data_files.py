@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ev_core.bus.database_file import load_database
+from ev_core.bus.parameters import load_database
 from ev_core.lockstep.configuration import configure
 from ev_core.parameters.data_file import SIGNALS, TABLE, TEXT, RecordingError
 from ev_core.vehicle.files import read_tyre

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.stamps import RUN
 from ev_msgs_py.contract.topics import TOPICS, Topic
+from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import format_of, stamp_of
 from ev_sim.recording import spool
 from ev_sim.recording.recording import Recording, load, save
@@ -29,6 +30,10 @@ USED = [topic for name in NAMES for topic in TOPICS.values() if topic.name == na
 
 def message(topic: Topic, step: int, value: float, run: int = 0) -> bytes:
     return MessageTable(topic).serialize(np.array([step * PERIOD + run]), np.full((1, frame.SIZE), value))[0]
+
+
+def fail(error: MessageError) -> None:
+    raise error
 
 
 class KeepsAll:
@@ -98,7 +103,7 @@ def test_what_is_held_is_what_has_come(
             index, ahead, value, other = word
             step = 0 if ahead is None else max(0, len(expected.kept[index]) + ahead)
             said = message(USED[index], step, value, max(expected.run + other, 0))
-            recorder.add(index, said, 0)
+            recorder.add(index, [said], [0], fail)
             expected.add(index, said)
             assert recorder.held_stamp == recorder.held + expected.run
             assert recorder.held == (expected.steps() - 1) * PERIOD
@@ -114,10 +119,10 @@ def test_what_is_held_is_what_has_come(
 def test_answers_that_come_with_a_reset_are_kept_where_their_stamps_tell_them_from_older_ones(tmp_path, run, held):
     """After a reset they do; another master counts from zero again, and repeats itself until the answers come."""
     recorder = RunRecorder(USED, NAMES, PERIOD, tmp_path, bag=False)
-    recorder.add(0, message(USED[0], 0, 1.0), 0)
+    recorder.add(0, [message(USED[0], 0, 1.0)], [0], fail)
     recorder.took_all()
     for index, topic in enumerate(USED):
-        recorder.add(index, message(topic, 0, 2.0, run), 0)
+        recorder.add(index, [message(topic, 0, 2.0, run)], [0], fail)
     assert recorder.held == held
     recorder.close(tmp_path / "signals.npz")
 
@@ -130,9 +135,8 @@ def test_memory_does_not_grow_with_the_steps(tmp_path: Path):
     for begin in range(0, steps, 1000):
         stamps = np.arange(begin, begin + 1000) * PERIOD
         several = [MessageTable(topic).serialize(stamps, np.ones((1000, frame.SIZE))) for topic in USED]
-        for each in zip(*several, strict=True):
-            for index, new in enumerate(each):
-                recorder.add(index, new, 0)
+        for index, messages in enumerate(several):
+            recorder.add(index, messages, [0] * len(messages), fail)
     recorder.close(tmp_path / "signals.npz")
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()

@@ -48,7 +48,7 @@ def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:
         for index, topic in enumerate(topics):
             if lost.get(topic.name) != step:
                 late = 20 + after.get(topic.name, 0)
-                recorder.add(index, messages[index][step], 10**18 + int(at[step]) + late * 1_000_000)
+                recorder.add(index, [messages[index][step]], [10**18 + int(at[step]) + late * 1_000_000], print)
     recorder.close(folder / SIGNALS)
     return folder
 

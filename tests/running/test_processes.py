@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ev_core.node_loop import records
+from ev_core.node_loop import steps
 from ev_msgs_py.contract.roles import RECORDER, ROLES
 from ev_sim.recording.outcome import RunFailed
 from ev_sim.running import processes
@@ -21,8 +21,8 @@ def test_the_loop_of_the_nodes_is_compiled_if_nobody_has(kept, tmp_path, monkeyp
         raise RunFailed("no domain")
 
     compiled = []
-    monkeypatch.setattr(records, "is_kept", lambda: kept)
-    monkeypatch.setattr(records, "address", lambda: compiled.append("the loop"))
+    monkeypatch.setattr(steps, "is_kept", lambda: kept)
+    monkeypatch.setattr(steps, "address", lambda: compiled.append("the loop"))
     monkeypatch.setattr(processes, "free_domain", fail)
     run = load_scenario("coast_down").runs[0]
     with pytest.raises(RunFailed, match=r"^no domain$"):

@@ -19,6 +19,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 from run_script import ENVIRONMENT, ROOT, RUN, Running
 
+from ev_core.node_loop.ordinary_steps import VARIABLE
 from ev_sim.recording.recording import load
 
 pytestmark = pytest.mark.slow
@@ -62,9 +63,13 @@ def offline(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("way", [(), (), ("--in-process",), ("--in-process",)], ids=["dds", "dds2", "one", "one2"])
-def test_every_way_of_running_gives_the_same_signals(way: tuple[str, ...], offline: Path, tmp_path: Path):
-    """Twice in a row, also bit by bit, so that a hash that forgets a channel would be noticed."""
+@pytest.mark.parametrize("loop", ["1", "0"], ids=["compiled loop", "loop in Python"])
+@pytest.mark.parametrize("way", [(), ("--in-process",)], ids=["dds", "one"])
+def test_every_way_of_running_gives_the_same_signals(
+    way: tuple[str, ...], loop: str, offline: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Also bit by bit, so that a hash that forgets a channel would be noticed."""
+    monkeypatch.setitem(ENVIRONMENT, VARIABLE, loop)
     run("shchur2019", "--duration", 3, *way, "--out", tmp_path)
     assert summary(tmp_path)["signal_hash"] == summary(offline)["signal_hash"]
     ours, theirs = load(tmp_path / "signals.npz"), load(offline / "signals.npz")

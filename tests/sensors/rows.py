@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.sensors.quantities import QUANTITIES, Quantity, sensors_for
-from ev_core.sensors.row import SensorRow
+from ev_core.sensors.row import QUANTITIES, Quantity, SensorRow, sensors_for
 from ev_msgs_py.contract import frame
 
 EVERYTHING = {"noise": 0.01, "bias": -0.01, "quantisation": 1e-3, "delay": 2, "dropout": 0.1}

@@ -10,7 +10,7 @@ from ev_core.compiled.loop import call_part
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.parts import compiled_parts, hand_over, part_of
 from ev_core.sensors.measuring import HEADING, NUMBERS
-from ev_core.sensors.quantities import QUANTITIES
+from ev_core.sensors.row import QUANTITIES
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES

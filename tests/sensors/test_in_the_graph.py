@@ -9,7 +9,7 @@ from fake_network import FakeNetwork, Faults
 from sensors.rows import EVERYTHING
 
 from ev_core.lockstep.configuration import Configuration
-from ev_core.sensors.quantities import QUANTITIES
+from ev_core.sensors.row import QUANTITIES
 from ev_msgs_py.contract.signals import SteeringColumnState
 from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.recording.offline import run_offline

@@ -11,9 +11,8 @@ from sensors.rows import EVERYTHING, sensors, shown
 
 from ev_core.compiled.loop import call_part
 from ev_core.compiled.part import SensorPart
-from ev_core.sensors.quantities import QUANTITIES
 from ev_core.sensors.random_numbers import philox
-from ev_core.sensors.row import SensorRow
+from ev_core.sensors.row import QUANTITIES, SensorRow
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError
 

@@ -9,11 +9,10 @@ import pytest
 from ev_core.lockstep.configuration import configure
 from ev_core.parameters.declaration import entries
 from ev_core.sensors.measuring import NUMBERS
-from ev_core.sensors.quantities import QUANTITIES, sensors_for
+from ev_core.sensors.row import QUANTITIES, sensors_for
 from ev_msgs_py.contract import frame
-from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames
 from ev_msgs_py.contract.fields import shape_of
-from ev_msgs_py.contract.optional_signals import BenchEnergy, BenchShafts, LoadCommand
+from ev_msgs_py.contract.optional_signals import BenchEnergy, BenchShafts, BusStates, FeedbackFrames, LoadCommand
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import BatteryCondition
 from ev_msgs_py.refusal import ParameterError

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from documentation.markdown import code, table
-from ev_core.bus.database_file import load_database
 from ev_core.bus.model import bus_load, of_layouts
-from ev_msgs_py.can.frame_layout import FrameLayout
+from ev_core.bus.parameters import load_database
+from ev_msgs_py.can.database import FrameLayout
 from ev_msgs_py.can.frames import FAULTS
 from ev_msgs_py.can.payload import BitField
 

@@ -6,11 +6,11 @@ from typing import Any
 
 from documentation.markdown import code, codes, table
 from documentation.own_methods import own_methods
-from ev_control.inverter_gateway.parameters import GatewayParameters
+from ev_control.inverter_gateway.gateway import GatewayParameters
 from ev_core.methods.common_parameters import CommonParameters
-from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.declaration import Entry, entries
-from ev_core.sensors.quantities import QUANTITIES
+from ev_core.sensors.row import QUANTITIES
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.topics import TOPICS

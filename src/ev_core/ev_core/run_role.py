@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
 from importlib.metadata import entry_points
+from pathlib import Path
 from typing import Any
 
 import rclpy
@@ -98,6 +99,11 @@ def told(name: str, **node_arguments: Any) -> Iterator[dict[str, Any]]:
 def run_role(role: str) -> None:
     """Play a role until the run is over or the process is told to stop; exit status 1 and one line on bad input."""
     run_node(role, lambda: make_node(role))
+
+
+def run_named_role() -> None:
+    """Play the role that the program is named after, as in `ros2 run ev_sim plant`: a node that is just its role."""
+    run_role(Path(sys.argv[0]).name)
 
 
 def run_node(name: str, make: Callable[[], Any]) -> None:

@@ -1,1 +1,1 @@
-"""What the nodes say to each other: signals, topics, roles, frames, wire format, CAN frames and their database."""
+"""The interface of the nodes: signals, topics, roles, frames, wire format, CAN frames and their database."""

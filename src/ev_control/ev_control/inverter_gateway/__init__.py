@@ -1,1 +1,1 @@
-"""What speaks on the CAN bus for the controller: set-points out, feedback in, drives led through their states."""
+"""The controller's end of the CAN bus: set-points out, feedback in, drives led through their states."""

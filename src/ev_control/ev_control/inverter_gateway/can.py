@@ -1,23 +1,117 @@
-"""The gateway as a role of the graph: the same steps as in `station`, a period at a time, with frames as signals."""
+"""The gateway as a role of the graph: orders of an instant, buttons, and frames as signals, a period at a time.
+
+Each tick has the same steps as a cycle of `station`.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_control.inverter_gateway.diagnosis import latched, latched_names
-from ev_control.inverter_gateway.hearing import ELECTRICAL, FAULTS, MOTION, TEMPERATURES, receive_feedback
-from ev_control.inverter_gateway.leading import advance_gateway
-from ev_control.inverter_gateway.orders import command_drives, command_loads, press_buttons, watch_bench
-from ev_control.inverter_gateway.parameters import LockstepGatewayParameters
-from ev_control.inverter_gateway.sending import heartbeat, set_point
-from ev_control.inverter_gateway.state import Device, Gateway
-from ev_core.bus.database_file import load_database
-from ev_core.law import BenchShafts, Car, LoadCommand, Vehicle, WheelTorqueCommand, compilable, method, part, series
+from ev_control.inverter_gateway.gateway import (
+    Device,
+    Gateway,
+    LockstepGatewayParameters,
+    latched,
+    latched_names,
+    watch,
+)
+from ev_control.inverter_gateway.leading import (
+    ELECTRICAL,
+    FAULTS,
+    MOTION,
+    TEMPERATURES,
+    advance_gateway,
+    begin_reset,
+    command_device,
+    heartbeat,
+    is_faulty,
+    receive_feedback,
+    set_point,
+)
+from ev_core.bus.parameters import load_database
+from ev_core.law import (
+    BenchShafts,
+    Car,
+    LoadCommand,
+    Vehicle,
+    WheelTorqueCommand,
+    compilable,
+    inlined,
+    isfinite,
+    method,
+    part,
+    series,
+)
 from ev_core.vehicle.layout import listed
-from ev_msgs_py.can.frames import TICK, BenchFrames, DeviceFrames, bench_frames, is_due, ticks_of
+from ev_msgs_py.can.frames import (
+    SPEED_MODE,
+    TICK,
+    TORQUE_MODE,
+    BenchFrames,
+    DeviceFrames,
+    bench_frames,
+    is_due,
+    ticks_of,
+)
 from ev_msgs_py.can.payload import NO_FRAME, are_words, joined, words
-from ev_msgs_py.contract.bus_signals import MOST_TICKS, FeedbackFrames, SetPointFrames
+from ev_msgs_py.contract.optional_signals import MOST_TICKS, FeedbackFrames, SetPointFrames
+
+
+@inlined
+def command_drives(p: LockstepGatewayParameters, g: Gateway, command: WheelTorqueCommand) -> None:
+    """Torques of the drives."""
+    _command(p, g.drive_11, TORQUE_MODE, command.drive[int(p.wheel_11)] / p.gear_ratio)
+    _command(p, g.drive_12, TORQUE_MODE, command.drive[int(p.wheel_12)] / p.gear_ratio)
+
+
+@inlined
+def command_loads(p: LockstepGatewayParameters, g: Gateway, load: LoadCommand) -> None:
+    """Torques or speeds of the load machines."""
+    _command_load(p, g.load_11, load, int(p.wheel_11))
+    _command_load(p, g.load_12, load, int(p.wheel_12))
+
+
+@inlined
+def watch_bench(
+    p: LockstepGatewayParameters, rotor: float, g: Gateway, load: LoadCommand, shafts: BenchShafts, period: float
+) -> None:
+    """Whether the bench measures what can be, once all frames of a period have come; rotors of an inertia [kg m^2]."""
+    right, left = int(p.wheel_11), int(p.wheel_12)
+    watch(p.plausibility, g.drive_11, rotor, shafts.torque[right], shafts.speed[right], load.speed[right], period)
+    watch(p.plausibility, g.drive_12, rotor, shafts.torque[left], shafts.speed[left], load.speed[left], period)
+
+
+@compilable
+def _command(p: LockstepGatewayParameters, s: Device, mode: int, value: float) -> None:
+    """A torque [N m] or a speed [rad/s] at the shaft; what is no number is no command."""
+    if isfinite(value):
+        command_device(p, s, mode, value)
+
+
+@compilable
+def _command_load(p: LockstepGatewayParameters, s: Device, load: LoadCommand, wheel: int) -> None:
+    """What the virtual car asks of a load machine; in torque mode what brakes counts forwards there."""
+    if int(load.mode[wheel]) == SPEED_MODE:
+        _command(p, s, SPEED_MODE, load.speed[wheel])
+    else:
+        _command(p, s, TORQUE_MODE, -load.torque[wheel])
+
+
+@compilable
+def press_buttons(enable_tick: float, reset_tick: float, g: Gateway) -> None:
+    """Enable, or reset and enable after it, where the present tick is the one."""
+    if g.tick == enable_tick:
+        g.waits = 1.0
+    if g.tick == reset_tick:
+        begin_reset(g.drive_11)
+        begin_reset(g.drive_12)
+        if is_faulty(g.load_11):
+            begin_reset(g.load_11)
+        if is_faulty(g.load_12):
+            begin_reset(g.load_12)
+        g.waits = 1.0
+
 
 SAID = 2 * MOST_TICKS  # words of the set-points of a device
 _HEARD = SAID + 6  # words of its feedback
@@ -42,7 +136,7 @@ class LockstepGateway:
     gateway: Gateway = part(Gateway)
     said: list[float] = series(ALL_SAID, NO_FRAME, unit="1", about="as in SetPointFrames")
     heard: list[float] = series(4 * _HEARD, NO_FRAME, unit="1", about="as in FeedbackFrames")
-    noted: list[float] = series(4, unit="1", about="faults of each device since the start, as `diagnosis.latched`")
+    noted: list[float] = series(4, unit="1", about="faults of each device since the start, as `gateway.latched`")
 
 
 def prepare(parameters: LockstepGatewayParameters, _vehicle: Vehicle, period: float) -> GatewayConstants:
@@ -55,7 +149,7 @@ def prepare(parameters: LockstepGatewayParameters, _vehicle: Vehicle, period: fl
 
 
 def at_start(p: LockstepGatewayParameters) -> LockstepGateway:
-    """Nothing is heard or enabled yet."""
+    """Nothing has come and nothing is enabled yet."""
     s = LockstepGateway()
     s.gateway.waits = p.auto_enable
     return s
@@ -100,7 +194,7 @@ def can(
 ) -> SetPointFrames:
     """Lead the inverters over CAN frames: torques and speeds out, feedback in, both guarded by counter and CRC.
 
-    The frames of the ticks to come leave in them, one after the other; what is heard came in the ticks before.
+    The frames of the ticks to come leave in them, one after the other; feedback came in the ticks before.
     """
     g, f = s.gateway, c.frames
     s.heard[:] = heard

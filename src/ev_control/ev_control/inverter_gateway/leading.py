@@ -1,24 +1,89 @@
-"""Leading an inverter through its states: enable, stop at the first fault, reset in sequence."""
+"""Leading an inverter through its states: feedback in, enable, stop at the first fault, reset in sequence, frames out.
+
+Feedback is checked frame by frame, and kept as far as it is valid. Set-points and a heartbeat go out, which has what
+the gateway has latched and enabled.
+"""
 
 from __future__ import annotations
 
-from ev_control.inverter_gateway.hearing import end_cycle
-from ev_control.inverter_gateway.parameters import BOTH, GatewayParameters
-from ev_control.inverter_gateway.state import Device, Gateway
+from ev_control.inverter_gateway.gateway import BOTH, Device, Feedback, Gateway, GatewayParameters
+from ev_core.bus.checking import (
+    REPEATED,
+    TOLERANCES,
+    WRONG_CRC,
+    WRONG_SEQUENCE,
+    CheckState,
+    check,
+    is_valid,
+    no_new_data,
+)
 from ev_msgs_py.can.drive_states import (
     DISABLE_VOLTAGE,
     FAULT,
     FAULT_REACTION_ACTIVE,
     FAULT_RESET,
     OPERATION_ENABLED,
+    REMOTE,
     SWITCH_ON_DISABLED,
     controlword_towards_operation,
+    state_of,
 )
-from ev_msgs_py.can.frames import TORQUE_MODE
+from ev_msgs_py.can.frames import RPM, SENT, TORQUE_MODE, BenchFrames, DeviceFrames, guarded
+from ev_msgs_py.can.payload import extracted, inserted, next_counter
 from ev_msgs_py.compilable import compilable
 
+MOTION, ELECTRICAL, TEMPERATURES, FAULTS = range(len(SENT))
+
+
+@compilable
+def receive_feedback(f: BenchFrames, own: DeviceFrames, s: Feedback, kind: int, payload: int) -> None:
+    """Take a frame of this device; what is not valid is counted."""
+    data_id = own.data_ids[kind]
+    if kind == MOTION:
+        s.heard = 1.0
+        if _is_good(s, s.motion, payload, f.motion.length, data_id):
+            word = int(extracted(payload, f.motion.statusword))
+            s.age, s.state, s.remote = 0.0, float(state_of(word)), 1.0 if word & REMOTE != 0 else 0.0
+            s.torque = extracted(payload, f.motion.torque)
+            s.torque_sum += s.torque
+            s.torque_count += 1.0
+            s.speed = RPM * extracted(payload, f.motion.speed)
+    elif kind == ELECTRICAL:
+        if _is_good(s, s.electrical, payload, f.electrical.length, data_id):
+            s.dc_voltage = extracted(payload, f.electrical.dc_voltage)
+            s.dc_current = extracted(payload, f.electrical.dc_current)
+            s.phase_current = extracted(payload, f.electrical.phase_current)
+    elif kind == TEMPERATURES:
+        if _is_good(s, s.temperatures, payload, f.temperatures.length, data_id):
+            s.winding_temperature = extracted(payload, f.temperatures.winding)
+            s.inverter_temperature = extracted(payload, f.temperatures.inverter)
+    elif _is_good(s, s.faults, payload, f.faults.length, data_id):
+        s.fault_bits = extracted(payload, f.faults.faults)
+        s.warning_bits = extracted(payload, f.faults.warnings)
+        s.error_code = extracted(payload, f.faults.error_code)
+
+
+@compilable
+def _is_good(s: Feedback, checked: CheckState, payload: int, length: float, data_id: float) -> bool:
+    status = check(TOLERANCES, checked, payload, int(length), int(data_id))
+    if is_valid(status):
+        s.lost += checked.lost_data
+        return True
+    if status in (WRONG_CRC, REPEATED, WRONG_SEQUENCE):
+        s.refused += 1.0
+    return False
+
+
+@compilable
+def end_cycle(s: Feedback) -> None:
+    """Tell the check of the fastest frame when none has come since the last call."""
+    if s.heard == 0.0:
+        no_new_data(s.motion)
+    s.heard = 0.0
+
+
 _QUIET = 0.005  # s without torque, command or reset bit, with which a reset begins: its bit shall be seen to rise
-_ALONE = 10.0  # cycles in which the other drive could have said that it is released, too
+_ALONE = 10.0  # cycles in which the other drive could have shown that it is released, too
 MAY_BE_ENABLED, LATCHED, SILENT, WITHOUT_COMMAND, DOUBTFUL = range(5)
 
 
@@ -38,9 +103,9 @@ def advance_gateway(p: GatewayParameters, s: Gateway, ticks: float, period: floa
 
 @compilable
 def _enable_where_possible(p: GatewayParameters, s: Gateway) -> None:
-    """The load machines first: until they hold the shafts as they are told, the drives' measurements are in doubt.
+    """The load machines first: until they hold the shafts as commanded, the drives' measurements are in doubt.
 
-    Then both drives together, or the one of them that says that it follows its controlword.
+    Then both drives together, or the one of them that follows its controlword by its own status.
     """
     if refusal(p, s.load_11) == MAY_BE_ENABLED:
         s.load_11.enable = 1.0
@@ -89,7 +154,7 @@ def is_faulty(s: Device) -> bool:
 
 @compilable
 def _advance_reset(p: GatewayParameters, s: Device, state: int, period: float) -> None:
-    """It has succeeded when the inverter says, freshly and after the bit was sent, that it is without fault."""
+    """It has succeeded when a fresh statusword, after the bit was sent, is without fault."""
     fresh = s.feedback.age <= p.feedback_timeout
     s.reset_time += period
     if s.reset_time > 2.0 * _QUIET and fresh and state == SWITCH_ON_DISABLED:
@@ -128,7 +193,7 @@ def controlword(s: Device) -> int:
 
 @compilable
 def may_turn(s: Device) -> bool:
-    """Whether its command may go out: it is enabled, and says so."""
+    """Whether its command may go out: it is enabled, and its statusword confirms it."""
     return s.enable != 0.0 and int(s.feedback.state) == OPERATION_ENABLED
 
 
@@ -140,3 +205,34 @@ def command_device(p: GatewayParameters, s: Device, mode: int, value: float) -> 
         s.torque, s.speed = value, p.speed_limit
     else:
         s.torque, s.speed = 0.0, value
+
+
+@compilable
+def set_point(f: BenchFrames, own: DeviceFrames, s: Device, most: float) -> int:
+    """The payload of the next set-point, with a torque of at most `most` [N m]; its counter goes on."""
+    turns = may_turn(s)
+    payload = inserted(0, f.set_point.mode, s.mode)
+    payload = inserted(payload, f.set_point.controlword, float(controlword(s)))
+    payload = inserted(payload, f.set_point.torque, min(max(s.torque, -most), most) if turns else 0.0)
+    payload = inserted(payload, f.set_point.speed, s.speed / RPM if turns else 0.0)
+    payload = inserted(payload, f.set_point.torque_limit, most if turns else 0.0)
+    counter = int(s.counter)
+    s.counter = float(next_counter(counter))
+    return guarded(f.set_point, payload, own.set_point_data_id, counter)
+
+
+@compilable
+def heartbeat(f: BenchFrames, s: Gateway, place: int) -> int:
+    """The payload of the next heartbeat of a circuit; its counter goes on."""
+    latched = max(
+        max(s.drive_11.command_stale, s.drive_12.command_stale), max(s.load_11.command_stale, s.load_12.command_stale)
+    )
+    stale = s.drive_11.stale + 2.0 * s.drive_12.stale + 4.0 * s.load_11.stale + 8.0 * s.load_12.stale
+    enable = s.drive_11.enable + 2.0 * s.drive_12.enable + 4.0 * s.load_11.enable + 8.0 * s.load_12.enable
+    payload = inserted(0, f.heartbeat.command_stale, latched)
+    payload = inserted(payload, f.heartbeat.implausible, s.drive_11.implausible + 2.0 * s.drive_12.implausible)
+    payload = inserted(payload, f.heartbeat.stale, stale)
+    payload = inserted(payload, f.heartbeat.enable, enable)
+    counter = int(s.heartbeat_counters[place])
+    s.heartbeat_counters[place] = float(next_counter(counter))
+    return guarded(f.heartbeat, payload, f.ecu_data_id, counter)

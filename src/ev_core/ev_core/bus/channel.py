@@ -1,10 +1,10 @@
-"""One channel of a bus as a node uses it: classic data frames in and out, metered and logged."""
+"""The channels of a bus as a node uses them: classic data frames in and out, metered and logged."""
 
 from __future__ import annotations
 
 import os
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import can
 
 from ev_core.bus.opening import open_channel
-from ev_core.bus.parameters import LOOPBACK
+from ev_core.bus.parameters import LOOPBACK, BusInterface
 from ev_msgs_py.can.frame_length import Header, header, wire_bits
 from ev_msgs_py.refusal import quoted
 
@@ -98,7 +98,7 @@ class Channel:
     ) -> None:
         self.name = name
         self._bus = open_channel(interface, name, address)
-        self._is_multicast = interface == "udp_multicast"  # it hears itself, by the clock of this machine
+        self._is_multicast = interface == "udp_multicast"  # it receives its own frames, by the clock of this machine
         self._log, self._meter = log, meter
         self._emptied = time.monotonic()  # what comes out later is younger than this
         self.sent = self.received = self.refused = self.unsent = self.late = 0
@@ -175,3 +175,52 @@ class Channel:
 def _is_classic(message: can.Message) -> bool:
     special = message.is_extended_id or message.is_remote_frame or message.is_error_frame or message.is_fd
     return not special and message.arbitration_id < 1 << 11 and len(message.data) <= _LONGEST
+
+
+_MOST = 500  # frames taken from a channel at one go: a bus that never falls silent shall not hold a node up
+
+
+class Channels:
+    """Opens the channels of the parameters; BusError or ValueError in one line, with nothing open, if it cannot."""
+
+    def __init__(self, p: BusInterface, log: str = "", meters: Mapping[str, BusMeter] | None = None) -> None:
+        self._channels: dict[str, Channel] = {}
+        self._log = BusLog(log) if log else None
+        try:
+            for circuit, name in p.channels().items():
+                self._channels[circuit] = Channel(p.interface, name, self._log, (meters or {}).get(circuit), p.address)
+        except BaseException:
+            self.close()
+            raise
+
+    def __getitem__(self, circuit: str) -> Channel:
+        return self._channels[circuit]
+
+    def send(self, circuit: str, frame: Frame) -> None:
+        """Put a frame on the channel of a circuit."""
+        self._channels[circuit].send(frame)
+
+    def received(self) -> Iterator[tuple[str, Frame]]:
+        """What has come, with its circuit."""
+        for circuit, channel in self._channels.items():
+            for _ in range(_MOST):
+                frame = channel.receive()
+                if frame is None:
+                    break
+                yield circuit, frame
+
+    def troubles(self) -> list[str]:
+        """What has gone wrong since the last look."""
+        found = [channel.trouble for channel in self._channels.values() if channel.trouble]
+        for channel in self._channels.values():
+            channel.trouble = ""
+        return found
+
+    def close(self) -> None:
+        """Leave the bus and end the log."""
+        for channel in self._channels.values():
+            channel.close()
+        self._channels.clear()
+        if self._log is not None:
+            self._log.close()
+            self._log = None

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ev_core.parameters.record import entry
-from ev_msgs_py.can.protection import COUNTERS, checksum, counter_of
+from ev_msgs_py.can.payload import COUNTERS, checksum, counter_of
 from ev_msgs_py.compilable import compilable
 
 STATUS_NAMES = (

@@ -1,7 +1,7 @@
 """A channel of the bus without hardware: who sends when, how long it takes, what is lost; longest response times.
 
 A channel of the bus without hardware: who sends when, how long it takes, what is lost; the same in each run.
-Of the frames that wait, the one with the lowest identifier goes as soon as the bus is free; a frame on the wire is not
+The waiting frame with the lowest identifier goes as soon as the bus is free; a frame on the wire is not
 interrupted. Times are in bits, counted from the beginning of the present tick. A place holds one frame that waits and
 the newest one that has arrived, as the message objects of a CAN controller do: a frame that ends on the wire before the
 one in front of it was taken overwrites that, which counts as lost.
@@ -24,12 +24,12 @@ from ev_core.bus.parameters import BusInterface
 from ev_core.parameters.declaration import parameter, setting
 from ev_core.parameters.record import entry, series
 from ev_core.sensors.random_numbers import WORD, philox, uniform
-from ev_msgs_py.can.frame_layout import FrameLayout
+from ev_msgs_py.can.database import FrameLayout
 from ev_msgs_py.can.frame_length import NEVER_STUFFED, header, longest_frame, wire_bits
 from ev_msgs_py.can.frames import TICK
 from ev_msgs_py.can.payload import NO_FRAME, joined
 from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.bus_signals import MOST_TICKS
+from ev_msgs_py.contract.optional_signals import MOST_TICKS
 
 PLACES = 11  # frames of one circuit
 SENT = 4  # numbers that are kept of each frame on the wire: place, end [bit], words

@@ -1,7 +1,7 @@
 """Opening a channel of python-can, also by multicast on one address; what is wrong is one clear line.
 
 Frames by multicast, as udp_multicast of python-can writes them, on the network of one address of this machine.
-python-can's own bus listens at all addresses. This one hears what was sent to its group on that network, and no more.
+python-can's own bus listens at all addresses. This one receives what was sent to its group on that network alone.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _TIME = struct.Struct("@ll")  # s, ns
 
 
 class MulticastBus(can.BusABC):
-    """A bus of python-can that hears itself, too; ValueError or OSError if it cannot be had."""
+    """A bus of python-can that receives its own frames, too; ValueError or OSError if it cannot be had."""
 
     def __init__(self, group: str, port: int, address: str) -> None:
         super().__init__(channel=group)
@@ -87,7 +87,7 @@ class BusError(RuntimeError):
 
 
 def open_channel(interface: str, channel: str, address: str = LOOPBACK) -> can.BusABC:
-    """A bus of python-can that does not hear itself, but for udp_multicast; BusError if it cannot be had.
+    """A bus of python-can that does not receive its own frames, but for udp_multicast; BusError if it cannot be had.
 
     `address` is that of this machine in the network of a multicast group; on loopback a hub is on this machine, too.
     """

@@ -1,13 +1,33 @@
-"""Which bus a node speaks on, as its parameters say."""
+"""The parameters of a node's bus, and the DBC file of its frames, read once when a node starts."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 
-from ev_core.parameters.data_file import TextOfFile, find_file
+from ev_core.parameters.data_file import TEXT, TextOfFile, find_file, read_data
 from ev_core.parameters.declaration import setting
+from ev_msgs_py.can.database import Database, database_of
 from ev_msgs_py.refusal import ParameterError, quoted
+
+EV_BENCH = "can/ev_bench.dbc"
+
+
+def load_database(name: str = EV_BENCH) -> Database:
+    """The database in a DBC file; a relative name counts from the config folder.
+
+    ParameterError in one line that names the file if it cannot be read, or if `database_of` refuses it.
+    """
+    path: Path | str = name
+    try:
+        path = find_file(name)
+        return database_of(read_data(path, TEXT))
+    except OSError as error:
+        raise ParameterError(f"CAN database {path}: {error.strerror or error}") from None
+    except ParameterError as error:
+        raise ParameterError(f"CAN database {path}: {error}") from None
+
 
 INTERFACES = ("virtual", "udp_multicast", "socketcand", "socketcan")
 CIRCUITS = ("11", "12")  # right and left

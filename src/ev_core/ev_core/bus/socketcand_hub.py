@@ -42,7 +42,7 @@ class _Client:
 class SocketcandHub:
     """Accepts clients and passes frames on; `port` 0 takes any free one. OSError if the port is taken.
 
-    `warn` is told once of each kind of trouble; who says what is no command or no frame is told so and sent away.
+    `warn` is called once for each kind of trouble; a client that sends anything else gets an error and is sent away.
     """
 
     def __init__(self, port: int, warn: Callable[[str], None] = lambda text: None) -> None:

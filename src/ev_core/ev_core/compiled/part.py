@@ -15,7 +15,7 @@ from ev_core.compiled.part_source import part_source
 from ev_core.compiling import kept_code
 from ev_core.compiling.foreign import FUNCTION
 from ev_core.compiling.machine_code import function_address
-from ev_core.faults import striking
+from ev_core.faults import row
 from ev_core.faults.row import FaultRow
 from ev_core.methods.law import Given, Law
 from ev_core.methods.register import Method
@@ -135,12 +135,12 @@ def _function(name: str, head: int, change: Callable[..., None]) -> int:
 
 def function() -> int:
     """The address of the one function of all sensors."""
-    return _function("sensors", measuring.HEAD, measuring.measure)
+    return _function("sensors", measuring.SENSORS_HEAD, measuring.measure)
 
 
 def fault_function() -> int:
     """The address of the one function of all faults of signals."""
-    return _function("faults", striking.HEAD, striking.strike)
+    return _function("faults", row.FAULTS_HEAD, row.strike)
 
 
 class RowPart:

@@ -1,4 +1,4 @@
-"""One fault, as a text says it: KIND WHERE [VALUE] [from SECONDS] [until SECONDS], and the kinds that there are."""
+"""One fault, as a text: KIND WHERE [VALUE] [from SECONDS] [until SECONDS], and the kinds that there are."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Kind:
         return self.low < self.high
 
 
-# Of numbers in messages, wherever they come from: a sensor, its wire, or the bus. In the order of their codes.
+# Kinds that strike numbers in messages, be it in a sensor, its wire, or on the bus; in the order of their codes.
 OF_SIGNALS = {
     "constant": Kind("shows the value, whatever is true: 0 is a broken wire", "of the number", -1e6, 1e6),
     "scaled": Kind("shows the true number times the value", "1", -100.0, 100.0),
@@ -41,7 +41,7 @@ OF_SIGNALS = {
     "restarted": Kind("the node that writes it is killed, and begins anew when the fault ends; readers keep the last"),
 }
 
-# Of the car itself; only a plant that has them knows them.
+# Kinds that strike the car itself, where the plant has them.
 OF_THE_CAR = {
     "motor_share": Kind("the motor gives this share of what it is asked for: 0 is a dead motor", "1", 0.0, 1.0),
     "motor_stuck": Kind("the motor keeps the torque that it has when the fault begins"),
@@ -97,7 +97,7 @@ class Fault(NamedTuple):
 
 
 def parsed(texts: tuple[str, ...]) -> list[Fault]:
-    """The faults that these texts say; ParameterError, in one line, for one that says none."""
+    """The faults in these texts; ParameterError, in one line, for a text that is none."""
     return [_fault(text) for text in texts]
 
 

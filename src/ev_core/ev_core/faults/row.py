@@ -1,4 +1,12 @@
-"""The faults behind one object, in plain Python: what they are told and what they keep, as two rows of numbers."""
+"""Faults of signals in the frame: their output takes the place of the numbers, once per control period.
+
+A row of numbers has the settings of the faults behind one object, another one what lasts between periods:
+
+    constants  total  size of the state  entries  period [s]  then for each entry the numbers from KIND to OTHER_ROUNDS
+    state      for each entry that remembers: whether it has begun, then the numbers
+
+`FaultRow` makes both rows, and steps them in plain Python.
+"""
 
 from __future__ import annotations
 
@@ -6,15 +14,110 @@ import zlib
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from ev_core.elementary import cos, sin
 from ev_core.faults.fault import OF_SIGNALS, Fault, parsed
-from ev_core.faults.striking import HEAD, LENGTH, MEMORY, NAME, NUMBER, WIDTH, strike
-from ev_core.sensors.measuring import Numbers
+from ev_core.sensors.measuring import Numbers, carried
+from ev_core.sensors.random_numbers import WORD, normals, philox, uniform
 from ev_core.sensors.row import keep_memories
+from ev_core.vehicle.car import GRAVITY
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.frame import TIME
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+
+CONSTANT, SCALED, OFFSET, NOISY, TILTED, SWAPPED, FROZEN, LOST, DELAYED, REORDERED, RESTARTED = range(len(OF_SIGNALS))
+
+# The settings of an entry, one fault of one number. OTHER is the place of the number that it is swapped with, NUMBER
+# its own among those of the fault, MEMORY where the state has what it remembers, LENGTH numbers. A message carries
+# PLACE in single precision if it ROUNDS.
+FAULT_WIDTH = 13
+KIND, PLACE, OTHER, BEGIN, END, VALUE, SEED, FAULT_NAME, NUMBER, MEMORY, LENGTH, ROUNDS, OTHER_ROUNDS = range(
+    FAULT_WIDTH
+)
+FAULTS_HEAD = 4
+
+# The last word of the counter is the purpose of a random number; sensors have 0 and 1.
+FOR_NOISE, FOR_LOSS = 2, 3
+
+
+@compilable
+def strike(frame: Numbers, state: Numbers, faults: Sequence[float]) -> None:
+    """Let all faults do what they do to the numbers in a frame, one after the other."""
+    period = int(frame[TIME] / faults[3] + 0.5)
+    for n in range(int(faults[2])):
+        begin = FAULTS_HEAD + n * FAULT_WIDTH
+        suffer(frame, state, faults[begin : begin + FAULT_WIDTH], period)
+
+
+@compilable
+def suffer(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> None:
+    """One fault of one number."""
+    place, kind, value = int(c[PLACE]), c[KIND], c[VALUE]
+    is_on = c[BEGIN] <= period < c[END]
+    true = frame[place]
+    if c[LENGTH] > 0.0:
+        shown = remembered(state, c, period, is_on, true)
+        frame[place] = shown if is_on else true
+        return
+    if not is_on:
+        return
+    if kind == SWAPPED:
+        other = int(c[OTHER])
+        frame[place], frame[other] = carried(frame[other], c[ROUNDS]), carried(true, c[OTHER_ROUNDS])
+        return
+    shown = value
+    if kind == SCALED:
+        shown = true * value
+    elif kind == OFFSET:
+        shown = true + value
+    elif kind == NOISY:
+        w0, w1, w2, w3 = words(c, period, int(c[NUMBER]), FOR_NOISE)
+        normal, _ = normals(w0, w1, w2, w3)
+        shown = true + value * normal
+    elif kind == TILTED:
+        shown = true * cos(value) + GRAVITY * sin(value)
+    frame[place] = carried(shown, c[ROUNDS])
+
+
+@compilable
+def remembered(state: Numbers, c: Sequence[float], period: int, is_on: bool, true: float) -> float:
+    """What a fault shows that knows earlier numbers, and remembers this one."""
+    begun, length, kind = int(c[MEMORY]), int(c[LENGTH]), c[KIND]
+    memory = begun + 1
+    if state[begun] == 0.0:
+        state[begun] = 1.0
+        for age in range(length):
+            state[memory + age] = true
+    if kind == DELAYED:
+        here = memory + period % length
+        shown = state[here]
+        state[here] = true
+        return shown
+    if kind == REORDERED:
+        # The first of a pair comes when the second one is expected, and the second one before it, unheeded.
+        shown = state[memory]
+        state[memory] = true
+        return shown if is_drawn(c, period // 2) else true
+    if not is_on or (kind == LOST and not is_drawn(c, period)):
+        state[memory] = true
+    return state[memory]
+
+
+@compilable
+def words(c: Sequence[float], period: int, block: int, purpose: int) -> tuple[int, int, int, int]:
+    """Four random words of a fault in a period; the key is the seed and the text of the fault."""
+    return philox(period & WORD, period >> 32, block, purpose, int(c[SEED]), int(c[FAULT_NAME]))
+
+
+@compilable
+def is_drawn(c: Sequence[float], period: int) -> bool:
+    """Whether it happens in a period, to all numbers of the fault at once, with the probability that its value is."""
+    w0, w1, _, _ = words(c, period, 0, FOR_LOSS)
+    return uniform(w0, w1) < c[VALUE]
+
 
 _CODES = list(OF_SIGNALS)
 _PAIR = 2
@@ -26,22 +129,27 @@ def of_signals(texts: tuple[str, ...]) -> list[Fault]:
 
 
 class FaultRow:
-    """Faults of signals that an object with these `writes` publishes; `constants` and `state` are as `striking` says.
+    """Faults of signals that an object with these `writes` publishes; `constants` and `state` are as above.
 
     ParameterError for a number that is not among them.
     """
 
     def __init__(self, faults: Sequence[Fault], writes: tuple[type, ...], seed: int, period: float) -> None:
-        self.constants = [0.0] * HEAD
+        self.constants = [0.0] * FAULTS_HEAD
         self._size = 0
         texts = [fault.text for fault in faults]
         for n, fault in enumerate(faults):
-            again = texts[:n].count(fault.text)  # of two that say the same each has random numbers of its own
+            again = texts[:n].count(fault.text)  # two of one text have random numbers of their own
             name = zlib.crc32((f"{fault.text} {again}" if again else fault.text).encode())
             for told in self._entries(fault, writes, seed, name, period):
                 self.constants += told
         total = len(self.constants)
-        self.constants[:HEAD] = float(total), float(self._size), float((total - HEAD) // WIDTH), period
+        self.constants[:FAULTS_HEAD] = (
+            float(total),
+            float(self._size),
+            float((total - FAULTS_HEAD) // FAULT_WIDTH),
+            period,
+        )
         self.start()
 
     def _entries(
@@ -64,7 +172,7 @@ class FaultRow:
 
     def go_on_from(self, other: Any) -> None:
         """What the same faults remember goes on; others begin with the present numbers."""
-        keep_memories(self, other, HEAD, WIDTH, (NAME, NUMBER, LENGTH), MEMORY)
+        keep_memories(self, other, FAULTS_HEAD, FAULT_WIDTH, (FAULT_NAME, NUMBER, LENGTH), MEMORY)
 
     def step(self, numbers: Numbers) -> None:
         """Put what the faults leave of them into the place of the numbers in a frame; once per period."""
@@ -81,7 +189,7 @@ def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, 
         )
     }
     topics = {TOPICS[signal].name.replace("/", ".") for signal in writes}
-    if fault.kind == "restarted":  # a node that is killed says nothing at all
+    if fault.kind == "restarted":  # a node that is killed has no output at all
         if fault.where not in topics:
             unknown = unknown_name("topic of this node", fault.where, topics)
             raise ParameterError(f"faults: {quoted(fault.text)}: {unknown}")

@@ -1,1 +1,1 @@
-"""Stepping the graph, without ROS: methods, their objects, the order in which they speak, the run."""
+"""Stepping the graph, without ROS: methods, their objects, the order of their outputs, the run."""

@@ -1,4 +1,4 @@
-"""What a node is told by parameters, resolved the same way for the node and for the offline runner."""
+"""The parameters of a node, resolved the same way for the node and for the offline runner."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from ev_core.methods.hooks import ReadingFiles
 from ev_core.methods.register import Method, create, methods_of, refuse_layout, refuse_taken
 from ev_core.parameters.declaration import Entry, Spec, defaults, entries, flatten
 from ev_core.parameters.values import entries_by_name, replaced
-from ev_core.sensors.quantities import sensors_for
 from ev_core.sensors.random_numbers import seeded
+from ev_core.sensors.row import sensors_for
 from ev_core.vehicle.files import with_files
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import ROLES
@@ -32,7 +32,7 @@ class Configuration:
 
     `sensors` are those of the signals that the method writes; `unused` values belong to other methods of the role.
     `own_faults` are those of a method whose parameters have no `faults`. `from_files` are the names of parameters that
-    files say, and of those that name the files.
+    files set, and of those that name the files.
     """
 
     role: str
@@ -64,7 +64,7 @@ class Configuration:
 
     @property
     def told(self) -> Any:
-        """The parameters as the method is told them: its own seeds go with that of the node."""
+        """The parameters as the method is given them: its own seeds go with that of the node."""
         return seeded(self.parameters, self.common.seed)
 
     @property
@@ -120,7 +120,7 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
     `extra` is a dataclass of further parameters that only this node has. Raises ParameterError for unknown names and
     refused values. A value for another method of the same role, or for a sensor of a signal that this method does not
     write, is checked and then listed as unused, so that one scenario file can serve several methods; `refuse_unused`
-    is for what somebody says of the chosen ones.
+    is for values that are given for the chosen ones.
     """
     rest = dict(values)
     method = chosen_method(role, rest)
@@ -146,7 +146,7 @@ def configure(role: str, values: Mapping[str, Any], extra: type | None = None) -
 
 
 def refuse_unused(name: str, configurations: Collection[Configuration]) -> None:
-    """ParameterError if the methods chosen for a role lack a parameter: it says who has it, or its name there."""
+    """ParameterError if the methods chosen for a role lack a parameter; its text has who has it, or its name there."""
     if not all(name in each.unused for each in configurations):
         return
     role = next(each.role for each in configurations)
@@ -191,14 +191,14 @@ def _changed(before: Any, after: Any, prefix: str = "") -> tuple[str, ...]:
 
 
 def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:
-    """A parameter dataclass with what a dictionary says about it, and that is taken out of the dictionary."""
+    """A parameter dataclass with its values in a dictionary, which are taken out of the dictionary."""
     kind: type = type(instance)
     known = entries_by_name(kind, prefix)
     return replaced(instance, {name: values.pop(name) for name in [*values] if name in known}, prefix)
 
 
 def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
-    """Build a parameter dataclass from what a dictionary says about it, and take that out of the dictionary."""
+    """Build a parameter dataclass from its values in a dictionary, and take these out of the dictionary."""
     return _replaced(values, of(), prefix)
 
 

@@ -50,20 +50,20 @@ def step_order(roles: Mapping[str, Role]) -> tuple[str, ...]:
 def polling_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
     """Names of all roles in the order in which messages go from one to the next between two instants.
 
-    The master speaks first, then those that answer; the others that integrate need the last of these answers.
+    The master publishes first, then those that answer; the others that integrate need the last of these answers.
     """
     integrating = (role.name for role in roles.values() if role.kind is RoleKind.INTEGRATES and role.name != master)
     return (master, *step_order(roles), *integrating)
 
 
 def sequence(roles: Mapping[str, Role]) -> tuple[str, ...]:
-    """Names of all roles in the order in which they speak within one step: first those that integrate."""
+    """Names of all roles in the order in which they publish within one step: first those that integrate."""
     integrating = (role.name for role in roles.values() if role.kind is RoleKind.INTEGRATES)
     return (*integrating, *step_order(roles))
 
 
 def arrival_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
-    """Names of all roles in the order in which they speak of an instant.
+    """Names of all roles in the order in which they publish an instant.
 
     As in `sequence`, but the master goes on to an instant only when the others that integrate are there.
     """
@@ -71,7 +71,7 @@ def arrival_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
     return (*others, master, *step_order(roles))
 
 
-# Of the common parameters those that each node may have its own value of.
+# The common parameters of which each node may have its own value.
 _OWN = ("seed", "scheduling_priority", "lock_memory")
 
 

@@ -1,16 +1,20 @@
-"""Stamped inputs of one node, collected until a step has all of them, or held in real time (docs/lockstep.md)."""
+"""What a message can be, and the inputs of one node collected until a step has all of them (docs/lockstep.md).
+
+The protocol is one text: it is interpreted here, and compiled in `node_loop/steps.py`. Both work on the same `Steps`.
+"""
 
 from __future__ import annotations
 
 from array import array
-from collections.abc import Sequence, Set
+from collections.abc import Iterable, Sequence
 from enum import Enum
+from typing import Any, NamedTuple
 
-from ev_msgs_py.contract.frame import PLACES, Frame
+import numpy as np
+
+from ev_msgs_py.compilable import compilable
+from ev_msgs_py.contract.frame import PLACES, SIZE, Frame
 from ev_msgs_py.contract.stamps import RUN, RUNS
-
-_KEPT_AHEAD = 8  # incomplete steps that a node keeps at most
-_NONE: Set[type] = frozenset()
 
 
 class Arrival(Enum):
@@ -23,17 +27,108 @@ class Arrival(Enum):
     RESTART = "time went back to zero, or it is the first instant of a later run: a new run begins"
 
 
+_ARRIVALS = tuple(Arrival)
+NEW, REPEATED, OLD, GAP, RESTART = range(len(_ARRIVALS))  # as the protocol names them
+ROWS = 8  # steps whose inputs are kept at most
+NEVER = -(1 << 62)  # the stamp of nothing
+LAST, ANSWER, BEFORE = range(3)  # places in `Steps.done`: the last step, the last answer, the answer before it
+
+
+class Steps(NamedTuple):
+    """The steps of a node in integers; sets of its inputs are bits of one integer, the first input is the lowest bit.
+
+    The inputs of a step stand in row `stamp // period % ROWS` of the frames. An answer stands in the row of its inputs
+    or, of a node that integrates, in one of two rows behind all.
+    """
+
+    done: Any  # (3,) stamps, NEVER where there is none
+    stamps: Any  # (ROWS,) of the step whose inputs stand in the row
+    came: Any  # (ROWS,) the inputs that have come for that step
+    inputs: int  # all that a step needs
+    heralds: int  # those whose writers need this node's step before they go on to the next one
+    followed: int  # those that a step needs of the next step as well
+    period: int  # [ns]
+    lead: int  # stamp of an answer above that of its step [ns]: the period if the node integrates, else 0
+    may_skip: int  # 1 in real time, where the master does not wait
+
+
+@compilable
+def row_of(steps: Any, stamp: int) -> int:
+    """The row of the inputs of a step."""
+    row: int = stamp // steps.period % ROWS
+    return row
+
+
+@compilable
+def row_of_answer(steps: Any, stamp: int) -> int:
+    """The row of the answer for an instant."""
+    number = stamp // steps.period
+    row: int = ROWS + number % 2 if steps.lead else number % ROWS
+    return row
+
+
+@compilable
+def come_for(steps: Any, stamp: int) -> Any:
+    """The inputs that have come for a step."""
+    row = stamp // steps.period % ROWS
+    return steps.came[row] if steps.stamps[row] == stamp else 0
+
+
+@compilable
+def missing(steps: Any) -> Any:
+    """The inputs that the step that is due lacks, of itself or of the step that follows it."""
+    due = steps.done[LAST] + steps.period
+    lacking = steps.inputs & ~come_for(steps, due)
+    return lacking | steps.followed & ~come_for(steps, due + steps.period) if steps.followed else lacking
+
+
+@compilable
+def judged(steps: Any, stamp: int, i: int) -> Any:
+    """What a message of an input is: NEW, REPEATED, OLD, GAP or RESTART."""
+    last, period, is_herald = steps.done[LAST], steps.period, steps.heralds >> i & 1 != 0
+    ahead = stamp - last
+    if last != NEVER and ahead != period:
+        if is_herald and ahead != 0 and (stamp == 0 or (last % period < stamp < RUNS and stamp % RUN == 0)):
+            return RESTART  # of a later run, or of a master that is another one and counts from zero
+        if ahead % period != 0:
+            above = stamp % period
+            return GAP if above % RUN != 0 or above >= RUNS else OLD  # of no instant, or of one of another run
+        if ahead <= 0:
+            return OLD if ahead < 0 else REPEATED
+        leaves_out = is_herald and come_for(steps, last + period) >> i & 1 == 0
+        if steps.may_skip == 0 and (ahead > 2 * period or leaves_out):
+            return GAP
+    return REPEATED if come_for(steps, stamp) >> i & 1 != 0 else NEW
+
+
+@compilable
+def keep(steps: Any, stamp: int, i: int) -> Any:
+    """Note that an input has come for a step; the row for its numbers."""
+    row = stamp // steps.period % ROWS
+    steps.came[row] = come_for(steps, stamp) | 1 << i
+    steps.stamps[row] = stamp
+    return row
+
+
+@compilable
+def note_answer(steps: Any, stamp: int) -> None:
+    """Note that the node has answered for an instant."""
+    steps.done[BEFORE] = steps.done[ANSWER]
+    steps.done[ANSWER] = stamp
+
+
 class Inbox:
     """Collects the numbers of one message of each kind per stamp, in a frame.
 
     `reads` are the signal types of one step, `period` is the step in nanoseconds. A node that has not stepped yet
     takes any stamp as its first; from then on steps follow each other without a gap, unless `may_skip` (realtime,
     where the master does not wait). A message may run ahead of the next step by one more step, because the writers
-    do not wait for each other within a step; the `heralds` need this node's step before they speak of the next one.
+    do not wait for each other within a step; the `heralds` need this node's step before they publish the next one.
 
     The n-th run after a reset has stamps of n times `RUN` above its instants: what is still under way of a run before
     is of no step. The first stamp of a later run, or stamp zero after others, of one of the heralds begins a new run.
     A step is complete when all its inputs are there, and of the `followed` ones those of the step after it as well.
+    Compiled code finds all that lasts at `addresses`.
     """
 
     def __init__(
@@ -43,115 +138,108 @@ class Inbox:
         period: int,
         may_skip: bool = False,
         followed: frozenset[type] = frozenset(),
+        lead: int = 0,
     ) -> None:
-        self.reads = reads
-        self._heralds = heralds
-        self._followed = followed
-        self.period = period
-        self.last: int | None = None
-        self._may_skip = may_skip
-        self.pending: dict[int, tuple[Frame, set[type]]] = {}  # inputs by stamp, and which have come
-        self._missing: tuple[type, ...] | None = None  # None where it has to be found anew
+        self.reads, self.period = reads, period
+        self._place = {kind: i for i, kind in enumerate(reads)}
+        self._kinds: dict[int, tuple[type, ...]] = {}  # by their bits
+        self._block = np.zeros(3 + 2 * ROWS, np.int64)
+        block: Any = memoryview(self._block)  # type: ignore[arg-type]
+        constants = (*map(self._bits, (reads, heralds, followed)), period, lead, int(may_skip))
+        self.steps = Steps(block[:3], block[3 : 3 + ROWS], block[3 + ROWS :], *constants)
+        self._numbers = np.zeros((ROWS + 2, SIZE))
+        self.frames: list[Frame] = [Frame.of(row) for row in self._numbers]
+        self.addresses = self._block.ctypes.data, self._numbers.ctypes.data
+        self._block[: 3 + ROWS] = NEVER
+
+    def _bits(self, kinds: Iterable[type]) -> int:
+        return sum(1 << self._place[kind] for kind in kinds if kind in self._place)
 
     def offer(self, kind: type, stamp: int, numbers: Sequence[float]) -> Arrival:
         """Judge a message, and keep its numbers if it is new or begins a new run."""
-        arrival, last = Arrival.NEW, self.last
-        if last is not None and stamp != last + self.period:
-            ahead = stamp - last
-            if ahead and self._begins_run(kind, stamp):
-                self.expect(stamp)
-                arrival = Arrival.RESTART
-            elif not self._is_of_run(stamp):
-                number = stamp % self.period
-                return Arrival.GAP if number % RUN or number >= RUNS else Arrival.OLD
-            elif ahead <= 0:
-                return Arrival.OLD if ahead else Arrival.REPEATED
-            elif self._leaves_out(kind, stamp):
-                return Arrival.GAP
-        step = self.pending.get(stamp)
-        if step is None:
-            step = self.pending[stamp] = Frame(), set()
-            if len(self.pending) > _KEPT_AHEAD:
-                del self.pending[min(self.pending)]
-        inputs, came = step
-        if kind in came:
-            return Arrival.REPEATED
-        came.add(kind)
-        self._missing = None
-        inputs.numbers[PLACES[kind]] = array("d", numbers)
-        return arrival
+        i = self._place[kind]
+        arrival: int = judged(self.steps, stamp, i)
+        if arrival == RESTART:
+            self.expect(stamp)
+        if arrival in (NEW, RESTART):
+            self.frames[keep(self.steps, stamp, i)].numbers[PLACES[kind]] = array("d", numbers)
+        return _ARRIVALS[arrival]
+
+    @property
+    def last(self) -> int | None:
+        """The stamp of the last step; None before the first one."""
+        last: int = self.steps.done[LAST]
+        return None if last == NEVER else last
 
     @property
     def run(self) -> int:
         """What stamps are above the instants that they mean [ns]."""
-        return 0 if self.last is None else self.last % self.period
+        last = self.last
+        return 0 if last is None else last % self.period
 
     @property
     def is_at_zero(self) -> bool:
         """Whether something of time zero has come, and nothing has been stepped behind it."""
-        return self.last == 0 or 0 in self.pending
-
-    def _is_of_run(self, stamp: int) -> bool:
-        """Whether a stamp is that of an instant of this run; of any before the first step."""
-        return self.last is None or (stamp - self.last) % self.period == 0
-
-    def _begins_run(self, kind: type, stamp: int) -> bool:
-        """Whether a message is of a later run, or of a master that is another one and counts from zero."""
-        return kind in self._heralds and (stamp == 0 or (self.run < stamp < RUNS and stamp % RUN == 0))
-
-    def _leaves_out(self, kind: type, stamp: int) -> bool:
-        """Whether a message can be of none of the next steps: it is too far ahead, or a herald leaves out a step."""
-        if self._may_skip or self.last is None:
-            return False
-        ahead = stamp - self.last
-        return ahead > 2 * self.period or (kind in self._heralds and kind not in self._came(self.last + self.period))
+        last = self.steps.done[LAST]
+        return bool(last == 0 or (last < 0 and come_for(self.steps, 0)))
 
     def expect(self, stamp: int) -> None:
         """Forget everything; the next step is the one of this stamp."""
-        self.last = stamp - self.period
-        self.pending.clear()
-        self._missing = None
+        self._block[3 : 3 + ROWS] = NEVER
+        self.steps.done[LAST] = stamp - self.period
 
-    def go_on(self, last: int, pending: dict[int, tuple[Frame, set[type]]]) -> None:
-        """Steps up to `last` were taken elsewhere, and these inputs are there for the next ones."""
-        self.last, self.pending, self._missing = last, pending, None
+    @property
+    def waiting(self) -> dict[int, int]:
+        """The steps that have yet to be taken, by stamp, and the bits of their inputs that have come."""
+        last, came = self.steps.done[LAST], self.steps.came
+        return {stamp: came[row] for row, stamp in enumerate(self.steps.stamps) if stamp > last}
 
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, None if there is none."""
-        if self.last is None or self._may_skip:
-            whole = [stamp for stamp, (_, came) in self.pending.items() if len(came) == len(self.reads)]
-            return max(whole, default=None)
-        due = self.last + self.period
-        if len(self._came(due)) < len(self.reads) or not self._followed <= self._came(due + self.period):
-            return None
-        return due
-
-    def _came(self, stamp: int) -> Set[type]:
-        """The signals of a step that are there."""
-        step = self.pending.get(stamp)
-        return _NONE if step is None else step[1]
+        last = self.steps.done[LAST]
+        if last == NEVER or self.steps.may_skip:
+            return max((stamp for stamp, came in self.waiting.items() if came == self.steps.inputs), default=None)
+        return None if missing(self.steps) else last + self.period
 
     def take(self, stamp: int) -> Frame:
         """The inputs of a complete step; older ones are forgotten."""
-        inputs, _ = self.pending.pop(stamp)
-        if self.pending:
-            for old in [s for s in self.pending if s < stamp]:
-                del self.pending[old]
-        self.last = stamp
-        self._missing = None
-        return inputs
+        self.steps.done[LAST] = stamp
+        return self.frames[row_of(self.steps, stamp)]
 
     def missing(self) -> tuple[type, ...]:
         """The signal types that the next step still waits for, in order of `reads`; all before the first step."""
-        if self._missing is None:
-            self._missing = self.reads if self.last is None or not self.pending else self._find_missing(self.last)
-        return self._missing
+        lacking = self.steps.inputs if self.steps.done[LAST] == NEVER else missing(self.steps)
+        found = self._kinds.get(lacking)
+        if found is None:
+            found = self._kinds[lacking] = tuple(kind for i, kind in enumerate(self.reads) if lacking >> i & 1)
+        return found
 
-    def _find_missing(self, last: int) -> tuple[type, ...]:
-        came = self._came(last + self.period)
-        if self._followed:
-            came = came - (self._followed - self._came(last + 2 * self.period))
-        return tuple([kind for kind in self.reads if kind not in came])
+
+class HeldInputs:
+    """The numbers of the newest message of each kind, in a frame, and its stamp."""
+
+    def __init__(self, reads: tuple[type, ...]) -> None:
+        self._reads = reads
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self.frame = Frame()
+        self._stamps: dict[type, int] = {}
+
+    def keep(self, kind: type, stamp: int, numbers: Sequence[float]) -> None:
+        """Keep a message."""
+        self._stamps[kind] = stamp
+        self.frame.numbers[PLACES[kind]] = array("d", numbers)
+
+    def stamp_of(self, kind: type) -> int:
+        """The stamp of the message of a kind, -1 if there is none."""
+        return self._stamps.get(kind, -1)
+
+    @property
+    def missing(self) -> tuple[type, ...]:
+        """The kinds of which nothing has come."""
+        return tuple(kind for kind in self._reads if kind not in self._stamps)
 
 
 class HoldingInbox(Inbox):
@@ -162,52 +250,52 @@ class HoldingInbox(Inbox):
     """
 
     def __init__(
-        self, reads: tuple[type, ...], heralds: frozenset[type], period: int, pacing: frozenset[type], neutral: bool
+        self,
+        reads: tuple[type, ...],
+        heralds: frozenset[type],
+        period: int,
+        pacing: frozenset[type],
+        neutral: bool,
+        lead: int = 0,
     ) -> None:
-        super().__init__(reads, heralds, period, may_skip=True)
+        super().__init__(reads, heralds, period, may_skip=True, lead=lead)
         self._pacing, self._neutral = pacing, neutral
-        self._forget()
-
-    def _forget(self) -> None:
-        self._held = Frame()
-        self._heard: dict[type, int] = {}  # newest stamp by kind
+        self.held = HeldInputs(reads)
         self._paced = -1  # newest stamp of the pacing ones
 
     def expect(self, stamp: int) -> None:
         """Forget everything; the next step is the one of this stamp, or any later one."""
         super().expect(stamp)
-        self._forget()
+        self.held.clear()
+        self._paced = -1
 
     def offer(self, kind: type, stamp: int, numbers: Sequence[float]) -> Arrival:
         """Judge a message, keep its numbers if it is new or begins a new run, and hold them if they are the newest.
 
-        Those of a step that was taken without them are held for the next one, too: who is late each time is heard.
+        Those of a step that was taken without them are held for the next one, too: a sender may be late each time.
         """
-        arrival = super().offer(kind, stamp, numbers)
-        if arrival is not Arrival.GAP and stamp > self.newest(kind) and self._is_of_run(stamp):
+        arrival, last = super().offer(kind, stamp, numbers), self.last
+        is_of_run = last is None or (stamp - last) % self.period == 0
+        if arrival is not Arrival.GAP and stamp > self.held.stamp_of(kind) and is_of_run:
             if arrival is Arrival.REPEATED:  # it is not: the step has been taken without it
                 arrival = Arrival.OLD
-            self._heard[kind] = stamp
-            self._held.numbers[PLACES[kind]] = array("d", numbers)
+            self.held.keep(kind, stamp, numbers)
             if kind in self._pacing:
                 self._paced = max(self._paced, stamp)
         return arrival
 
-    def newest(self, kind: type) -> int:
-        """The stamp of the newest message of a kind that has come, -1 if there is none."""
-        return self._heard.get(kind, -1)
-
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, or that shall wait no longer; None if there is none."""
         whole = super().complete()
-        if whole is not None or not (self._neutral or len(self._heard) == len(self.reads)):
+        if whole is not None or not (self._neutral or not self.held.missing):
             return whole
-        return max((stamp for stamp in self.pending if stamp < self._paced), default=None)
+        return max((stamp for stamp in self.waiting if stamp < self._paced), default=None)
 
     def take(self, stamp: int) -> Frame:
         """The inputs of a step, held where they have not come; older ones are forgotten."""
-        missing = [PLACES[kind] for kind in self.reads if kind not in self._came(stamp)]
+        came = come_for(self.steps, stamp)
         inputs = super().take(stamp)
-        for place in missing:
-            inputs.numbers[place] = self._held.numbers[place]
+        for i, kind in enumerate(self.reads):
+            if not came >> i & 1:
+                inputs.copy(self.held.frame, PLACES[kind])
         return inputs

@@ -1,6 +1,6 @@
 """A graph that is driven from instant to instant in this process: the parts of all roles over a stack of frames.
 
-The stack holds a piece of the run, which stays in the processor's cache; what was said in it then becomes series.
+The stack holds a piece of the run, which stays in the processor's cache; its outputs then become series.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _PIECES_PER_LOOK = 50  # pieces between two looks at what the parts note
 
 
 def roles_in_order(played: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Of the roles that are played those that answer, each after everything that it reads, and those that integrate."""
+    """The played roles that answer, each after everything that it reads, and those that integrate."""
     names = set(played)
     integrating = (role for role in ROLES if ROLES[role].kind is RoleKind.INTEGRATES)
     return tuple(role for role in step_order(ROLES) if role in names), tuple(r for r in integrating if r in names)
@@ -88,7 +88,7 @@ class GraphRun:
             progress(float(self.series[frame.TIME, end]))
 
     def _error(self, status: int, instant: int, place: int) -> BaseException:
-        """What a part said that stopped at an instant of a piece, with the simulated time if a number is not finite."""
+        """The error of a part that stopped at an instant of a piece, with the time if a number is not finite."""
         role, part = self.parts[place]
         try:
             if status == NOT_FINITE:
@@ -109,9 +109,9 @@ class GraphRun:
 
 
 def said_again(configuration: Configuration, series: np.ndarray) -> np.ndarray:
-    """What the part of a role that integrates says of recorded inputs without its sensors and faults.
+    """The output of the part of a role that integrates for recorded inputs, without its sensors and faults.
 
-    `series` are all numbers of the frame, (frame size, instants); the same with what the part says in its place.
+    `series` are all numbers of the frame, (frame size, instants); the same with the part's output in its place.
     SignalError if a number of it is not finite.
     """
     part, writes = method_part(configuration, compiled=True), configuration.method.writes

@@ -6,7 +6,16 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from ev_core.lockstep.graph import arrival_order, sequence, step_order, writers
-from ev_core.lockstep.inbox import Arrival, HoldingInbox, Inbox
+from ev_core.lockstep.inbox import (
+    ANSWER,
+    BEFORE,
+    NEVER,
+    Arrival,
+    HoldingInbox,
+    Inbox,
+    note_answer,
+    row_of_answer,
+)
 from ev_core.lockstep.tally import Tally
 from ev_core.methods.part import Part
 from ev_core.methods.register import Method
@@ -16,7 +25,7 @@ from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
 
 
 class Answer(NamedTuple):
-    """What a node says for one instant: the numbers of what it writes, in a frame."""
+    """The output of a node for one instant: the numbers of what it writes, in a frame."""
 
     stamp: int
     frame: Frame
@@ -31,7 +40,7 @@ _FIRST_TO_ANSWER = ROLES[next(role for role in step_order(ROLES))]
 def arrival_place(signal: type) -> tuple[int, int, int]:
     """Where a signal stands among all of one instant in the order of their arrival: higher arrives later.
 
-    Of its signals a role publishes first those that the first role to answer needs most.
+    A role publishes those of its signals first that the first role to answer needs most.
     """
     writer, needed = WRITERS[signal], _FIRST_TO_ANSWER.reads
     urgency = needed.index(signal) if signal in needed else len(needed)
@@ -52,7 +61,7 @@ class Stepper:
 
     `make` gives a new part, at rest; `period` is the step in nanoseconds. A part that answers at once answers with the
     stamp of its inputs. One that integrates answers with the stamp of the next step, and with its initial state for as
-    long as it has not stepped. With a `key` all that is taken and said is added up, unless steps `may_skip`.
+    long as it has not stepped. With a `key` all inputs and outputs are added up, unless steps `may_skip`.
     """
 
     def __init__(
@@ -64,22 +73,30 @@ class Stepper:
         # An integrating writer repeats its last two answers, so its stamp zero may be a late repetition.
         heralds = frozenset(s for s in self.upstream if s not in INTEGRATED)
         # The master repeats no other state than the present one, so it must not leave anybody behind: it goes on when
-        # the others that integrate have done so too. They have heard all that answer, and these the master.
+        # the others that integrate have done so too. They have all answers, and these needed the master's state.
         followed = frozenset(s for s in self.reads if s in INTEGRATED) if method.role == MASTER else frozenset()
         heralds |= {*ROLES[MASTER].writes}
-        # Who integrates and is not the master speaks of the next instant: that says nothing of this one's inputs.
+        # The others that integrate publish the next instant, from which nothing follows for the inputs of this one.
         self._pacing = frozenset(s for s in self.reads if s in ROLES[MASTER].writes or s not in INTEGRATED)
+        lead = period if self.integrates else 0
         if may_skip:
-            self.inbox: Inbox = HoldingInbox(self.reads, heralds, period, self._pacing, neutral=self.integrates)
+            self.inbox: Inbox = HoldingInbox(self.reads, heralds, period, self._pacing, self.integrates, lead)
         else:
-            self.inbox = Inbox(self.reads, heralds, period, followed=followed)
-        self.answer: Answer | None = None
+            self.inbox = Inbox(self.reads, heralds, period, followed=followed, lead=lead)
         self.period = period
-        self.before: Answer | None = None
         self.tally = Tally(key, self.reads, method.writes, self.integrates) if key and not may_skip else None
         self._make = make
         self._at_rest = True
         self.part = make()
+
+    @property
+    def answer(self) -> Answer | None:
+        """The last answer of this run; its frame is that of a later one after some steps."""
+        return self._answer(ANSWER)
+
+    def _answer(self, which: int) -> Answer | None:
+        stamp = self.inbox.steps.done[which]
+        return None if stamp == NEVER else Answer(stamp, self.frame_of(stamp))
 
     @property
     def under_way(self) -> bool:
@@ -99,34 +116,37 @@ class Stepper:
         if self.integrates and self._at_rest and kind in self._pacing and self._must_begin(stamp):
             if self.answer is not None:
                 self._begin_anew()  # of another run it may begin with other values
-            self.answer = self._start(stamp)
-            answers.append(self.answer)
+            answers.append(self._start(stamp))
         answer = self.step()
         if answer is not None:
             answers.append(answer)
         return answers
 
     def _must_begin(self, stamp: int) -> bool:
-        """Whether others have yet to hear the initial state, or that of an instant at which it cannot step any more."""
-        return self.answer is None or (self.inbox.last is None and stamp > self.answer.stamp)
+        """Whether others still need the initial state, or that of an instant at which it cannot step any more."""
+        answer = self.answer
+        return answer is None or (self.inbox.last is None and stamp > answer.stamp)
 
     def _recent_answers(self) -> tuple[Answer, ...]:
         """What somebody may have missed: the last answer, and of an integrating object the one before.
 
         An integrating object is one answer ahead, so the others may still wait for the one before.
         """
-        return tuple(answer for answer in (self.before, self.answer) if answer is not None)
+        recent = (self._answer(BEFORE), self._answer(ANSWER)) if self.integrates else (self._answer(ANSWER),)
+        return tuple(answer for answer in recent if answer is not None)
 
     def _start(self, stamp: int) -> Answer:
-        there = self._frame_at(stamp)
+        there = self.frame_of(stamp)
+        there.numbers[TIME] = self._instant(stamp)
         self.part.start(there)
+        note_answer(self.inbox.steps, stamp)
         if self.tally is not None:
-            self.tally.begin(stamp // self.period, there)
+            self.tally.begin(stamp // self.period, there.address)
         return Answer(stamp, there)
 
     def _begin_anew(self) -> None:
         self.part = self._make()
-        self.answer = self.before = None
+        self.inbox.steps.done[ANSWER] = self.inbox.steps.done[BEFORE] = NEVER
         self._at_rest = True
         if self.tally is not None:
             self.tally.forget()
@@ -136,8 +156,7 @@ class Stepper:
         run = 0 if self.inbox.last is None else (self.inbox.run + stamps.RUN) % stamps.RUNS
         self._begin_anew()
         self.inbox.expect(run)
-        self.answer = self._start(run)
-        return self.answer
+        return self._start(run)
 
     def step(self) -> Answer | None:
         """One step if its inputs are complete, else None."""
@@ -153,24 +172,23 @@ class Stepper:
         return self.step_with(stamp, inputs)
 
     def step_with(self, stamp: int, here: Frame) -> Answer:
-        """One step with the inputs in a frame."""
+        """One step with the inputs in a frame: that of the inbox, but for who integrates."""
         here.numbers[TIME] = self._instant(stamp)
         self._at_rest = False
-        there, said = here, stamp
+        said = stamp + self.inbox.steps.lead
+        there = self.frame_of(said)
         if self.integrates:
-            self.before, said = self.answer, stamp + self.period
-            there = self._frame_at(said)
+            there.numbers[TIME] = self._instant(said)
         self.part.step(here, there)
-        self.answer = Answer(said, there)
+        note_answer(self.inbox.steps, said)
         if self.tally is not None:
-            self.tally.add(stamp // self.period, here, there)
-        return self.answer
+            self.tally.add(stamp // self.period, here.address, there.address)
+        return Answer(said, there)
 
     def _instant(self, stamp: int) -> float:
         """The time that a stamp means [s]."""
         return (stamp - stamp % self.period) / stamps.NANOSECONDS
 
-    def _frame_at(self, stamp: int) -> Frame:
-        there = Frame()
-        there.numbers[TIME] = self._instant(stamp)
-        return there
+    def frame_of(self, stamp: int) -> Frame:
+        """The frame of the answer for an instant."""
+        return self.inbox.frames[row_of_answer(self.inbox.steps, stamp)]

@@ -1,20 +1,46 @@
 """The ordinary steps of a node in lockstep as one compiled loop: messages in, a step, messages out, sleep.
 
-Ordinary is a message from the one who may speak, laid out as our nodes do, finite, and of the step that is due.
-Whatever else comes ends the loop and is for Python to judge (`lockstep/inbox.py`). `records.py` tells what the
-records hold.
+Ordinary is a message of the admitted publisher, laid out as our nodes do, finite, and NEW by the protocol of
+`lockstep/inbox.py`, which is compiled here and works on the memory of the node's inbox. Whatever else comes ends the
+loop and is for Python to see to.
 """
 
 from __future__ import annotations
 
+from functools import cache
 from time import CLOCK_MONOTONIC
 from typing import Any
 
+import numpy as np
+
+from ev_core.compiling import kept_code, machine_code
 from ev_core.compiling.foreign import call
-from ev_core.lockstep.tally import add_up
-from ev_core.node_loop.message_memory import is_laid_out_like, read_numbers, stamp_in, write_message
+from ev_core.lockstep.inbox import (
+    ANSWER,
+    LAST,
+    NEW,
+    ROWS,
+    Steps,
+    judged,
+    keep,
+    missing,
+    note_answer,
+    row_of,
+    row_of_answer,
+)
+from ev_core.lockstep.tally import BLOCK, add_up
+from ev_core.node_loop.message_memory import (
+    RUN,
+    TOPIC,
+    Memory,
+    integers,
+    is_laid_out_like,
+    read_numbers,
+    stamp_in,
+    write_message,
+)
 from ev_msgs_py.compilable import compilable
-from ev_msgs_py.contract.frame import TIME
+from ev_msgs_py.contract.frame import SIZE, TIME
 from ev_msgs_py.contract.stamps import NANOSECONDS
 
 # Why the loop has ended: nothing came in time; a message is for Python to judge; the last step that may be taken was
@@ -29,55 +55,50 @@ GID = 5  # word of the information on a message at which the identity of its pub
 
 @compilable
 def take_steps(
-    head: Any, inputs: Any, outputs: Any, runs: Any, senders: Any, frames: Any, memory: Any, tally: Any
+    head: Any, steps: Any, inputs: Any, outputs: Any, runs: Any, senders: Any, frames: Any, memory: Any, tally: Any
 ) -> int:
     """Take steps until there is a reason to stop, which is returned.
 
-    `frames` has four rows: the inputs of two steps, which take turns in being due, and what is said to them. Of the
-    `senders` (inputs, n, 2) the first may speak, and the others are known to be refused.
+    `steps` and `frames` are those of the node's inbox. The first of the `senders` (inputs, n, 2) is
+    admitted, and the others are known to be refused.
     """
     while True:
         came = False
         for i in range(len(inputs)):
             for _ in range(_AT_ONCE):
-                if not _is_missing(inputs[i]):
+                if missing(steps) >> i & 1 == 0:
                     break
-                found = _take(head, inputs[i], senders[i], runs, frames, memory)
+                found = _take(head, steps, i, inputs[i], senders[i], runs, frames, memory)
                 if found == ODD:
                     head.odd = i
                     return ODD
                 if found == _NOTHING:
                     break
                 came = came or found == _KEPT
-        missing = _last_missing(inputs)
-        if missing < 0:
-            if head.due > head.limit:
+        lacking = missing(steps)
+        if lacking == 0:
+            if steps.done[LAST] + steps.period > head.limit:
                 return LIMIT
-            failure = _step(head, inputs, frames, tally)
+            failure = _step(head, steps, frames, tally)
             if failure:
                 return failure
-            _speak(head, outputs, runs, frames, memory)
-        elif not came and not _sleep(head, inputs[missing].subscription, memory):
+            _speak(head, steps, outputs, runs, frames, memory)
+        elif not came and not _sleep(head, _last_of(inputs, lacking).subscription, memory):
             return IDLE
 
 
 @compilable
-def _is_missing(one: Any) -> Any:
-    """Whether the step that is due lacks an input; of a followed one that of the step behind it is needed as well."""
-    return one.came == 0 or (one.followed != 0 and one.came_next == 0)
-
-
-@compilable
-def _last_missing(inputs: Any) -> int:
-    last = -1
+def _last_of(inputs: Any, lacking: int) -> Any:
+    """The input of the highest bit."""
+    last = 0
     for i in range(len(inputs)):
-        if _is_missing(inputs[i]):
+        if lacking >> i & 1 != 0:
             last = i
-    return last
+    return inputs[last]
 
 
 @compilable
-def _take(head: Any, one: Any, senders: Any, runs: Any, frames: Any, memory: Any) -> int:
+def _take(head: Any, steps: Any, i: int, one: Any, senders: Any, runs: Any, frames: Any, memory: Any) -> int:
     """Take the next message of an input, and keep its numbers if it is an ordinary one."""
     here = memory.words.ctypes.data
     if call(head.rcl_take, one.subscription, here + 8 * head.message, here + 8 * head.info, 0) != 0:
@@ -94,54 +115,46 @@ def _take(head: Any, one: Any, senders: Any, runs: Any, frames: Any, memory: Any
         return ODD
     call(head.memcpy, here + head.heard, buffer, length, 0)
     stamp = stamp_in(memory, head.heard)
-    is_next = stamp == head.due + head.period and one.followed != 0 and one.came_next == 0
-    if not (is_next or (stamp == head.due and one.came == 0)) or not is_laid_out_like(memory, head.heard, one):
+    if judged(steps, stamp, i) != NEW or not is_laid_out_like(memory, head.heard, one):
         return ODD
-    if not read_numbers(memory, head.heard, one, runs, frames[1 - head.row if is_next else head.row]):
+    if not read_numbers(memory, head.heard, one, runs, frames[row_of(steps, stamp)]):
         return ODD
-    if is_next:
-        one.came_next = 1
-    else:
-        one.came = 1
+    keep(steps, stamp, i)
     return _KEPT
 
 
 @compilable
-def _step(head: Any, inputs: Any, frames: Any, tally: Any) -> int:
-    """One step of the part; what it says stands in the row of the inputs or, if it integrates, two rows behind."""
-    said = head.row + 2 if head.integrates else head.row
-    due = head.due - head.run
-    frames[head.row, TIME] = due / NANOSECONDS
-    if head.integrates:
-        frames[said, TIME] = (due + head.period) / NANOSECONDS
-    head.said = said
+def _step(head: Any, steps: Any, frames: Any, tally: Any) -> int:
+    """One step of the part."""
+    due = steps.done[LAST] + steps.period
+    answered, number = due + steps.lead, due // steps.period
+    row, said = row_of(steps, due), row_of_answer(steps, answered)
+    frames[row, TIME] = number * steps.period / NANOSECONDS
+    frames[said, TIME] = answered // steps.period * steps.period / NANOSECONDS
     first, width = frames.ctypes.data, 8 * frames.shape[1]
-    if call(head.function, first + head.row * width, first + said * width, head.state, head.constants) != 0:
+    if call(head.function, first + row * width, first + said * width, head.state, head.constants) != 0:
         return FAILED
     for n in range(head.begin, head.end):
         if frames[said, n] - frames[said, n] != 0.0:
             return NOT_FINITE
     if head.tallied:
-        step = due // head.period
-        add_up(tally, 0, head.taken_topics, step, frames[head.row])
-        add_up(tally, head.taken_topics, head.tallied, step + 1 if head.integrates else step, frames[said])
-    for i in range(len(inputs)):
-        inputs[i].came, inputs[i].came_next = inputs[i].came_next, 0
-    head.due += head.period
-    head.row = 1 - head.row
+        add_up(tally, 0, head.taken_topics, number, frames[row])
+        add_up(tally, head.taken_topics, head.tallied, answered // steps.period, frames[said])
+    steps.done[LAST] = due
+    note_answer(steps, answered)
     head.taken += 1
     return 0
 
 
 @compilable
-def _speak(head: Any, outputs: Any, runs: Any, frames: Any, memory: Any) -> None:
-    """Publish what the last step has said, as far as somebody hears it."""
-    stamp = head.due if head.integrates else head.due - head.period
+def _speak(head: Any, steps: Any, outputs: Any, runs: Any, frames: Any, memory: Any) -> None:
+    """Publish the last answer, as far as it has subscribers."""
+    stamp = steps.done[ANSWER]
     here = memory.words.ctypes.data
     for i in range(len(outputs)):
         call(head.rcl_count, outputs[i].publisher, here + 8 * head.count, 0, 0)
         if memory.words[head.count] != 0:
-            write_message(memory, outputs[i], runs, stamp, frames[head.said])
+            write_message(memory, outputs[i], runs, stamp, frames[row_of_answer(steps, stamp)])
             call(head.rcl_publish, outputs[i].publisher, here + 8 * outputs[i].message, 0, 0)
     head.spoke = _wall_clock(head, memory)
 
@@ -164,3 +177,68 @@ def _wall_clock(head: Any, memory: Any) -> int:
     call(head.clock_gettime, CLOCK_MONOTONIC, memory.words.ctypes.data + 8 * head.clock, 0, 0)
     now: int = memory.words[head.clock] * NANOSECONDS + memory.words[head.clock + 1]
     return now
+
+
+LOOP = np.dtype(
+    [
+        *integers("topics", "publishers", "runs", "senders", "size"),  # how many there are
+        *integers("inputs", "heralds", "followed", "period", "lead", "may_skip"),  # as in `Steps`
+        *integers("limit", "until", "patience"),  # a stamp, and times [ns]
+        *integers("taken", "spoke", "odd"),  # steps, when the last answer was given, an input
+        *integers("function", "state", "constants", "begin", "end"),  # of the part
+        *integers("rcl_take", "rcl_publish", "rcl_count", "rcl_clear", "rcl_add", "rcl_add_guard"),  # addresses
+        *integers("rcl_wait", "clock_gettime", "memcpy", "wait_set", "guard"),
+        *integers("message", "info", "clock", "count"),  # words of the memory which these functions fill in
+        *integers("heard"),  # byte of the memory to which the message is copied
+        *integers("tallied", "taken_topics"),  # topics whose numbers are added up, and how many of them are inputs
+    ]
+)
+INPUT = np.dtype([*TOPIC, *integers("subscription", "refused")])
+OUTPUT = np.dtype([*TOPIC, *integers("publisher", "message")])
+
+_TEXT = f'''"""The ordinary steps of nodes: generated, do not edit."""
+
+import numpy as np
+from numba import carray, cfunc, types
+
+P = types.voidptr
+
+
+@cfunc(types.int32(P, P, P, P, P, P, P, P, P), error_model="numpy")
+def step(head, steps, inputs, outputs, runs, senders, frames, block, tally):
+    h = carray(head, 1, LOOP)[0]
+    s = carray(steps, {3 + 2 * ROWS}, np.int64)
+    memory = Memory(
+        carray(block, h.size, np.uint8),
+        carray(block, h.size // 8, np.int64),
+        carray(block, h.size // 4, np.int32),
+        carray(block, h.size // 8, np.float64),
+        carray(block, h.size // 4, np.float32),
+    )
+    return take_steps(
+        h,
+        Steps(
+            s[:3], s[3:{3 + ROWS}], s[{3 + ROWS}:], h.inputs, h.heralds, h.followed, h.period, h.lead, h.may_skip
+        ),
+        carray(inputs, h.topics, INPUT),
+        carray(outputs, h.publishers, OUTPUT),
+        carray(runs, h.runs, RUN),
+        carray(senders, (h.topics, h.senders, 2), np.int64),
+        carray(frames, ({ROWS + 2}, {SIZE}), np.float64),
+        memory,
+        carray(tally, {BLOCK}, np.int64),
+    )
+'''
+_RECORDS = {"LOOP": LOOP, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN}
+_NAMES = {**_RECORDS, "Memory": Memory, "Steps": Steps, "take_steps": take_steps}
+
+
+def is_kept() -> bool:
+    """Whether the machine code is on disk, so that nobody has to wait for the compiler."""
+    return kept_code.is_kept("node_steps", _TEXT, _NAMES)
+
+
+@cache
+def address() -> int:
+    """Of the loop as a C function."""
+    return machine_code.function_address("node_steps", _TEXT, _NAMES)

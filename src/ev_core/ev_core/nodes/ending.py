@@ -40,7 +40,7 @@ SILENTLY = "EV_STACK_LEAVE_SILENTLY"  # variable of the environment: a runner se
 
 
 def stop_listening(node: Node) -> None:
-    """Hear nothing any more, so that nobody waits until this node has heard something."""
+    """Subscribe to nothing any more, so that nobody waits until this node has received something."""
     for subscription in list(node.subscriptions):
         node.destroy_subscription(subscription)
 

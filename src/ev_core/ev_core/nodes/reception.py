@@ -17,7 +17,7 @@ _PROCESS = 12  # first bytes of an identity, which all publishers of a process h
 
 
 class Reception:
-    """Feeds serialized messages to a stepper; `reports` is told what is odd, `publish` what there is to say."""
+    """Feeds serialized messages to a stepper; `reports` is given what is odd, `publish` each answer."""
 
     def __init__(self, stepper: Stepper, reports: Reports, publish: Callable[[Answer], None]) -> None:
         self._stepper, self._reports, self._publish = stepper, reports, publish

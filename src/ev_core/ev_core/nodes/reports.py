@@ -1,4 +1,4 @@
-"""What a node says besides its signals: in its log, in /diagnostics, and to the runner that has started it."""
+"""The reports of a node: in its log, in /diagnostics, and to the runner that has started it."""
 
 from __future__ import annotations
 
@@ -65,14 +65,14 @@ class Health:
 
 NOTED = "noted"  # key of a diagnostic value: what is named once, and does not make a run less reproducible
 _NAMED = 20  # of what is noted; more than these are counted only
-_PATIENCE = 1.0  # s for the last word to be heard
+_PATIENCE = 1.0  # s for the last report to arrive
 _LOOK_PERIOD = 0.1  # s of wall time between looks at what a part notes
 
 
 class Reports:
     """Says each thing once, and passes on what a part notes of the run.
 
-    What is said is bounded: with all values of a parameter that was changed, or names of strangers, it may be of any
+    The length of a report is bounded: all values of a parameter that was changed, or names of strangers, may be of any
     length, and the line to the runner takes no more than a socket does.
     """
 
@@ -132,7 +132,7 @@ class Reports:
                 self._diagnose(DiagnosticStatus.OK, text)
 
     def tell(self, what: str, text: str, values: Mapping[str, Any]) -> None:
-        """Publish numbers about the run, if anybody listens; `what` tells them apart from the reports."""
+        """Publish numbers about the run, if anybody listens; `what` distinguishes them from the reports."""
         if self._publisher.get_subscription_count():
             more = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
             self._diagnose(DiagnosticStatus.OK, text, *more, name=f": {what}")

@@ -36,7 +36,7 @@ _ROS_OWN = ("use_sim_time", "start_type_description_service")
 
 
 def overrides(node: Node) -> dict[str, Any]:
-    """What the command line and the parameter files say about a node that declares its overrides by itself."""
+    """The values of command line and parameter files for a node that declares its overrides by itself."""
     given = node.get_parameters_by_prefix("")
     return {name: value.value for name, value in given.items() if not is_ros_own(name)}
 
@@ -60,7 +60,7 @@ def given(node: Node, node_arguments: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _is_said(name: str, value: str, node_arguments: Mapping[str, Any]) -> bool:
-    """Whether the command line (-p NAME:=VALUE) or who makes the node in Python says this."""
+    """Whether this is from the command line (-p NAME:=VALUE) or from the program that makes the node."""
     if any(each.name == name and each.value == value for each in node_arguments.get("parameter_overrides") or ()):
         return True
     words = [*sys.argv, *(node_arguments.get("cli_args") or ())]

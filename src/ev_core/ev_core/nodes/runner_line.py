@@ -1,7 +1,7 @@
-"""What a node says to the runner that has started it, by a socket that both have inherited: nobody else has its ends.
+"""The line of a node to the runner that has started it: a socket that both have inherited, and nobody else.
 
-Whoever is on the graph can speak in the name of a node; whoever is not the runner's child cannot speak here. What a
-node says to everybody stands in /diagnostics as well.
+Anybody on the graph can publish in the name of a node; only a child of the runner can write here. What is meant for
+everybody stands in /diagnostics as well.
 """
 
 from __future__ import annotations
@@ -16,16 +16,18 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-LINE = "EV_STACK_RUNNER_LINE"  # variable of the environment: file descriptor, process of the runner, key of the sums
-PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME, TIMING, TALLY = KINDS = (
+RUNNER_LINE = (
+    "EV_STACK_RUNNER_LINE"  # variable of the environment: file descriptor, process of the runner, key of the sums
+)
+PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME_SERVICE, TIMING, TALLY = WORD_KINDS = (
     "progress",  # of the recorder: `values` has the stamp up to which the run is held [ns]
     "waits",  # `values` has the roles that a node waits for
     "warning",  # why the run may not be reproducible
-    "note",  # what is said once of each `what`, and changes no number
+    "note",  # reported once for each `what`, and changes no number
     "remark",  # what a part notes of the run
     "time",  # what a service has done to time
     "timing",  # how well real time was kept
-    "tally",  # what was taken and said, added up
+    "tally",  # the sums of inputs and outputs
 )
 _PATIENCE, _A_MOMENT = 1.0, 0.002  # s, for the last words to find room
 _LONGEST = 100_000  # bytes of a word
@@ -34,7 +36,7 @@ _NO_ROOM = (errno.EAGAIN, errno.ENOBUFS, errno.ENOMEM)  # at the moment, for a w
 
 @dataclass(frozen=True)
 class Word:
-    """One thing that is said: its kind, a text for the user, what it is about, and values by name."""
+    """One message to the runner: its kind, a text for the user, what it is about, and values by name."""
 
     kind: str
     text: str = ""
@@ -50,7 +52,7 @@ class Word:
         """ValueError where it has another form."""
         word = cls(**_object(message))
         forms = (word.kind, str), (word.text, str), (word.what, str), (word.values, dict)
-        if word.kind not in KINDS or not all(isinstance(value, kind) for value, kind in forms):
+        if word.kind not in WORD_KINDS or not all(isinstance(value, kind) for value, kind in forms):
             raise ValueError(f"kind {word.kind!r}")
         return word
 
@@ -66,7 +68,7 @@ def _object(message: bytes) -> dict[str, Any]:
 
 
 class RunnerLine:
-    """A node's end of the line, if a runner has started it; without one nobody is told, and `key` is empty."""
+    """A node's end of the line, if a runner has started it; without one there is no line, and `key` is empty."""
 
     def __init__(self) -> None:
         self._socket, self.key = _inherited()
@@ -80,7 +82,7 @@ class RunnerLine:
         self.send_what_waits()
 
     def send_what_waits(self) -> None:
-        """Try once more to say what found no room."""
+        """Try once more to send what found no room."""
         while self._waiting and self._socket is not None:
             try:
                 self._socket.send(self._waiting[0], socket.MSG_DONTWAIT | socket.MSG_NOSIGNAL)
@@ -106,7 +108,7 @@ class RunnerLine:
 
 def _inherited() -> tuple[socket.socket | None, bytes]:
     """The socket that the environment names, if it is one whose other end the runner has made, and the key."""
-    number, _, rest = os.environ.get(LINE, "").partition(" ")
+    number, _, rest = os.environ.get(RUNNER_LINE, "").partition(" ")
     runner, _, key = rest.partition(" ")
     try:
         line = socket.socket(fileno=os.dup(int(number)))
@@ -135,7 +137,7 @@ class ListeningEnd:
         return f"{self.theirs.fileno()} {os.getpid()} {key.hex()}"
 
     def heard(self) -> list[bytes]:
-        """What has been said since."""
+        """The messages that have come since."""
         messages: list[bytes] = []
         while True:
             try:
@@ -161,7 +163,7 @@ class Waiting:
     def __init__(self, runner: RunnerLine) -> None:
         self._runner = runner
         self._at: object = None
-        self._next = 0.0  # when there is something to say
+        self._next = 0.0  # when there is something to report
 
     def look(self, at: object, whom: Iterable[str]) -> None:
         """`at` is where the node is; the roles that it waits for matter where that stays."""

@@ -1,4 +1,4 @@
-"""Frames to topics and back: what publishes and receives a signal, and who may speak on a topic."""
+"""Frames to topics and back: what publishes and receives a signal, and which publisher of a topic is admitted."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
 from ev_core.lockstep.stepper import WRITERS, Answer
-from ev_core.node_loop.memory import End
+from ev_core.node_loop.message_memory import End
 from ev_core.nodes.ending import wait_until_heard
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import RECORDER
@@ -25,26 +25,26 @@ from ev_msgs_py.wire.message_format import format_of, stamp_alone
 _SOON, _LATER = 0.01, 0.2  # s of wall time between looks into the graph for a sender: not known yet, refused
 _KEPT = 100  # senders of whom it is known when they were looked up
 NAMELESS = "_UNKNOWN_"  # in the names that the middleware gives to what it knows no name of
-_LONG = 3.0  # s for the graph to tell whose publisher has been heard
+_LONG = 3.0  # s for the graph to name the node of a publisher
 
-Refuse = Callable[[str, str], None]  # is told the node that is refused, and a line about it
+Refuse = Callable[[str, str], None]  # is given the node that is refused, and a line about it
 Succeeded = Callable[[bytes], None]
 
 
 class Judge(Protocol):
-    """Knows who may speak."""
+    """Decides which publishers are admitted."""
 
     def admits(self, info: Mapping[str, Any]) -> bool:
-        """Whether a message with this information, as rclpy gives it, is heard."""
+        """Whether a message with this information, as rclpy gives it, is taken."""
 
 
 class Speaker:
     """Admits the messages of one publisher: of the node with this name, in the namespace of the node that listens.
 
-    Whoever else publishes on the topic is counted in `refused`, and `refuse` is told of it when it is looked up. Two
-    nodes with the name that is allowed cannot be told apart: neither is admitted, unless one has been already. When the
-    publisher that was admitted leaves the graph, another one, such as that of a restarted node, may take its place;
-    `succeeded` is told its identity then.
+    Every other publisher on the topic is counted in `refused`, and `refuse` is called when it is looked up. Two
+    nodes with the name that is allowed cannot be distinguished: neither is admitted, unless one has been already. When
+    the publisher that was admitted leaves the graph, another one, such as that of a restarted node, may take its place;
+    `succeeded` is given its identity then.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Speaker:
         self.refused = 0
 
     def admits(self, info: Mapping[str, Any]) -> bool:
-        """Whether a message with this information, as rclpy gives it, comes from the one who may speak."""
+        """Whether a message with this information, as rclpy gives it, is of the admitted publisher."""
         gid: bytes = (info.get("publisher_gid") or _UNTOLD)["data"]
         if gid == self.admitted and gid:
             return True
@@ -80,9 +80,9 @@ class Speaker:
         return False
 
     def _may_speak(self, gid: bytes) -> bool:
-        """Whether a publisher is the only one of its name; whose node is not known yet, may speak later.
+        """Whether a publisher is the only one of its name; one whose node is not known yet may be admitted later.
 
-        Where nobody tells who has sent a message (an empty `gid`: before ROS 2 Kilted, and executors of rclpy's), it is
+        Where the sender of a message is not known (an empty `gid`: before ROS 2 Kilted, in executors of rclpy), it is
         believed as long as nobody else could have.
         """
         there = {
@@ -103,7 +103,7 @@ class Speaker:
         return allowed == [gid] if gid else len(there) == len(allowed) == 1
 
     def _note_nameless(self, name: str) -> None:
-        """A sender whose node the graph does not tell is not heard; where that lasts, whoever waits shall be told."""
+        """A sender whose node the graph does not name is not admitted; where that lasts, it is reported."""
         if NAMELESS not in name:
             self._nameless_since = None
             return
@@ -124,7 +124,7 @@ _HEARD = QoSProfile(depth=HELD)
 
 
 class SignalWriter:
-    """Publishes one signal while somebody hears it."""
+    """Publishes one signal while it has subscribers."""
 
     def __init__(self, node: Node, topic: Topic) -> None:
         format_ = format_of(topic.signal)
@@ -155,7 +155,7 @@ class PolledGroup(MutuallyExclusiveCallbackGroup):
 
 
 class Reader:
-    """Receives a topic from the one who may speak on it, from everybody without a `speaker`.
+    """Receives a topic from its admitted publisher, from everybody without a `speaker`.
 
     Serialized messages go to `receive` if an executor takes them, else to whoever calls `take`.
     """
@@ -184,13 +184,13 @@ class Reader:
 
     def take_with_time(self, patience: int = QUEUE_DEPTH) -> tuple[bytes, int] | None:
         """The same, with the wall time at which the middleware received it [ns]."""
-        for _ in range(patience):  # who speaks faster than it is refused shall not keep the node from all else
+        for _ in range(patience):  # a sender that is faster than it is refused shall not keep the node from all else
             taken = self._take()
             if taken is None:
                 return None
             message, info = taken
             if self.speaker is None or self.speaker.admits(info):
-                return message, info["received_timestamp"] or time.time_ns()  # 0: the middleware does not tell
+                return message, info["received_timestamp"] or time.time_ns()  # 0: the middleware does not know
         return None
 
     def judge(self, message: bytes, info: Mapping[str, Any]) -> bool:
@@ -201,14 +201,14 @@ class Reader:
         return admitted
 
     def _receive_from_executor(self, message: bytes) -> None:
-        """Not every executor tells who has sent a message."""
+        """Not every executor passes on the sender of a message."""
         self.judge(message, {})
 
 
 class SignalReader(Reader):
-    """Receives a signal from the node of the role that writes it; `refuse` is told of others who speak of it.
+    """Receives a signal from the node of the role that writes it; `refuse` is called for others that publish it.
 
-    `succeeded` is told when that node has been started anew (`Speaker`).
+    `succeeded` is called when that node has been started anew (`Speaker`).
     """
 
     def __init__(
@@ -234,7 +234,7 @@ _PATIENCE = 20.0  # s of wall time for the last states to arrive, on a machine w
 
 
 class StatePublisher:
-    """Publishes what the master says, and knows for how long it has said nothing."""
+    """Publishes the outputs of the master, and knows for how long it has published nothing."""
 
     def __init__(self, node: Node, writers: Iterable[SignalWriter]) -> None:
         self._writers = list(writers)
@@ -250,7 +250,7 @@ class StatePublisher:
         self.spoke = time.monotonic()
 
     def repeat(self, answer: Answer | None) -> None:
-        """Publish once more, and first what most nodes hear: their step goes on while the rest is being published."""
+        """Publish once more, first what most nodes receive: their step goes on while the rest is being published."""
         self._writers.sort(key=lambda writer: -writer.publisher.get_subscription_count())
         if answer is not None:
             self.publish(answer)
@@ -262,7 +262,7 @@ class StatePublisher:
             wait_until_heard(writer.publisher, given_up, is_wanted)
 
     def ends(self) -> list[End]:
-        """All publishers, in the order in which they speak."""
+        """All publishers, in the order in which they publish."""
         return [*(writer.end for writer in self._writers), End(self._clock.pointer, stamp_alone(0))]
 
     @property

@@ -3,7 +3,7 @@
 rclpy's executors build a wait set of everything for every message, services included. Here a step wakes up for one
 subscription, its last input, and polls the others; services, and so parameters, are looked at now and then, and what
 there may be besides goes through an ordinary executor. A node that has a process to itself does that in compiled code
-for as long as nothing odd comes (`polled`).
+for as long as nothing odd comes (`node_loop`).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from ev_msgs_py.refusal import LINE, shown
 
 
 class Refusing:
-    """The callback of a service; where it raises, the answer says why, as far as its type has a place for that."""
+    """The callback of a service; where it raises, the answer has the reason, if its type has a place for that."""
 
     def __init__(self, service: Service, node: Node) -> None:
         self._callback, self._response, self._logger = service.callback, service.srv_type.Response, node.get_logger()
@@ -95,7 +95,7 @@ class Spinnable(Protocol):
 
 
 def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
-    """Run nodes of one context until `finished` says so or ROS is shut down."""
+    """Run nodes of one context until `finished()` is true or ROS is shut down."""
     in_order: list[Any] = sorted(nodes, key=lambda node: node.polling_place)  # nodes of rclpy, too
     context = in_order[0].context
     executor = SingleThreadedExecutor(context=context)

@@ -1,10 +1,14 @@
-"""The common part of all nodes of the graph: parameters, topics, and a part that is stepped by stamps."""
+"""The common part of all nodes of the graph: parameters, topics, and a part that is stepped by stamps.
+
+`spinning.spin` polls such a node for the inputs that its next step waits for; compiled code takes its ordinary steps.
+"""
 
 from __future__ import annotations
 
 import ctypes
 import os
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +20,94 @@ from ev_core.lockstep.parts import hand_over, is_compiled, part_of
 from ev_core.lockstep.stepper import WRITERS, Answer, Stepper, arrival_place
 from ev_core.methods.common_parameters import CommonParameters
 from ev_core.methods.part import Part
+from ev_core.node_loop.message_memory import End
+from ev_core.node_loop.ordinary_steps import OrdinarySteps, can_be_taken
 from ev_core.nodes import ros_parameters
-from ev_core.nodes.polled import Polled
 from ev_core.nodes.reception import Reception
 from ev_core.nodes.reports import Health, Reports
 from ev_core.nodes.ros_parameters import LiveParameters
 from ev_core.nodes.runner_line import TALLY, Waiting, Word
-from ev_core.nodes.signal_io import SignalReader, SignalWriter, Succeeded
+from ev_core.nodes.signal_io import SignalReader, SignalWriter, SubscriptionHandle, Succeeded
+from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
+
+_LOOK_PERIOD = 0.02  # s of wall time between looks for what nobody waits for: repetitions of messages
+
+
+class Polled:
+    """Takes messages from its `readers`; `wanted` gives those that the next step waits for."""
+
+    readers: dict[type, SignalReader]
+    writers: dict[type, SignalWriter]
+    reports: Reports
+    stepper: Stepper
+
+    @property
+    def realtime(self) -> bool:
+        """Whether the wall clock drives the graph, so that steps may be skipped."""
+        raise NotImplementedError
+
+    def wanted(self) -> tuple[type, ...]:
+        """The signals that the next step waits for, in the order of their arrival."""
+        raise NotImplementedError
+
+    def poll(self) -> bool:
+        """Take what the next step waits for and step where that completes the inputs; False if nothing was there."""
+        progressed = False
+        for signal in self.wanted():
+            reader = self.readers[signal]
+            message = reader.take()
+            if message is not None:
+                reader.receive(message)
+                progressed = True
+        return progressed
+
+    def take_steps(self, until: float, guard: int) -> bool:
+        """Let compiled code take ordinary steps up to a time of the monotonic clock; False if it cannot."""
+        limit, ordinary = self.free_until(), self._ordinary
+        if limit < 0 or ordinary is None or not ordinary.take(until, self.wake_up_within(), limit, guard):
+            return False
+        if ordinary.taken:
+            self.went_on(ordinary.spoke)
+        return True
+
+    @cached_property
+    def _ordinary(self) -> OrdinarySteps | None:
+        return OrdinarySteps(self, self.ends()) if can_be_taken() else None
+
+    def free_until(self) -> int:
+        """The last stamp up to which the messages alone decide when a step is taken; -1 if there is none."""
+        return -1 if self.realtime else stamps.LAST_EXACT
+
+    def ends(self) -> list[End]:
+        """The publishers of its outputs in a step."""
+        return [writer.end for writer in self.writers.values()]
+
+    def went_on(self, spoke: float) -> None:
+        """Called when steps were taken, with the time on the monotonic clock at which it published last."""
+        self.reports.pass_on_now_and_then(self.stepper.part)
+
+    def sweep(self) -> None:
+        """Take everything: what nobody waits for are repetitions, by which others ask for an answer that they miss."""
+        for reader in self.readers.values():
+            while (message := reader.take()) is not None:
+                reader.receive(message)
+
+    def awaits(self) -> SubscriptionHandle:
+        """The subscription to wake up for: of the inputs that are missing, or of all, the one that arrives last."""
+        return self.readers[(self.wanted() or tuple(self.readers))[-1]].handle
+
+    def wake_up_within(self) -> float:
+        """Seconds after which the node wants to be polled though no message has come."""
+        return _LOOK_PERIOD
+
+    def idle(self) -> None:
+        """Called when there is nothing to take."""
+
+    def close(self) -> None:
+        """Called at the end of the process."""
+
 
 _CURRENT_AND_FUTURE = 1 | 2  # of mlockall
 _POLLING_ORDER = polling_order(ROLES, MASTER)
@@ -76,7 +159,7 @@ class SteppedNode(Node, Polled):
 
     @property
     def configuration(self) -> Configuration:
-        """What the parameters say now."""
+        """The present parameters."""
         return self.live.configuration
 
     @property
@@ -97,7 +180,7 @@ class SteppedNode(Node, Polled):
         return self.reception.receiver(topic)
 
     def _succeeded(self, signal: type) -> Succeeded:
-        """What is told when the writer of a signal was started anew."""
+        """What is called when the writer of a signal was started anew."""
         return self.reception.note_new_master if WRITERS.get(signal) == MASTER else lambda _: None
 
     def publish(self, answer: Answer) -> None:
@@ -107,7 +190,7 @@ class SteppedNode(Node, Polled):
         self.reports.pass_on_now_and_then(self.stepper.part)
 
     def successor(self, configuration: Configuration) -> Part:
-        """What goes on with other parameters; the state lasts, of one that has spoken: before that there is none."""
+        """What goes on with other parameters; the state lasts, of one that has published: before that there is none."""
         part = self.new_part(configuration)
         if self.stepper.answer is not None:
             hand_over(self.stepper.part, part)
@@ -131,7 +214,7 @@ class SteppedNode(Node, Polled):
             self._waiting.look(self.stepper.inbox.last, whom)
 
     def close(self) -> None:
-        """Tell the runner what was taken and said, as far as it is added up."""
+        """Report the sums of inputs and outputs to the runner, as far as they are added up."""
         stepper = self.stepper
         if stepper.tally is not None and stepper.answer is not None:
             last = -stepper.period if stepper.inbox.last is None else stepper.inbox.last
@@ -145,7 +228,7 @@ class SteppedNode(Node, Polled):
 
 
 def ask_for(p: CommonParameters) -> Iterator[str]:
-    """Ask for what the parameters say, for all threads of this process; what is not granted, one line each."""
+    """Ask for priority and memory for all threads of this process; one line for each that is not granted."""
     if p.scheduling_priority:
         try:
             for thread in Path("/proc/self/task").iterdir():

@@ -6,8 +6,8 @@ to that: a wait of a millisecond lasts an hour longer if the clock is set back b
 ended by a guard condition. The thread that announces a process to others, and repeats what they have not received,
 begins to wait anew when a timer is made, as for a publisher.
 
-With a publisher a process also tells the graph anew what it consists of. Between senders, the middleware finds by the
-time of day what has arrived, and may lose something where that was set back: it is told several times.
+With a publisher a process also announces anew what it consists of. Between senders, the middleware finds by the
+time of day what has arrived, and may lose something where that was set back: it is announced several times.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ class Alarm:
                 self._speak_up()
 
     def _speak_up(self) -> None:
-        """On a topic on which every node may speak; where ROS has just been shut down nobody waits any more."""
+        """On a topic on which every node may publish; where ROS has just been shut down nobody waits any more."""
         with suppress(RuntimeError, NotInitializedException):
             silent = PublisherEventCallbacks(use_default_callbacks=False)
             publisher = self._node.create_publisher(ParameterEvent, "/parameter_events", 1, event_callbacks=silent)

@@ -1,34 +1,105 @@
-"""Sensors in the frame: what they show takes the place of the true numbers, once per control period.
+"""Sensors in the frame: their output takes the place of the true numbers, once per control period.
 
-A row of numbers holds what the sensors behind one object are told, another one what lasts between periods:
+A row of numbers has the settings of the sensors behind one object, another one what lasts between periods:
 
     constants  total  size of the state  sensors  then for each sensor the numbers from KIND to FIRST
-    state      period                             then for each sensor whether it has begun, what it shows, what is on
+    state      period                             then for each sensor whether it has begun, its output, what is on
                                                   its way
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
 from typing import Protocol
 
 import numpy as np
 
 from ev_core.elementary import atan2, cos, isfinite, remainder, sin
+from ev_core.parameters.declaration import setting
 from ev_core.sensors.random_numbers import TAU, WORD, normals, philox, uniform
-from ev_core.sensors.sensor import UNIFORM
 from ev_msgs_py.compilable import compilable
+from ev_msgs_py.refusal import ParameterError
+
+DISTRIBUTIONS = ("gaussian", "uniform")
+GAUSSIAN, UNIFORM = range(len(DISTRIBUTIONS))
+_NO_RANGE = 1e30
+
+
+@cache
+def sensor_parameters(unit: str, largest: float) -> type:
+    """The parameter dataclass of a sensor for numbers in `unit` and errors up to `largest`; by default it is ideal."""
+
+    @dataclass(frozen=True, slots=True)
+    class SensorParameters:
+        """Errors of one sensor, in the order in which they come about."""
+
+        gain: float = setting(1.0, unit="1", low=0.5, high=2.0, about="what is shown over what is true")
+        bias: float = setting(0.0, unit=unit, low=-largest, high=largest, about="constant error")
+        noise: float = setting(
+            0.0, unit=unit, low=0.0, high=largest, about="size of the random error, new in every period: `distribution`"
+        )
+        bias_of_range: float = setting(
+            0.0, unit="1", low=-1.0, high=1.0, about="constant error over the range from lowest to highest, on top"
+        )
+        noise_of_reading: float = setting(
+            0.0, unit="1", low=0.0, high=1.0, about="random error over the true value, on top of `noise`"
+        )
+        noise_of_range: float = setting(
+            0.0, unit="1", low=0.0, high=1.0, about="random error over lowest to highest, on top of `noise`"
+        )
+        distribution: str = setting(
+            "gaussian",
+            choices=DISTRIBUTIONS,
+            about="of the random error; gaussian: its standard deviation is `noise`; uniform: `noise` is its bound",
+        )
+        lowest: float = setting(
+            -_NO_RANGE, unit=unit, low=-_NO_RANGE, high=_NO_RANGE, about="smallest value that it can show"
+        )
+        highest: float = setting(
+            _NO_RANGE, unit=unit, low=-_NO_RANGE, high=_NO_RANGE, about="largest value that it can show"
+        )
+        quantisation: float = setting(
+            0.0, unit=unit, low=0.0, high=largest, about="distance between the values that it can show; 0: shows all"
+        )
+        delay: int = setting(0, unit="1", low=0, high=1000, about="age of the value, in whole control periods")
+        dropout: float = setting(
+            0.0, unit="1", low=0.0, high=1.0, about="probability that a period brings no value and the last one stays"
+        )
+
+        def __post_init__(self) -> None:
+            if self.lowest > self.highest:
+                raise ParameterError(f"lowest is {self.lowest:g}, allowed is at most highest, {self.highest:g}")
+            for name in ("bias_of_range", "noise_of_range"):
+                if getattr(self, name) != 0.0 and max(-self.lowest, self.highest) >= _NO_RANGE:
+                    raise ParameterError(f"{name} needs a range: lowest and highest")
+
+        @property
+        def offset(self) -> float:
+            """Constant error in all."""
+            return self.bias + (self.bias_of_range * (self.highest - self.lowest) if self.bias_of_range else 0.0)
+
+        @property
+        def least_noise(self) -> float:
+            """Size of the random error of a true value of 0."""
+            return self.noise + (self.noise_of_range * (self.highest - self.lowest) if self.noise_of_range else 0.0)
+
+    return SensorParameters
+
 
 # How the frame carries what is measured: as numbers one after the other; as z and w of a quaternion about the vertical
 # axis; as a share and the amount that it is of the whole.
 NUMBERS, HEADING, SHARE = range(3)
 
-# What a sensor is told. Three places: of the first number, or of z and w, or of share, amount and whole; MEMORY is that
-# of its own numbers in the state, FIRST how many pairs of its numbers are measured in front of these.
-WIDTH = 20
-KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, NAME = range(14)
-GAIN, LOWEST, HIGHEST, DISTRIBUTION, NOISE_OF_READING, FIRST = range(14, WIDTH)
-HEAD = 3
+# The settings of a sensor. Three places: of the first number, or of z and w, or of share, amount and whole; MEMORY is
+# that of its own numbers in the state, FIRST how many pairs of its numbers are measured in front of these.
+SENSOR_WIDTH = 20
+KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, SENSOR_NAME = range(
+    14
+)
+GAIN, LOWEST, HIGHEST, DISTRIBUTION, NOISE_OF_READING, FIRST = range(14, SENSOR_WIDTH)
+SENSORS_HEAD = 3
 
 
 class Numbers(Protocol):
@@ -39,7 +110,7 @@ class Numbers(Protocol):
     def __setitem__(self, place: int, number: float, /) -> None: ...
 
 
-# The last word of the counter says what a random number is for.
+# The last word of the counter is the purpose of a random number.
 FOR_NOISE, FOR_DROPOUT = range(2)
 
 
@@ -48,8 +119,8 @@ def measure(frame: Numbers, state: Numbers, sensors: Sequence[float]) -> None:
     """Let all sensors show what they make of the true numbers in a frame."""
     period = int(state[0])
     for n in range(int(sensors[2])):
-        begin = HEAD + n * WIDTH
-        show(frame, state, sensors[begin : begin + WIDTH], period)
+        begin = SENSORS_HEAD + n * SENSOR_WIDTH
+        show(frame, state, sensors[begin : begin + SENSOR_WIDTH], period)
     state[0] += 1.0
 
 
@@ -86,7 +157,7 @@ def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> Non
 @compilable
 def words(c: Sequence[float], period: int, block: int, purpose: int) -> tuple[int, int, int, int]:
     """Four random words of a sensor in a period; the key is the seed and the name."""
-    return philox(period & WORD, period >> 32, block, purpose, int(c[SEED]), int(c[NAME]))
+    return philox(period & WORD, period >> 32, block, purpose, int(c[SEED]), int(c[SENSOR_NAME]))
 
 
 @compilable
@@ -105,7 +176,7 @@ def sampled(true: float, normal: float, c: Sequence[float]) -> float:
     if c[NOISE_OF_READING] > 0.0:  # of an infinite number a share of 0 would be none
         size += c[NOISE_OF_READING] * abs(true)
     value = c[GAIN] * true + c[BIAS] + size * normal
-    if not isfinite(value):  # whoever publishes it says which number that is
+    if not isfinite(value):  # the publisher names that number
         return value
     value = min(max(value, c[LOWEST]), c[HIGHEST])
     return value if c[QUANTISATION] == 0.0 else value - remainder(value, c[QUANTISATION])

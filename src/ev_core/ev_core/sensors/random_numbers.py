@@ -56,7 +56,7 @@ _OWN = "seed"
 
 
 def seeded(parameters: P, seed: int, prefix: str = "") -> P:
-    """Parameters as their method is told them: with the node's seed 0 as they are, else with other own seeds.
+    """Parameters as their method is given them: with the node's seed 0 as they are, else with other own seeds.
 
     An own seed is a parameter `seed` of a group, such as `road.seed`; its name, its value and the node's seed make the
     new one. A group whose `is_random` is false keeps it, and so remains what it is.

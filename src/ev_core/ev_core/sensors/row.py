@@ -1,34 +1,151 @@
-"""The sensors behind one object, in plain Python: what they are told and what they keep, as two rows of numbers."""
+"""The sensors behind one object: the quantities that they measure, and their settings and state as two rows of numbers.
+
+The quantities are the fields of the signals, by the sensor that each of them names.
+"""
 
 from __future__ import annotations
 
 import zlib
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, make_dataclass
+from functools import cache
 from typing import Any
 
-from ev_core.parameters.declaration import defaults
-from ev_core.sensors.measuring import COUNT, DELAY, FIRST, HEAD, MEMORY, NAME, NUMBERS, WIDTH, Numbers, measure
-from ev_core.sensors.quantities import QUANTITIES, Quantity
-from ev_core.sensors.sensor import DISTRIBUTIONS
+from ev_core.parameters.declaration import defaults, group
+from ev_core.sensors.measuring import (
+    COUNT,
+    DELAY,
+    DISTRIBUTIONS,
+    FIRST,
+    HEADING,
+    MEMORY,
+    NUMBERS,
+    SENSOR_NAME,
+    SENSOR_WIDTH,
+    SENSORS_HEAD,
+    SHARE,
+    Numbers,
+    measure,
+    sensor_parameters,
+)
+from ev_msgs_py.contract import frame, signals
+from ev_msgs_py.contract import optional_signals as optional
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
+# In the order of the parameter reference. What nobody measures (commands, the recorder) is not among them.
+_OF_CIRCUITS = (optional.BenchShafts, optional.BenchElectrical, optional.BenchTemperatures)
+
+
+_MEASURED = (
+    signals.WheelStates,
+    signals.MotorStates,
+    signals.InertialMeasurement,
+    signals.BodyVelocity,
+    signals.BodyPose,
+    signals.BatteryCondition,
+    signals.TireForces,
+    optional.MotorElectrics,
+    optional.MotorTemperatures,
+    optional.CellCondition,
+    signals.SteeringColumnState,
+    optional.RearSteeringState,
+    *_OF_CIRCUITS,
+)
+
+
+# A heading is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and in which order.
+_SPECIAL = {
+    "body_heading": (HEADING, ("orientation_z", "orientation_w"), ""),
+    "battery_state_of_charge": (SHARE, ("state_of_charge", "charge"), "capacity"),
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Fields of a signal that one sensor measures; its parameters accept errors up to `largest`, in `unit`.
+
+    `kind` is the form of what is measured in the fields: its numbers; z and w of a quaternion; or a share and the
+    amount that this is of a further field, `whole`.
+    """
+
+    name: str
+    signal: type
+    fields: tuple[str, ...]
+    kind: int = NUMBERS
+    whole: str = ""
+
+    @property
+    def unit(self) -> str:
+        """Unit of the numbers and of the sensor's errors."""
+        return "rad" if self.kind == HEADING else shape_of(self.signal).fields[self.fields[0]].unit
+
+    @property
+    def largest(self) -> float:
+        """Largest error that the parameters accept, in the unit."""
+        return shape_of(self.signal).fields[self.fields[0]].largest
+
+    @property
+    def parameters(self) -> type:
+        """The parameter dataclass of its sensor."""
+        return sensor_parameters(self.unit, self.largest)
+
+    @property
+    def places(self) -> tuple[int, ...]:
+        """Where its fields stand in the frame, and then the whole; numbers stand one after the other."""
+        channels = shape_of(self.signal).channels
+        fields = (*self.fields, self.whole)
+        begin = frame.PLACES[self.signal].start
+        return tuple(begin + i for f in fields for i, name in enumerate(channels) if name.partition(".")[0] == f)
+
+    @property
+    def count(self) -> int:
+        """How many numbers have errors."""
+        return len(self.places) if self.kind == NUMBERS else 1
+
+    def parts(self, driven: Collection[str]) -> list[range]:
+        """Which of these numbers there are with wheels `driven`: a test bench has circuits for their axles only."""
+        if self.signal not in _OF_CIRCUITS:
+            return [range(self.count)]
+        axles = [any(wheel in driven for wheel in WHEEL_NAMES[i : i + 2]) for i in (0, 2)]
+        return [range(i, i + 2) for i in range(0, self.count, 2) if axles[i // 2 % 2]]
+
+
+def _quantities(signal: type) -> list[Quantity]:
+    """What the sensors of a signal measure, in the order of its fields."""
+    fields: dict[str, tuple[str, ...]] = {}
+    for name, field in shape_of(signal).fields.items():
+        if field.sensor:
+            fields[field.sensor] = (*fields.get(field.sensor, ()), name)
+    kinds = {sensor: _SPECIAL.get(sensor, (NUMBERS, names, "")) for sensor, names in fields.items()}
+    return [Quantity(sensor, signal, names, kind, whole) for sensor, (kind, names, whole) in kinds.items()]
+
+
+QUANTITIES = tuple(quantity for signal in _MEASURED for quantity in _quantities(signal))
+
+
+@cache
+def sensors_for(signals: tuple[type, ...]) -> type:
+    """The parameter dataclass with one group for each quantity of these signals, by its name."""
+    groups = [(q.name, q.parameters, group(q.parameters)) for q in QUANTITIES if q.signal in signals]
+    return make_dataclass("Sensors", groups, frozen=True, slots=True)
+
 
 class SensorRow:
-    """Those of some sensors that are not ideal; `parameters` are as `quantities.sensors_for` declares them.
+    """Those of some sensors that are not ideal; `parameters` are as `sensors_for` declares them.
 
     With fewer wheels `driven` a test bench has fewer channels. `constants` and `state` are rows of numbers as
     `measuring` has them, the state all that lasts.
     """
 
     def __init__(self, parameters: Any, seed: int, driven: Collection[str] = WHEEL_NAMES) -> None:
-        self.constants = [0.0] * HEAD
+        self.constants = [0.0] * SENSORS_HEAD
         self._size = 1
         for quantity, errors in imperfect(parameters):
             for part in quantity.parts(driven):
                 self.constants += self._told(quantity, errors, seed, part)
         total = len(self.constants)
-        self.constants[:HEAD] = float(total), float(self._size), float((total - HEAD) // WIDTH)
+        self.constants[:SENSORS_HEAD] = float(total), float(self._size), float((total - SENSORS_HEAD) // SENSOR_WIDTH)
         self.start()
 
     def _told(self, quantity: Quantity, errors: Any, seed: int, part: range) -> list[float]:
@@ -47,7 +164,7 @@ class SensorRow:
     def go_on_from(self, other: Any) -> None:
         """Go on in the period where others were; a sensor that has another delay or was not there begins with it."""
         self.state[0] = other.state[0]
-        keep_memories(self, other, HEAD, WIDTH, (NAME, FIRST, COUNT, DELAY), MEMORY)
+        keep_memories(self, other, SENSORS_HEAD, SENSOR_WIDTH, (SENSOR_NAME, FIRST, COUNT, DELAY), MEMORY)
 
     def step(self, frame: Numbers) -> None:
         """Put what the sensors show into a frame of true numbers; once per period, the first time at the start."""

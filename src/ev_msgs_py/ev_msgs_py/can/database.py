@@ -1,16 +1,72 @@
-"""The frames of a bus from the text of a DBC file; nothing of the reader is used later."""
+"""The frames of a bus from the text of a DBC file; nothing of the reader is used later.
+
+A frame has its signals by name, and packs values into bytes and back.
+"""
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from ev_msgs_py.can.frame_layout import GUARDS, FrameLayout
-from ev_msgs_py.can.payload import BitField, raw_number
+from ev_msgs_py.can.payload import COUNTERS, BitField, extracted, inserted, protected, raw_number
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+
+GUARDS = ("Crc", "Counter")  # signals that the protection writes
+
+
+@dataclass(frozen=True, slots=True)
+class FrameLayout:
+    """One frame of the bus; `signals` are its signals by name, without those of the protection."""
+
+    name: str
+    identifier: int
+    length: int  # bytes of data
+    cycle: float  # s between two of them; 0: not cyclic
+    sender: str
+    receivers: frozenset[str]
+    data_id: int
+    signals: Mapping[str, BitField]
+    units: Mapping[str, str]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "signals", MappingProxyType(dict(self.signals)))
+        object.__setattr__(self, "units", MappingProxyType(dict(self.units)))
+
+    def payload(self, values: Mapping[str, float]) -> int:
+        """All signals as one number, without the protection; values beyond their range saturate.
+
+        ValueError that names frame and signal for a NaN, and for names that are missing or unknown.
+        """
+        if values.keys() != self.signals.keys():
+            different = sorted(values.keys() ^ self.signals.keys())
+            raise ValueError(f"{self.name}: signals that are missing or unknown: {', '.join(different)}")
+        payload = 0
+        for name, field in self.signals.items():
+            value = values[name]
+            if math.isnan(value):
+                raise ValueError(f"{self.name}: {name} is nan, allowed is {field.low:g} to {field.high:g}")
+            payload = inserted(payload, field, value)
+        return payload
+
+    def pack(self, values: Mapping[str, float], counter: int) -> bytes:
+        """The data of the frame, protected; ValueError as `payload`, and for a counter that is none."""
+        if counter not in range(COUNTERS):
+            raise ValueError(f"{self.name}: counter {counter} is refused, allowed is 0 to {COUNTERS - 1}")
+        return self.data(protected(self.payload(values), self.length, self.data_id, counter))
+
+    def data(self, payload: int) -> bytes:
+        """A payload as the bytes that go over the bus."""
+        return payload.to_bytes(self.length, "little")
+
+    def values(self, payload: int) -> dict[str, float]:
+        """The signals of a payload by name, whether it is rightly protected or not."""
+        return {name: extracted(payload, field) for name, field in self.signals.items()}
+
 
 if TYPE_CHECKING:
     from cantools.database.can import Message, Signal
@@ -23,7 +79,7 @@ _MULTIPLEXED = re.compile(r"SG_MUL_VAL_\s+\d")
 _SIZES = re.compile(r"(\d+)\s*\|\s*(\d+)\s*@|BO_\s+\d+\s+\w+\s*:\s*(\d+)")  # start and length in bits, bytes
 _MOST_BITS = 64
 _LONGEST_SIGNAL = 32  # bits; a float64 and compiled code hold such numbers exactly
-_SMALLEST, _LARGEST = 1e-9, 1e9  # of a scale; beyond them float64 does not tell all numbers of a signal apart
+_SMALLEST, _LARGEST = 1e-9, 1e9  # of a scale; beyond them float64 does not hold all numbers of a signal apart
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +105,7 @@ class Database:
 def database_of(content: bytes) -> Database:
     """The frames that the content of a DBC file declares; to read it takes as long as seconds of a run.
 
-    ParameterError in one line that names frame and signal if it has what is not spoken here: anything but classic
+    ParameterError in one line that names frame and signal if it has what is not supported: anything but classic
     frames with 11-bit identifiers, Intel order, and the protection of profile 1.
     """
     from cantools.database import load_string  # takes 0.2 s that only nodes on a bus shall spend

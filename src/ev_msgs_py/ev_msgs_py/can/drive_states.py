@@ -44,10 +44,10 @@ ENABLE_COMMAND = SWITCH_ON_COMMAND | ENABLE_OPERATION
 
 @compilable
 def state_of(statusword: int) -> int:
-    """The state that a statusword tells; NOT_READY for bits that no state has."""
+    """The state in a statusword; NOT_READY for bits that no state has."""
     bits = statusword & _STATE_MASK
     if bits & 0x4F == 0x40:
-        return SWITCH_ON_DISABLED  # bit 5 says nothing here
+        return SWITCH_ON_DISABLED  # bit 5 has no meaning here
     if bits & 0x4F == 0x08:
         return FAULT
     if bits & 0x4F == 0x0F:

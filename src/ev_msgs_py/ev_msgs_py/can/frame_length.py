@@ -1,8 +1,7 @@
 """How many bits a classic CAN frame with an 11-bit identifier takes on the wire (ISO 11898-1).
 
-How long a frame takes on the wire, quickly: a byte at a time, by tables, for what runs compiled in each cycle.
-The same count of bits as `exact_frame`. A state of stuffing is the value of the last bit and how many
-equal ones there are, 1 to 4: a fifth one is followed by a stuff bit of the other value.
+They are counted a byte at a time, by tables, for what runs compiled in each cycle. A state of stuffing is the value of
+the last bit and how many equal ones there are, 1 to 4: a fifth one is followed by a stuff bit of the other value.
 """
 
 from __future__ import annotations
@@ -10,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from ev_msgs_py.can.protection import LONGEST
+from ev_msgs_py.can.payload import LONGEST
 from ev_msgs_py.compilable import compilable, inlined
 
 _CRC_POLYNOMIAL = 0x4599
@@ -26,12 +25,6 @@ def longest_frame(length: int) -> int:
     return stuffed + (stuffed - 1) // (_EQUAL_BITS - 1) + NEVER_STUFFED
 
 
-def exact_frame(identifier: int, data: bytes) -> int:
-    """Bits of this very frame, stuff bits counted, and the pause after it."""
-    bits = list(frame_bits(identifier, data))
-    return len(bits) + stuff_bits(bits) + NEVER_STUFFED
-
-
 def frame_bits(identifier: int, data: bytes) -> Iterator[int]:
     """The bits that are stuffed, before that: from the start of the frame to the last of its CRC."""
     head = [0, *_bits(identifier, 11), 0, 0, 0, *_bits(len(data), 4)]
@@ -39,19 +32,6 @@ def frame_bits(identifier: int, data: bytes) -> Iterator[int]:
     yield from head
     yield from body
     yield from _bits(crc15([*head, *body]), CRC_BITS)
-
-
-def stuff_bits(bits: list[int]) -> int:
-    """How many bits are stuffed in: one after five equal ones, which counts for the next five."""
-    count = run = 0
-    last = -1
-    for bit in bits:
-        run = run + 1 if bit == last else 1
-        last = bit
-        if run == _EQUAL_BITS:
-            count += 1
-            last, run = 1 - bit, 1
-    return count
 
 
 def crc15(bits: list[int]) -> int:
@@ -125,7 +105,7 @@ def header(identifier: int, length: int) -> Header:
 @compilable
 def wire_bits(bits: float, state: float, crc: float, payload: int, length: int) -> float:
     """Bits on the wire of a frame with this header, stuff bits and the pause behind it counted."""
-    if length == LONGEST:  # as in `protection.checksum`
+    if length == LONGEST:  # as in `payload.checksum`
         return _wire_bits(bits, state, crc, payload, LONGEST)
     return _wire_bits(bits, state, crc, payload, length)
 

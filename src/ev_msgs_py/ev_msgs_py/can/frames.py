@@ -9,10 +9,8 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any, NamedTuple
 
-from ev_msgs_py.can.database import Database
-from ev_msgs_py.can.frame_layout import FrameLayout
-from ev_msgs_py.can.payload import BitField
-from ev_msgs_py.can.protection import protected
+from ev_msgs_py.can.database import Database, FrameLayout
+from ev_msgs_py.can.payload import BitField, protected
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.refusal import ParameterError
 

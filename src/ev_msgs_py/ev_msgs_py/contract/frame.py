@@ -83,6 +83,13 @@ class Frame:
         self.address: int = memory.buffer_info()[0]
 
     @classmethod
+    def of(cls, row: np.ndarray) -> Frame:
+        """The frame whose numbers are a row of others, (size,), which lasts as long as the frame."""
+        found = cls.__new__(cls)
+        found.address, found.numbers = row.ctypes.data, memoryview(row)  # type: ignore[arg-type]
+        return found
+
+    @classmethod
     def at(cls, address: int) -> Frame:
         """The frame that stands at an address."""
         found = cls.__new__(cls)

@@ -9,17 +9,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames, SetPointFrames
 from ev_msgs_py.contract.optional_signals import (
     BenchElectrical,
     BenchEnergy,
     BenchShafts,
     BenchTemperatures,
+    BusStates,
     CellCondition,
+    FeedbackFrames,
     LoadCommand,
     MotorElectrics,
     MotorTemperatures,
     RearSteeringState,
+    SetPointFrames,
     WheelSpeedCommand,
 )
 from ev_msgs_py.contract.signals import (
@@ -50,9 +52,9 @@ class RoleKind(Enum):
 class Role:
     """What a node reads and writes, not how it does it.
 
-    `default_method` plays the role where no parameter says otherwise; a role that is `optional` is played only where a
+    `default_method` plays the role where no parameter names another; a role that is `optional` is played only where a
     parameter chooses its method. A method reads only what it uses, and a plant model writes only what it can know
-    (`writes` is what it may write). What a role `offers` is written only by methods that say so.
+    (`writes` is what it may write). What a role `offers` is written only by methods that declare it.
     """
 
     name: str

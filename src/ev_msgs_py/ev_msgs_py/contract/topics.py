@@ -7,34 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ev_msgs_py.contract.bus_signals import BusStates, FeedbackFrames, SetPointFrames
+from ev_msgs_py.contract import optional_signals as optional
+from ev_msgs_py.contract import signals
 from ev_msgs_py.contract.fields import Shape, shape_of
-from ev_msgs_py.contract.optional_signals import (
-    BenchElectrical,
-    BenchEnergy,
-    BenchShafts,
-    BenchTemperatures,
-    CellCondition,
-    LoadCommand,
-    MotorElectrics,
-    MotorTemperatures,
-    RearSteeringState,
-    WheelSpeedCommand,
-)
-from ev_msgs_py.contract.signals import (
-    BatteryCondition,
-    BodyPose,
-    BodyVelocity,
-    DriverCommand,
-    InertialMeasurement,
-    MotorStates,
-    RecorderProgress,
-    SteeringColumnState,
-    TireForces,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
 
 # Reliable, volatile, keep last. The recorder may lag 200 steps (see lockstep.md); a writer keeps more than that, so
 # nothing that the recorder has not acknowledged is ever overwritten.
@@ -67,30 +42,30 @@ class Topic:
 TOPICS = {
     topic.signal: topic
     for topic in (
-        Topic("driver/command", DriverCommand, JOINT_STATE),
-        Topic("steering_column/state", SteeringColumnState, JOINT_STATE),
-        Topic("torque_request", WheelTorqueRequest, JOINT_STATE),
-        Topic("torque_command", WheelTorqueCommand, JOINT_STATE),
-        Topic("speed_command", WheelSpeedCommand, JOINT_STATE),
-        Topic("wheel_states", WheelStates, JOINT_STATE),
-        Topic("motor_states", MotorStates, JOINT_STATE),
-        Topic("imu", InertialMeasurement, "sensor_msgs/msg/Imu"),
-        Topic("twist", BodyVelocity, "geometry_msgs/msg/TwistStamped"),
-        Topic("pose", BodyPose, "geometry_msgs/msg/PoseStamped", frame="odom"),
-        Topic("battery", BatteryCondition, "sensor_msgs/msg/BatteryState"),
-        Topic("tire_forces", TireForces, JOINT_STATE),
-        Topic("motor_electrics", MotorElectrics, JOINT_STATE),
-        Topic("motor_temperatures", MotorTemperatures, JOINT_STATE),
-        Topic("battery/cell", CellCondition, "sensor_msgs/msg/BatteryState"),
-        Topic("rear_steering/state", RearSteeringState, JOINT_STATE),
-        Topic("bench/load_command", LoadCommand, JOINT_STATE),
-        Topic("bench/shafts", BenchShafts, JOINT_STATE),
-        Topic("bench/electrical", BenchElectrical, JOINT_STATE),
-        Topic("bench/temperatures", BenchTemperatures, JOINT_STATE),
-        Topic("bench/energy", BenchEnergy, JOINT_STATE),
-        Topic("can/set_points", SetPointFrames, JOINT_STATE),
-        Topic("can/feedback", FeedbackFrames, JOINT_STATE),
-        Topic("can/bus", BusStates, JOINT_STATE),
-        Topic("recorder/progress", RecorderProgress, "std_msgs/msg/Header", frame=""),
+        Topic("driver/command", signals.DriverCommand, JOINT_STATE),
+        Topic("steering_column/state", signals.SteeringColumnState, JOINT_STATE),
+        Topic("torque_request", signals.WheelTorqueRequest, JOINT_STATE),
+        Topic("torque_command", signals.WheelTorqueCommand, JOINT_STATE),
+        Topic("speed_command", optional.WheelSpeedCommand, JOINT_STATE),
+        Topic("wheel_states", signals.WheelStates, JOINT_STATE),
+        Topic("motor_states", signals.MotorStates, JOINT_STATE),
+        Topic("imu", signals.InertialMeasurement, "sensor_msgs/msg/Imu"),
+        Topic("twist", signals.BodyVelocity, "geometry_msgs/msg/TwistStamped"),
+        Topic("pose", signals.BodyPose, "geometry_msgs/msg/PoseStamped", frame="odom"),
+        Topic("battery", signals.BatteryCondition, "sensor_msgs/msg/BatteryState"),
+        Topic("tire_forces", signals.TireForces, JOINT_STATE),
+        Topic("motor_electrics", optional.MotorElectrics, JOINT_STATE),
+        Topic("motor_temperatures", optional.MotorTemperatures, JOINT_STATE),
+        Topic("battery/cell", optional.CellCondition, "sensor_msgs/msg/BatteryState"),
+        Topic("rear_steering/state", optional.RearSteeringState, JOINT_STATE),
+        Topic("bench/load_command", optional.LoadCommand, JOINT_STATE),
+        Topic("bench/shafts", optional.BenchShafts, JOINT_STATE),
+        Topic("bench/electrical", optional.BenchElectrical, JOINT_STATE),
+        Topic("bench/temperatures", optional.BenchTemperatures, JOINT_STATE),
+        Topic("bench/energy", optional.BenchEnergy, JOINT_STATE),
+        Topic("can/set_points", optional.SetPointFrames, JOINT_STATE),
+        Topic("can/feedback", optional.FeedbackFrames, JOINT_STATE),
+        Topic("can/bus", optional.BusStates, JOINT_STATE),
+        Topic("recorder/progress", signals.RecorderProgress, "std_msgs/msg/Header", frame=""),
     )
 }

@@ -1,4 +1,4 @@
-"""Where the fields of a signal stand in its message, as the declaration says, and messages in the classes of ROS."""
+"""Where the fields of a signal stand in its message, as declared, and messages in the classes of ROS."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ARRAYS = ("position", "velocity", "effort")
 
 
 class MessageError(ValueError):
-    """A message was refused; the text says what, the value, and what is allowed."""
+    """A message was refused; the text has the field, the value, and what is allowed."""
 
 
 def _in_message(shape: Shape) -> list[str]:

@@ -97,7 +97,7 @@ class Run(NamedTuple):
 
 
 class MessageFormat:
-    """`template` is a whole message, `runs` say where its numbers are, and `code` is their struct code, d or f.
+    """`template` is a whole message, `runs` are the places of its numbers, and `code` is their struct code, d or f.
 
     `mask` has all bits set where the template is constant.
     """
@@ -143,7 +143,7 @@ class MessageFormat:
         return seconds * stamps.NANOSECONDS + nanoseconds, numbers
 
     def _read_other_layout(self, message: bytes) -> tuple[int, Sequence[float]]:
-        from rclpy.serialization import deserialize_message  # only nodes hear others: whoever just writes needs no ROS
+        from rclpy.serialization import deserialize_message  # a program that only writes needs no ROS
 
         try:
             stamp = stamp_of(message)

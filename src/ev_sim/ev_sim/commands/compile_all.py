@@ -80,11 +80,11 @@ def _compile(job: tuple[str, str]) -> str:
 def _compile_stepping() -> None:
     from ev_core.compiled import part as sensors
     from ev_core.compiled.loop import compile_loops
-    from ev_core.node_loop import records
+    from ev_core.node_loop import steps
     from ev_sim.batches import observer
 
     compile_loops()
-    records.address()
+    steps.address()
     sensors.function()
     sensors.fault_function()
     observer.function()

@@ -10,11 +10,11 @@ from typing import Any
 
 from ev_core.methods.common_parameters import CommonParameters
 from ev_core.methods.register import methods_of
-from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.data_file import config_folders
 from ev_core.parameters.declaration import Entry, Spec, entries
 from ev_core.parameters.values import units_for
-from ev_core.sensors.quantities import sensors_for
+from ev_core.sensors.row import sensors_for
 from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.command_line.options import add_overrides, overrides

@@ -12,7 +12,7 @@ Panel = tuple[str, Mapping[str, Mapping[str, Any]]]  # title, and histograms by 
 
 
 def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Figure:
-    """Period, lateness of the steps, and arrival of every input, a column for each run (`nodes/master/timing.py`)."""
+    """Period, lateness of the steps, and arrival of every input, a column for each run (`master/real_time.py`)."""
     return histogram_sheet(
         [
             (f"{name}: period", {"": timing["period"]}),
@@ -24,7 +24,7 @@ def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Figure:
 
 
 def histogram_sheet(columns: Iterable[Sequence[Panel]]) -> Figure:
-    """Columns of panels of times, counted in bins (`nodes/master/timing.py`)."""
+    """Columns of panels of times, counted in bins (`master/real_time.py`)."""
     panels = list(columns)
     rows = max(map(len, panels))
     figure = new_figure(PANEL_WIDTH * len(panels), rows * PANEL_HEIGHT, layout="constrained")

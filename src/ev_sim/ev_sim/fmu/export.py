@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ev_core.lockstep.configuration import Configuration, configure
-from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.nodes.master.real_time import MasterParameters
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_sim.interface import extra

@@ -5,8 +5,7 @@ from __future__ import annotations
 from ev_core.bus import checking
 from ev_core.law import compilable, sqrt
 from ev_msgs_py.can import drive_states, frames
-from ev_msgs_py.can.payload import extracted, inserted
-from ev_msgs_py.can.protection import last_counter, next_counter
+from ev_msgs_py.can.payload import extracted, inserted, last_counter, next_counter
 from ev_sim.inverter.device import Inverter
 from ev_sim.inverter.inverter_parameters import InverterParameters
 from ev_sim.inverter.power_stage import coolant_outlet, inverter_temperature, winding_temperature

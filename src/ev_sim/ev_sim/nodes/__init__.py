@@ -1,1 +1,5 @@
-"""The executables of ev_sim, one module each."""
+"""The nodes of the world; `main` is that of those that are just their role, as in `ros2 run ev_sim plant`."""
+
+from ev_core.run_role import run_named_role
+
+main = run_named_role

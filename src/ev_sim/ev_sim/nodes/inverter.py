@@ -6,7 +6,7 @@ from typing import Any
 
 from ev_core.bus.channel import Frame
 from ev_core.bus.parameters import CIRCUITS
-from ev_core.nodes.on_bus.node import BusNode
+from ev_core.nodes.bus_nodes import BusNode
 from ev_core.run_role import run_node
 from ev_sim.inverter.circuit_station import CircuitStation
 from ev_sim.inverter.device import inject
@@ -36,7 +36,7 @@ class InverterNode(BusNode):
         self.circuits[circuit].receive(frame)
 
     def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
-        """Advance everything; what the inverters have to say."""
+        """Advance everything; the frames of the inverters."""
         return [(name, frame) for name, circuit in self.circuits.items() for frame in circuit.step(ticks)]
 
 

@@ -24,15 +24,15 @@ from ev_sim.recording.recorder_input import POLL_PERIOD, RecorderInput
 from ev_sim.recording.run_recorder import OutputOfRun, RecorderParameters
 
 _PATIENCE = 2.0  # s
-_LONG = 3.0  # s for a topic to be heard for the first time
+_LONG = 3.0  # s for the first message of a topic
 _NOTHING = Frame()  # the progress is nothing but its stamp
 
 
 class RecorderNode(Node):
-    """Records all topics of the contract and tells the master of time how far it is."""
+    """Records all topics of the contract and reports to the master of time how far it is."""
 
     done = False
-    polling_place = len(ROLES)  # behind all that it hears
+    polling_place = len(ROLES)  # behind all that it records
     _output: OutputOfRun | None = None  # until there is something to write
 
     def __init__(self, **node_arguments: Any) -> None:
@@ -105,7 +105,7 @@ class RecorderNode(Node):
             self._reports.note("silent", f"nothing has come on {', '.join(silent)}")
 
     def _wait_for_the_master(self) -> None:
-        """The last word is lost if the process ends before it is heard; who else listens need not hear it."""
+        """The last message is lost if the process ends before it arrives; other subscribers need not receive it."""
         publisher, master = self._progress.publisher, (MASTER, self.get_namespace())
 
         def is_there() -> bool:

@@ -19,7 +19,7 @@ _ROLE, _ENABLED = "test_bench", "enabled"
 
 
 class TestBenchNode(SteppedNode):
-    """Steps the bench; a service for each step says why it is refused, and for the emergency switch."""
+    """Steps the bench; a service for each step gives the reason of a refusal, and one is the emergency switch."""
 
     __test__ = False
     sequence = Sequence()
@@ -40,7 +40,7 @@ class TestBenchNode(SteppedNode):
         return super().successor(configuration)
 
     def reconfigured(self) -> None:
-        """Who enables circuits by the parameter is in the sequence where it has them enabled."""
+        """Enabling circuits by the parameter leads to the place in the sequence where they are enabled."""
         enabled = self.configuration.values()[_ENABLED]
         if enabled != self.sequence.enabled:
             self.sequence = begun(enabled)
@@ -52,7 +52,7 @@ class TestBenchNode(SteppedNode):
         return self.sequence.after(step, self.configuration.values()["cooling"], chosen)
 
     def _answer(self, change: Callable[[], Sequence], _request: Any, response: Any) -> Any:
-        """Change the sequence and with it the parameter `enabled`, or say why not."""
+        """Change the sequence and with it the parameter `enabled`, or give the reason."""
         try:
             sequence = change()
         except ValueError as error:
@@ -67,7 +67,7 @@ class TestBenchNode(SteppedNode):
 
 
 def make(**node_arguments: Any) -> SteppedNode:
-    """The node: in real time behind a bus it speaks on that, else bus or none are within the graph."""
+    """The node: in real time behind a bus it uses that, else bus or none are within the graph."""
     with told(_ROLE, **node_arguments) as given:
         if given.get("mode") == "realtime" and given.get("method") == "circuits_on_can":
             from ev_sim.nodes.test_bench_on_bus import OnBus  # it needs python-can, which others do without

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from ev_core.bus.channel import BusMeter
-from ev_core.bus.channels import Channels
+from ev_core.bus.channel import BusMeter, Channels
 from ev_core.lockstep.configuration import Configuration
-from ev_core.nodes.on_bus.role import RoleOnBus
+from ev_core.nodes.bus_nodes import RoleOnBus
 from ev_sim.test_bench.bench_on_bus import BenchOnBus, meters_of
 
 
@@ -22,7 +21,7 @@ class OnBus(RoleOnBus):
         return BenchOnBus(configuration, self._meters_of(configuration))
 
     def open_channels(self) -> Channels:
-        """As its parameters say, and measured; the log is the gateway's."""
+        """Those of its parameters, with meters; the log is the gateway's."""
         return Channels(self.configuration.parameters.bus, meters=self._meters_of(self.configuration))
 
     def _meters_of(self, configuration: Configuration) -> Mapping[str, BusMeter]:

@@ -17,7 +17,6 @@ from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.recording.run_recorder import RunRecorder
-from ev_sim.recording.spool import MessageTable
 
 _Add = Callable[[list[bytes], list[int]], None]  # takes messages, and when they came [ns]
 POLL_PERIOD = 0.01  # s; several steps are taken in one go, which costs less than waking up for each message
@@ -41,25 +40,13 @@ class RecorderInput:
         masters_first = sorted(enumerate(topics), key=lambda place: place[1].signal not in ROLES[MASTER].writes)
         self._readers: list[tuple[Reader, _Add]] = []
         for index, topic in masters_first:
-            add = partial(self._add, index, topic, MessageTable(topic))
+            add = partial(recorder.add, index, refuse=partial(self._refuse, topic))
             self._readers.append((SignalReader(node, topic, _one(add), reports.note), add))
         if beside:
             speaker = Speaker(node, "/clock", MASTER, reports.note)
             self._readers.append((Reader(node, Clock, "/clock", _one(self._add_clock), speaker), self._add_clock))
             everybody = Reader(node, DiagnosticArray, "/diagnostics", _one(self._add_diagnostics), None)
             self._readers.append((everybody, self._add_diagnostics))
-
-    def _add(self, index: int, topic: Topic, table: MessageTable, messages: list[bytes], came: list[int]) -> None:
-        refused: list[int] = []
-
-        def refuse(place: int, error: MessageError) -> None:
-            refused.append(place)
-            self._refuse(topic, error)
-
-        table.check(messages, refuse)
-        for place, message in enumerate(messages):
-            if place not in refused:
-                self._recorder.add(index, message, came[place])
 
     def _refuse(self, topic: Topic, error: MessageError) -> None:
         self.refused += 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from itertools import count
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_core.nodes.master.parameters import LONGEST
+from ev_core.nodes.master.real_time import LONGEST
 from ev_core.nodes.stop_request import StopRequest
 from ev_core.parameters.data_file import TIME
 from ev_core.parameters.declaration import setting
@@ -19,6 +19,7 @@ from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDED, ROLES
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, TOPICS, Topic
 from ev_msgs_py.refusal import ParameterError, quoted
+from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import stamp_of
 from ev_sim.recording.durable_bag import DurableBag
 from ev_sim.recording.files_of_run import BAG, SIGNALS
@@ -55,6 +56,7 @@ class RunRecorder:
         self._may_skip = may_skip
         self._steps = float("inf") if last is None else last // period + 1
         self._spool = Spool(folder)
+        self._tables = [MessageTable(topic) for topic in topics]
         self._messages = [SpooledTopic(topic, self._spool) for topic in topics]
         self._masters = {i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes}
         self._pacing = [self._messages[i] for i in self._masters] if may_skip else self._messages
@@ -73,11 +75,26 @@ class RunRecorder:
         ]
         self._beside: dict[str, object] = {}
 
-    def add(self, index: int, message: bytes, came: int) -> None:
-        """Keep a message of the topic with this index; one that repeats an earlier stamp adds nothing.
+    def add(
+        self, index: int, messages: Sequence[bytes], came: Sequence[int], refuse: Callable[[MessageError], None]
+    ) -> None:
+        """Keep messages of the topic with this index; one that repeats an earlier stamp adds nothing.
 
-        In real time the bag has it under the wall time at which it came [ns], in lockstep under its stamp.
+        In real time the bag has them under the wall times at which they came [ns], in lockstep under their stamps.
+        `refuse` is given the reason of each that the topic table does not allow.
         """
+        refused: set[int] = set()
+
+        def note(place: int, error: MessageError) -> None:
+            refused.add(place)
+            refuse(error)
+
+        numbers = self._tables[index].numbers(messages, note)
+        for place, message in enumerate(messages):
+            if place not in refused:
+                self._add(index, message, numbers[place], came[place])
+
+    def _add(self, index: int, message: bytes, numbers: np.ndarray, came: int) -> None:
         kept = self._messages[index]
         step, run = divmod(stamp_of(message), self._period)
         if step == 0 and index in self._masters and self._begins_run(run, kept, message):
@@ -92,12 +109,12 @@ class RunRecorder:
         if step > kept.count:
             if self._may_skip:
                 for _ in range(kept.count, step):
-                    kept.append(kept.last or message)
+                    kept.hold(message, numbers)
             else:
                 if kept.count:  # before its first a topic is not connected yet; the master repeats the first step
                     self._note_loss(index, kept.count, step)
                 return
-        kept.append(message)
+        kept.append(message, numbers)
         if self._bag is not None:
             self._bag.write(self._handles[index], came if self._may_skip else step * self._period, message)
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ev_msgs_py.contract import frame, stamps
-from ev_msgs_py.contract.frame import PLACES, SIZE
+from ev_msgs_py.contract.frame import PLACES
 from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.wire.layout import MessageError
 from ev_msgs_py.wire.message_format import STAMP_AT, format_of
@@ -46,32 +46,34 @@ class MessageTable:
         messages[:, place : place + raw.shape[1]] = raw
 
     def read(self, messages: Sequence[bytes], frames: np.ndarray) -> None:
-        """Put the numbers of messages into frames (n, frame size); MessageError if one of them is refused.
+        """Put the numbers of messages into frames (n, frame size); MessageError if one of them is refused."""
+
+        def refuse(_place: int, error: MessageError) -> None:
+            raise error
+
+        frames[:, self._where] = self.numbers(messages, refuse)
+
+    def numbers(self, messages: Sequence[bytes], refuse: Callable[[int, MessageError], None]) -> np.ndarray:
+        """The numbers of messages (n, channels); `refuse` is given place and reason of each that is refused.
 
         Messages of another layout (such as joints in another order) are read one by one.
         """
-        for i in self._read_regular(messages, frames):
-            frames[i, self._where] = self._format.read(messages[i])[1]
-
-    def check(self, messages: Sequence[bytes], refuse: Callable[[int, MessageError], None]) -> None:
-        """Tell `refuse` of the messages that `read` would refuse, by their places."""
-        for i in self._read_regular(messages, np.empty((len(messages), SIZE))):
-            try:
-                self._format.read(messages[i])
-            except MessageError as error:
-                refuse(i, error)
-
-    def _read_regular(self, messages: Sequence[bytes], frames: np.ndarray) -> list[int]:
-        """Put the numbers of messages of our own layout into frames; the indices of the others, in order."""
+        found = np.zeros((len(messages), self._where.stop - self._where.start))
         regular = [i for i, message in enumerate(messages) if len(message) == len(self._bytes)]
         table = np.frombuffer(b"".join(messages[i] for i in regular), np.uint8).reshape(-1, len(self._bytes))
         alike = (table[:, self._constant] == self._bytes[self._constant]).all(axis=1)
         size = self._number.itemsize
         for run in self._format.runs:
             raw = np.ascontiguousarray(table[:, run.offset : run.offset + run.length * size])
-            frames[regular, run.place : run.place + run.length] = raw.view(self._number)
-        alike &= np.isfinite(frames[regular, self._where]).all(axis=1)
-        return sorted({*range(len(messages))} - {regular[j] for j in np.flatnonzero(alike)})
+            begin = run.place - self._where.start
+            found[regular, begin : begin + run.length] = raw.view(self._number)
+        alike &= np.isfinite(found[regular]).all(axis=1)
+        for i in sorted({*range(len(messages))} - {regular[j] for j in np.flatnonzero(alike)}):
+            try:
+                found[i] = self._format.read(messages[i])[1]
+            except MessageError as error:
+                refuse(i, error)
+        return found
 
 
 BLOCK = 1024  # steps
@@ -86,7 +88,6 @@ class Spool:
 
     def __init__(self, folder: Path) -> None:
         self._file = tempfile.TemporaryFile(dir=folder, buffering=0)  # noqa: SIM115, closed with the recorder
-        self.frames = np.empty((BLOCK, frame.SIZE))  # where a block of messages is read into
 
     def write(self, block: int, first: int, numbers: np.ndarray) -> None:
         """Numbers (BLOCK, n) of the places from `first` on; OSError where the disk is full."""
@@ -101,7 +102,7 @@ class Spool:
         self._file.readinto(memoryview(numbers).cast("B"))
 
     def _seek(self, block: int, place: int) -> None:
-        self._file.seek((block * frame.SIZE + place) * BLOCK * self.frames.itemsize)
+        self._file.seek((block * frame.SIZE + place) * BLOCK * np.dtype(float).itemsize)
 
     def clear(self) -> None:
         """Forget everything."""
@@ -113,46 +114,43 @@ class Spool:
 
 
 class SpooledTopic:
-    """The messages of one topic, one per step: the newest as they came, those before them as numbers in a spool.
+    """The numbers of one topic, step by step: the newest in memory, those before them in a spool.
 
-    `count` is their number, `first` and `last` are messages, empty as long as there is none.
+    `count` is the number of steps, `first` and `last` are messages, empty as long as there is none.
     """
 
     def __init__(self, topic: Topic, spool: Spool) -> None:
-        self._table = MessageTable(topic)
         self._place = frame.PLACES[topic.signal]
         self._spool = spool
+        self._newest = np.empty((BLOCK, self._place.stop - self._place.start))
         self.clear()
 
     def clear(self) -> None:
-        """Forget all messages."""
-        self.count = 0
+        """Forget everything."""
+        self.count = self._spooled = 0
         self.first = self.last = b""
-        self._newest: list[bytes] = []
 
-    def append(self, message: bytes) -> None:
-        """Keep the message of the next step; OSError where the disk is full."""
+    def append(self, message: bytes, numbers: np.ndarray) -> None:
+        """Keep the message of the next step and its numbers; OSError where the disk is full."""
         self.first = self.first or message
         self.last = message
+        self._newest[self.count - self._spooled] = numbers
         self.count += 1
-        self._newest.append(message)
-        if len(self._newest) == BLOCK:
-            self._spool.write(self.count // BLOCK - 1, self._place.start, self._read_newest())
-            self._newest.clear()
+        if self.count == self._spooled + BLOCK:
+            self._spool.write(self._spooled // BLOCK, self._place.start, self._newest)
+            self._spooled = self.count
 
-    def _read_newest(self) -> np.ndarray:
-        frames = self._spool.frames[: len(self._newest)]
-        self._table.read(self._newest, frames)
-        return frames[:, self._place]
+    def hold(self, message: bytes, numbers: np.ndarray) -> None:
+        """Repeat the last step, or take these where there is none."""
+        self.append(self.last or message, self._newest[self.count % BLOCK - 1] if self.count else numbers)
 
     def series(self, steps: int) -> Iterator[np.ndarray]:
         """The numbers of so many steps (steps,), channel by channel; what has not come holds the last one."""
-        newest = self._read_newest().copy()
-        spooled = self.count - len(newest)
+        spooled = self._spooled
         for channel, place in enumerate(range(self._place.start, self._place.stop)):
             numbers = np.empty(max(steps, self.count))
             for begin in range(0, spooled, BLOCK):
                 self._spool.read(begin // BLOCK, place, numbers[begin : begin + BLOCK])
-            numbers[spooled : self.count] = newest[:, channel]
+            numbers[spooled : self.count] = self._newest[: self.count - spooled, channel]
             numbers[self.count :] = numbers[self.count - 1]
             yield numbers[:steps]

@@ -13,17 +13,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ev_core.bus.database_file import load_database
 from ev_core.bus.model import SENT
-from ev_core.bus.parameters import CIRCUITS
+from ev_core.bus.parameters import CIRCUITS, load_database
 from ev_core.faults.row import channels_of, of_signals
 from ev_core.lockstep.configuration import Configuration
 from ev_core.parameters.record import names
 from ev_core.sensors.row import imperfect
 from ev_msgs_py.can.payload import joined
 from ev_msgs_py.contract import frame
-from ev_msgs_py.contract.bus_signals import BusStates
 from ev_msgs_py.contract.fields import SignalError, shape_of
+from ev_msgs_py.contract.optional_signals import BusStates
 from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.recording.recording import Recording
 from ev_sim.test_bench.circuits_on_can import CanCircuitsState, channel_layouts

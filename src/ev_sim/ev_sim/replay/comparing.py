@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.nodes.master.timing import Histogram
+from ev_core.nodes.master.real_time import Histogram
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
@@ -30,7 +30,7 @@ def latency_of(recorded: Recorded) -> dict[str, Any]:
     `jitter` by topic, the first one of each role: by how much more or less than the control period two messages of
     successive instants were apart.
     `latency` by topic: how long after the last message that its role may read a message came, as the recorder took
-    both; the plant keeps time and has none. Histograms as in `nodes/master/timing.py`, and medians [s].
+    both; the plant keeps time and has none. Histograms as in `nodes/master/real_time.py`, and medians [s].
     """
     if not recorded.arrivals:
         return {}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError

@@ -12,7 +12,7 @@ from typing import Any
 import rclpy
 from rclpy.parameter import Parameter
 
-from ev_core.nodes.runner_line import LINE
+from ev_core.nodes.runner_line import RUNNER_LINE
 from ev_core.nodes.spinning import spin
 from ev_core.nodes.stepped_node import SteppedNode
 from ev_core.nodes.stop_request import StopRequest
@@ -87,11 +87,11 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
 @contextmanager
 def _line(reports: NodeReports, node: str, adds_up: bool) -> Iterator[None]:
     """What is made in the block finds the line of a node in the environment, as a process would."""
-    os.environ[LINE], _ = reports.line(node, adds_up)
+    os.environ[RUNNER_LINE], _ = reports.line(node, adds_up)
     try:
         yield
     finally:
-        del os.environ[LINE]
+        del os.environ[RUNNER_LINE]
         reports.started(node)
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from ev_core.lockstep.finding import is_code
 from ev_core.methods.register import node_package
 from ev_core.nodes.ending import SILENTLY
-from ev_core.nodes.runner_line import LINE
+from ev_core.nodes.runner_line import RUNNER_LINE
 from ev_core.nodes.stop_request import hold_back
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.refusal import shown
@@ -101,7 +101,7 @@ def start_node(
     arguments = ["--ros-args", "--params-file", str(parameters), "-r", f"__ns:={run.namespace}"]
     arguments += [*_said_by_us(name, run, parameters.parent), *enclave(name, run.namespace)]
     line, inherited = reports.line(name, ours and not run.realtime)
-    environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain), SILENTLY: "1", LINE: line}
+    environment: Mapping[str, str] = {**os.environ, "ROS_DOMAIN_ID": str(domain), SILENTLY: "1", RUNNER_LINE: line}
     with log.open("wb") as output:
         try:
             with same_addresses():

@@ -13,9 +13,9 @@ import numpy as np
 
 from ev_core.lockstep.stepper import WRITERS
 from ev_core.lockstep.tally import Tally
-from ev_core.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME, TIMING, WAITS, WARNING, ListeningEnd, Word
+from ev_core.nodes.runner_line import NOTE, PROGRESS, TALLY, TIME_SERVICE, TIMING, WAITS, WARNING, ListeningEnd, Word
 from ev_msgs_py.contract import stamps
-from ev_msgs_py.contract.frame import PLACES, SIZE, Frame, places
+from ev_msgs_py.contract.frame import PLACES, SIZE, places
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import shown
@@ -100,7 +100,7 @@ class NodeReports:
             self.timing = dict(word.values)
         elif word.kind == TALLY:
             self._tallies[node] = {"taken": dict(word.values["taken"]), "said": dict(word.values["said"])}
-        elif word.kind == TIME:
+        elif word.kind == TIME_SERVICE:
             self.rests = bool(word.values["rests"])
             self._words.append(text)
         elif word.kind == WARNING:
@@ -134,13 +134,12 @@ class NodeReports:
         tally, frames = Tally(self._key, signals), np.zeros((_BLOCK, SIZE))
         for step in range(len(recording.time)):
             if step % _BLOCK == 0:
-                tally.settle()
                 for signal in signals:
                     for place, name in zip(places(signal), TOPICS[signal].channels, strict=True):
                         series = recording.channels[name][step : step + _BLOCK]
                         frames[: len(series), place] = series
-            frame = Frame.at(frames[step % _BLOCK].ctypes.data)
-            tally.add(step, frame, frame)
+            at = frames[step % _BLOCK].ctypes.data
+            tally.add(step, at, at)
         return tally.newest(len(recording.time) - 1, -1)
 
     def close(self) -> None:

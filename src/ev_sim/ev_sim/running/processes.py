@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ev_core.node_loop import records
+from ev_core.node_loop import ordinary_steps
 from ev_core.nodes.stop_request import StopRequest
 from ev_core.nodes.time_of_day import SetBack, ahead
 from ev_msgs_py.contract import stamps
@@ -205,7 +205,7 @@ def run_in_processes(
     """
     refuse_unready()
     file = directory / PARAMETERS
-    records.keep()  # updated sources do not mean a new set-up
+    ordinary_steps.keep_code()  # updated sources do not mean a new set-up
     with (
         free_domain() as domain,
         own_namespace(domain, run.namespace),

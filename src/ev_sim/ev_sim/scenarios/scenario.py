@@ -10,7 +10,7 @@ from typing import Any
 from ev_core.faults.fault import parsed
 from ev_core.lockstep.configuration import Configuration, chosen_method, configure, refuse_unused
 from ev_core.lockstep.graph import check_graph
-from ev_core.nodes.master.parameters import LONGEST, MasterParameters
+from ev_core.nodes.master.real_time import LONGEST, MasterParameters
 from ev_core.parameters.data_file import files_in_config
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, ROLES

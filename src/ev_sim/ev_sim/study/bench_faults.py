@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ev_core.bus.database_file import load_database
+from ev_core.bus.parameters import load_database
 from ev_msgs_py.can.payload import joined
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.measures.metric import Metric, metric

@@ -7,14 +7,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from ev_core.bus.channel import BusMeter, Frame
-from ev_core.bus.database_file import load_database
-from ev_core.bus.parameters import CIRCUITS
+from ev_core.bus.parameters import CIRCUITS, load_database
 from ev_core.law import BatteryCondition
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.law import LawObject
 from ev_msgs_py.can.frames import TICK, bench_frames
 from ev_msgs_py.can.payload import NO_FRAME, joined, words
-from ev_msgs_py.contract.bus_signals import MOST_TICKS, SetPointFrames
+from ev_msgs_py.contract.optional_signals import MOST_TICKS, SetPointFrames
 from ev_sim.inverter.circuit_station import ChannelStation, InverterStation
 from ev_sim.inverter.on_channel import MOTION
 from ev_sim.test_bench.bus_faults import BusFault, on_the_way, present, put_in

@@ -5,16 +5,33 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from ev_core.bus.database_file import load_database
 from ev_core.bus.model import channel_frames
-from ev_core.law import WHEEL_NAMES, BatteryCondition, Car, ParameterError, Vehicle, Wheels, compilable, part, series
-from ev_core.methods.register import method
-from ev_msgs_py.can.database import Database
-from ev_msgs_py.can.frame_layout import FrameLayout
+from ev_core.bus.parameters import load_database
+from ev_core.law import (
+    WHEEL_NAMES,
+    BatteryCondition,
+    Car,
+    ParameterError,
+    Vehicle,
+    Wheels,
+    compilable,
+    method,
+    part,
+    series,
+)
+from ev_msgs_py.can.database import Database, FrameLayout
 from ev_msgs_py.can.frames import TICK, bench_frames, ticks_of
 from ev_msgs_py.can.payload import NO_FRAME
-from ev_msgs_py.contract.bus_signals import MOST_TICKS, BusStates, FeedbackFrames, SetPointFrames
-from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchEnergy, BenchShafts, BenchTemperatures
+from ev_msgs_py.contract.optional_signals import (
+    MOST_TICKS,
+    BenchElectrical,
+    BenchEnergy,
+    BenchShafts,
+    BenchTemperatures,
+    BusStates,
+    FeedbackFrames,
+    SetPointFrames,
+)
 from ev_sim.test_bench.bus_faults import measured, present
 from ev_sim.test_bench.can_circuit import SET_POINT_WORDS, CanConstants, ChannelPlace, Line, advance_can_circuit
 from ev_sim.test_bench.circuits import constants

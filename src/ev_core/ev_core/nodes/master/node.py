@@ -1,4 +1,7 @@
-"""The master of time: publishes the state of each instant, waits for all answers, integrates to the next instant."""
+"""The master of time: publishes the state of each instant, waits for all answers, integrates to the next instant.
+
+It answers no message, but goes on where it may.
+"""
 
 from __future__ import annotations
 
@@ -10,22 +13,73 @@ from typing import Any
 from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
 
+from ev_core.lockstep.inbox import Arrival, Inbox
 from ev_core.lockstep.stepper import Answer
-from ev_core.node_loop.memory import End
-from ev_core.nodes.master.advance import Advance, Silence
-from ev_core.nodes.master.inputs import MasterInputs
-from ev_core.nodes.master.parameters import MasterParameters
+from ev_core.node_loop.message_memory import End
+from ev_core.nodes.master.advance import Advance, Silence, TimeServices
+from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.nodes.master.schedule import Schedule
-from ev_core.nodes.master.time_services import TimeServices
+from ev_core.nodes.reception import Reception
 from ev_core.nodes.runner_line import TIMING, Word
 from ev_core.nodes.signal_io import StatePublisher
 from ev_core.nodes.stepped_node import SteppedNode
 from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES
 from ev_msgs_py.contract.topics import Topic
 
+
+class MasterInputs:
+    """Makes the functions that take messages; `go_on` is called when time may advance."""
+
+    def __init__(self, reception: Reception, inbox: Inbox, schedule: Schedule, go_on: Callable[[], None]) -> None:
+        self._reception, self._inbox, self._schedule, self._go_on = reception, inbox, schedule, go_on
+
+    def receiver(self, topic: Topic) -> Callable[[bytes], None]:
+        """Takes an input of the next step or, in real time, the newest; or notes how far the recorder is."""
+        if topic.signal is RECORDER_WRITES:
+            return self._of_the_recorder(topic)
+        return self._held(topic) if self._schedule.realtime else self._of_a_step(topic)
+
+    def _of_a_step(self, topic: Topic) -> Callable[[bytes], None]:
+        kind, read, offer, go_on = topic.signal, self._reception.reader(topic), self._inbox.offer, self._go_on
+        arrivals = self._reception.arrivals
+
+        def take(message: bytes) -> None:
+            readable = read(message)
+            if readable is not None:
+                arrival = offer(kind, *readable)
+                if arrival is Arrival.NEW:
+                    go_on()
+                else:
+                    arrivals[arrival] += 1
+
+        return take
+
+    def _held(self, topic: Topic) -> Callable[[bytes], None]:
+        read = self._reception.reader(topic)
+
+        def hold(message: bytes) -> None:
+            readable = read(message)
+            if readable is not None:
+                self._schedule.hold(topic.signal, *readable)
+            self._go_on()  # a step that is due waits for no pause between messages
+
+        return hold
+
+    def _of_the_recorder(self, topic: Topic) -> Callable[[bytes], None]:
+        read = self._reception.reader(topic)
+
+        def note(message: bytes) -> None:
+            readable = read(message)
+            if readable is not None:
+                self._schedule.note_recorded(readable[0])
+                self._go_on()
+
+        return note
+
+
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 # It doubles up to this where that does not help: each repetition is answered by all, and publishers keep 256 messages,
-# which a recorder that is held up for seconds has still to hear.
+# which a recorder that is held up for seconds has still to receive.
 _LONGEST_RETRY = 0.4
 
 
@@ -119,9 +173,9 @@ class MasterNode(SteppedNode):
         self._silence.answered()
 
     def _wait_for_the_recorder(self) -> None:
-        """Real time has not waited for it, and what a process has said last is lost if it ends too soon.
+        """Real time has not waited for it, and the last message of a process is lost if it ends too soon.
 
-        Where none is followed, whoever hears the state may be one.
+        Where none is followed, any subscriber of the state may be one.
         """
         reader = self.readers.get(RECORDER_WRITES)
 

@@ -7,9 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from ev_core.lockstep.stepper import Stepper
-from ev_core.nodes.master.held_inputs import HeldInputs
-from ev_core.nodes.master.parameters import RECORDER_LAG, MasterParameters
-from ev_core.nodes.master.timing import Timing
+from ev_core.nodes.master.real_time import RECORDER_LAG, FadingInputs, MasterParameters, Timing
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import Frame
 
@@ -57,12 +55,12 @@ class Pace:
 
 
 class Schedule:
-    """Knows where time is and what holds it back; `parameters` gives what is said of it now."""
+    """Knows where time is and what holds it back; `parameters` are those of the master now."""
 
     def __init__(self, stepper: Stepper, realtime: bool, parameters: MasterParameters) -> None:
         self._stepper = stepper
         self.realtime = realtime
-        self.held = HeldInputs(stepper.reads)
+        self.held = FadingInputs(stepper.reads)
         self.timing = Timing(stepper.reads)
         self._pace = Pace()
         self._recorded = -1  # stamp up to which the recorder holds everything
@@ -70,7 +68,7 @@ class Schedule:
         self.follow(parameters)
 
     def follow(self, parameters: MasterParameters) -> None:
-        """Time goes on from here as the parameters say."""
+        """Time goes on from here by other parameters."""
         self._await_recorder = parameters.await_recorder
         self._end = stamps.from_seconds(parameters.duration)
         self._factor = 1.0 if self.realtime else parameters.real_time_factor
@@ -122,10 +120,10 @@ class Schedule:
         return self.held.at(share, self._parameters.command_loss_brake_torque)
 
     def hold(self, kind: type, stamp: int, numbers: Sequence[float]) -> None:
-        """Keep an input of realtime, which begins when everybody has spoken."""
+        """Keep an input of realtime, which begins when every input has come once."""
         waited = not self.all_are_here
         instant = stamp - self._stepper.inbox.run
-        # What integrates speaks of the next instant.
+        # What integrates publishes the next instant.
         limit = self.now + 2 * self._stepper.period if instant % self._stepper.period == 0 else -1
         if not self.held.take(kind, instant, numbers, limit):
             self.timing.refused[kind] += instant != self.held.stamp_of(kind)  # repeated ones are none the worse for it
@@ -163,7 +161,7 @@ class Schedule:
 
     @property
     def recorder_is_behind(self) -> bool:
-        """Whether no recorder has told yet that it holds the present instant."""
+        """Whether no recorder has confirmed yet that it holds the present instant."""
         return self._recorded < self.now
 
     @property
@@ -178,7 +176,7 @@ class Schedule:
 
     @property
     def free_until(self) -> int:
-        """Stamp up to which time goes on as soon as all inputs are there; -1 if the clock has a say."""
+        """Stamp up to which time goes on as soon as all inputs are there; -1 if the clock matters."""
         if self.realtime or self._factor:
             return -1
         end = self._end - self._stepper.period if self._end else stamps.LAST_EXACT

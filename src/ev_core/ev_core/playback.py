@@ -1,4 +1,4 @@
-"""What a role said in a recorded run as a method: `driver=results/shchur2019/signals.npz`."""
+"""Roles that are played by what was recorded: `driver=results/shchur2019/signals.npz`."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class NoParameters:
 
 @dataclass(frozen=True, slots=True)
 class Playback(Method):
-    """A method that says what was recorded.
+    """A method whose output is a recording.
 
     It waits for what its role reads, as far as that was recorded too, so that nobody in the graph is left behind.
     """
@@ -62,7 +62,7 @@ def _read_once(role: str, name: str, _path: Path, _modified: int) -> Recorded:
 
 
 class Recorded:
-    """What a role said, instant by instant; makes the objects that say it again.
+    """The recorded output of a role, instant by instant; makes the objects that repeat it.
 
     `writes` are the signals of the role that the file has. ParameterError if there is none of them.
     """
@@ -116,11 +116,11 @@ class PlaybackPart(CalledBack):
         self._ahead = int(ROLES[recorded.role].kind is RoleKind.INTEGRATES)
 
     def start(self, there: Frame) -> None:
-        """Write what was said at the instant of the frame."""
+        """Write what was recorded at the instant of the frame."""
         self._write(self._step_of(there), there)
 
     def step(self, here: Frame, there: Frame) -> None:
-        """Write what was said at this instant, or by a role that integrates at the next one."""
+        """Write what was recorded at this instant, or of a role that integrates at the next one."""
         self._write(self._step_of(here) + self._ahead, there)
 
     def notes(self) -> tuple[str, ...]:
@@ -136,6 +136,6 @@ class PlaybackPart(CalledBack):
             if step > last + self._ahead:
                 end = stamps.to_seconds(self._recorded.last)
                 raise SignalError(f"{self._recorded.name} ends at {end:g} s: there is nothing to say at a later time")
-            step = last  # who integrates speaks of the instant behind the end, to which nobody goes on
+            step = last  # what integrates has an output behind the end, to which nobody goes on
         for place, width, rows in self._rows:
             there.numbers[place] = rows[step * width : (step + 1) * width]

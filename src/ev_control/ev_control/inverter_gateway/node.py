@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from ev_control.inverter_gateway.commands import Commands
-from ev_control.inverter_gateway.on_bus import GatewayOnBus
-from ev_control.inverter_gateway.panel import Panel
-from ev_control.inverter_gateway.parameters import GatewayParameters
-from ev_control.inverter_gateway.station import GatewayStation
-from ev_core.bus.channel import Frame
-from ev_core.bus.channels import Channels
+from ev_control.inverter_gateway.gateway import GatewayParameters
+from ev_control.inverter_gateway.panel import Commands, Panel
+from ev_control.inverter_gateway.station import GatewayOnBus, GatewayStation
+from ev_core.bus.channel import Channels, Frame
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.inbox import HoldingInbox
-from ev_core.nodes.on_bus.node import BusNode
-from ev_core.nodes.on_bus.role import RoleOnBus
+from ev_core.nodes.bus_nodes import BusNode, RoleOnBus
 from ev_core.run_role import make_node, run_node, told
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 
@@ -22,13 +18,13 @@ _ROLE, _METHOD = "inverter_gateway", "can"
 
 
 class InverterGatewayNode(BusNode):
-    """Sends what `torque_command` and `load_command` say, by the wall clock; publishes what the inverters answer."""
+    """Sends the values of `torque_command` and `load_command` by the wall clock; publishes the inverters' feedback."""
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(_ROLE, GatewayParameters, **node_arguments)
 
     def prepare(self) -> None:
-        """What leads the inverters, what hears the graph, what speaks to it."""
+        """What leads the inverters, what subscribes to the graph, what publishes to it."""
         self.station = GatewayStation(self.database, self.parameters)
         self._commands = Commands(self, self.station, lambda: self.parameters, self.reports)
         self._panel = Panel(self, lambda: self.station)
@@ -68,10 +64,10 @@ class GatewayRoleOnBus(RoleOnBus):
         """The stamp of the newest torque command."""
         inbox = self.stepper.inbox
         assert isinstance(inbox, HoldingInbox), "it plays in real time"
-        return inbox.newest(WheelTorqueCommand)
+        return inbox.held.stamp_of(WheelTorqueCommand)
 
     def open_channels(self) -> Channels:
-        """As its parameters say, with their log."""
+        """Those of its parameters, with their log."""
         bus = self.configuration.parameters.bus
         return Channels(bus, bus.log)
 
@@ -84,7 +80,7 @@ class GatewayRoleOnBus(RoleOnBus):
 
 
 def make(**node_arguments: Any) -> Any:
-    """The node: of a role in lockstep, of one in real time, or without a graph, of which it is told no method."""
+    """The node: of a role in lockstep, of one in real time, or without a graph, where no method is given."""
     with told(_ROLE, **node_arguments) as given:
         if given.get("mode") == "realtime" and given.get("method", _METHOD) == _METHOD:
             return GatewayRoleOnBus(**node_arguments)

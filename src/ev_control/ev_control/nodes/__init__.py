@@ -1,1 +1,0 @@
-"""The executables of ev_control, one module each."""

@@ -1,0 +1,233 @@
+"""The compiled loop of one node: whether there is one, the memory that it works on, and who calls it.
+
+It calls functions of rcl, below rclpy, by their addresses, and works on the inbox of the node: nothing is copied from
+one to the other. EV_STACK_NODE_LOOP=0 switches it off; nodes then take all steps in Python.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import time
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+from rclpy.impl.implementation_singleton import rclpy_implementation
+
+from ev_core.lockstep import tally
+from ev_core.node_loop import steps
+from ev_core.node_loop.message_memory import RUN, End
+from ev_core.node_loop.steps import FAILED, GID, INPUT, LOOP, NOT_FINITE, ODD, OUTPUT
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.stamps import NANOSECONDS
+from ev_msgs_py.refusal import ParameterError, quoted
+from ev_msgs_py.wire.message_format import ENCAPSULATION
+
+VARIABLE = "EV_STACK_NODE_LOOP"
+
+
+def is_switched_on() -> bool:
+    """Whether nodes may have the loop; ParameterError if the variable of the environment is neither 0 nor 1."""
+    given = os.environ.get(VARIABLE, "1")
+    if given not in ("0", "1"):
+        raise ParameterError(f"{VARIABLE}={quoted(given)} is refused, allowed is 1, or 0 for nodes without their loop")
+    return given == "1"
+
+
+def can_be_taken() -> bool:
+    """Whether what the loop takes is there: machine code, and ROS's C library; and nobody has switched it off."""
+    return is_switched_on() and bool(addresses()) and steps.is_kept()
+
+
+def keep_code() -> None:
+    """See to it that the machine code is on disk: nodes go without it rather than wait, at half the speed."""
+    if is_switched_on() and not steps.is_kept():
+        steps.address()
+    tally.address()
+
+
+# `rcutils_uint8_array_t`, and room for more than `rmw_message_info_t`, in words of 8 bytes.
+MESSAGE_WORDS, INFO_WORDS = 8, 32
+
+
+@cache
+def addresses() -> dict[str, int]:
+    """By the names that the compiled loop gives them; none on a system that names its libraries differently."""
+    try:
+        rcl, libc = ctypes.CDLL("librcl.so"), ctypes.CDLL(None)
+    except OSError:
+        return {}
+    functions = {
+        "rcl_take": rcl.rcl_take_serialized_message,
+        "rcl_publish": rcl.rcl_publish_serialized_message,
+        "rcl_count": rcl.rcl_publisher_get_subscription_count,
+        "rcl_clear": rcl.rcl_wait_set_clear,
+        "rcl_add": rcl.rcl_wait_set_add_subscription,
+        "rcl_add_guard": rcl.rcl_wait_set_add_guard_condition,
+        "rcl_wait": rcl.rcl_wait,
+        "clock_gettime": libc.clock_gettime,
+        "memcpy": libc.memcpy,
+    }
+    return {name: ctypes.cast(function, ctypes.c_void_p).value or 0 for name, function in functions.items()}
+
+
+class _Allocator(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in ("allocate", "deallocate", "reallocate", "zero_allocate", "state")]
+
+
+def prepare_message(address: int, capacity: int) -> None:
+    """Make an `rcutils_uint8_array_t` for what is taken; it grows with the messages, and lasts like the process."""
+    rcutils = ctypes.CDLL("librcutils.so")
+    rcutils.rcutils_get_default_allocator.restype = _Allocator
+    allocator = rcutils.rcutils_get_default_allocator()
+    rcutils.rcutils_uint8_array_init.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]
+    if rcutils.rcutils_uint8_array_init(address, capacity, ctypes.byref(allocator)) != 0:
+        raise MemoryError(f"no {capacity} bytes for a message")
+
+
+_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 9)
+_NOBODY = b"\xff" * 16  # no identity
+_FORGET_PERIOD = 0.05  # s after which senders that are refused are looked at again
+_SENDERS = 8  # of each input: the admitted one, and others that are known to be refused
+_CAPACITY = 4096  # bytes of a message that need not be asked for
+
+
+class Block:
+    """Memory in words of 8 bytes, which is put together first, and then lasts at `address`."""
+
+    def __init__(self) -> None:
+        self._bytes = bytearray()
+
+    def words_for(self, count: int) -> int:
+        """The place, in words, of so many new ones."""
+        self._bytes += bytes(-len(self._bytes) % 8 + 8 * count)
+        return len(self._bytes) // 8 - count
+
+    def place_for(self, message: bytes) -> int:
+        """The place of a message, whose numbers come to stand at whole words: they do behind the encapsulation."""
+        self._bytes += bytes(-(len(self._bytes) + len(ENCAPSULATION)) % 8)
+        self._bytes += message
+        return len(self._bytes) - len(message)
+
+    def finish(self) -> None:
+        """Nothing more is added."""
+        self.words = np.frombuffer(self._bytes + bytes(-len(self._bytes) % 8), np.int64).copy()
+        self.address = self.words.ctypes.data
+
+
+class OrdinarySteps:
+    """Lets the loop drive the stepper of a node; `outputs` are its publishers, in the order of their turns.
+
+    Its arrays of records last as long as the loop may be called.
+    """
+
+    def __init__(self, node: Any, outputs: Sequence[End]) -> None:
+        self._stepper = node.stepper
+        inbox, sums = node.stepper.inbox, node.stepper.tally
+        self._readers = [node.readers[kind] for kind in node.stepper.reads]
+        context = node.context.handle
+        with context:
+            self._wait_set = rclpy_implementation.WaitSet(1, 1, 0, 0, 0, 0, context)
+        inputs = [reader.end for reader in self._readers]
+        self._head = np.zeros(1, LOOP)
+        self._inputs, self._outputs = np.zeros(len(inputs), INPUT), np.zeros(len(outputs), OUTPUT)
+        self._senders = np.full((len(inputs), _SENDERS, 2), -1)
+        self._runs = np.array([tuple(run) for end in (*inputs, *outputs) for run in end.runs], RUN)
+        self._lay_out(inputs, outputs)
+        head = self._head[0]
+        begin, end = frame.span(node.configuration.method.writes)
+        told = {name: value for name, value in inbox.steps._asdict().items() if isinstance(value, int)}
+        told |= {"topics": len(inputs), "publishers": len(outputs), "runs": len(self._runs), "senders": _SENDERS}
+        told |= {"size": self._block.words.nbytes, "begin": begin, "end": end, "wait_set": self._wait_set.pointer}
+        if sums is not None:
+            told |= {"tallied": sums.count, "taken_topics": sums.taken}
+        for name, value in (told | addresses()).items():
+            head[name] = value
+        arrays = (self._inputs, self._outputs, self._runs, self._senders)
+        of_steps, of_frames = inbox.addresses
+        self._arguments = (
+            self._head.ctypes.data,
+            of_steps,
+            *(array.ctypes.data for array in arrays),
+            of_frames,
+            self._block.address,
+            0 if sums is None else sums.block.ctypes.data,
+        )
+        self._call = _FUNCTION(steps.address())
+        self._forget_at = 0.0
+
+    def _lay_out(self, inputs: Sequence[End], outputs: Sequence[End]) -> None:
+        """Put templates, messages and what functions fill in into one block."""
+        block, head, run = Block(), self._head[0], 0
+        for name, words in (("message", MESSAGE_WORDS), ("info", INFO_WORDS), ("clock", 2), ("count", 1)):
+            head[name] = block.words_for(words)
+        head["heard"] = block.place_for(bytes(max(len(end.template) for end in inputs)))
+        for row, end in zip((*self._inputs, *self._outputs), (*inputs, *outputs), strict=True):
+            row["template"], row["mask"] = block.place_for(end.template), block.place_for(end.mask)
+            row["length"], row["single"] = len(end.template), end.single
+            row["first"], row["last"] = run, run + len(end.runs)
+            run += len(end.runs)
+        self._inputs["subscription"] = [end.address for end in inputs]
+        self._outputs["publisher"] = [end.address for end in outputs]
+        self._outputs["message"] = [block.words_for(MESSAGE_WORDS) for _ in outputs]
+        block.finish()
+        prepare_message(block.address + 8 * int(head["message"]), _CAPACITY)
+        for row in self._outputs:  # without an allocator: nobody makes them grow
+            at = int(row["message"])
+            block.words[at : at + 3] = block.address + row["template"], row["length"], row["length"]
+        self._block = block
+
+    def take(self, until: float, patience: float, limit: int, guard: int) -> bool:
+        """Take steps up to a time of the monotonic clock, a stamp, or the first pause of `patience` seconds.
+
+        The guard condition at the address wakes it up, too. False if that is not for the loop to do: before the first
+        step, or beyond the limit.
+        """
+        stepper, head = self._stepper, self._head[0]
+        if not stepper.under_way or stepper.inbox.last + stepper.period > limit:
+            return False
+        head["until"], head["patience"], head["limit"] = int(until * NANOSECONDS), int(patience * NANOSECONDS), limit
+        head["guard"], head["taken"] = guard, 0
+        head["function"], head["state"], head["constants"] = stepper.part.addresses()
+        self._name_senders()
+        why = self._call(*self._arguments)
+        for refused, reader in zip(self._inputs["refused"], self._readers, strict=True):
+            reader.speaker.refused += int(refused)
+        self._inputs["refused"] = 0
+        if why == ODD:
+            self._judge(int(head["odd"]))
+        elif why == FAILED:
+            raise stepper.part.error
+        elif why == NOT_FINITE:
+            stepper.part.refuse_not_finite(stepper.frame_of(stepper.inbox.last + stepper.period + int(head["lead"])))
+        return True
+
+    @property
+    def taken(self) -> int:
+        """How many steps it has taken the last time."""
+        return int(self._head["taken"][0])
+
+    @property
+    def spoke(self) -> float:
+        """When it has published last, on the monotonic clock."""
+        return float(self._head["spoke"][0]) / NANOSECONDS
+
+    def _name_senders(self) -> None:
+        """Give the loop the identities of the admitted publishers."""
+        for senders, reader in zip(self._senders, self._readers, strict=True):
+            senders[0] = np.frombuffer(reader.speaker.admitted or _NOBODY, np.int64)
+        if time.monotonic() >= self._forget_at:
+            self._forget_at = time.monotonic() + _FORGET_PERIOD
+            self._senders[:, 1:] = np.frombuffer(_NOBODY, np.int64)
+
+    def _judge(self, place: int) -> None:
+        """Let Python see to the message that was taken last; who is refused, is refused by the loop for a while."""
+        words = self._block.words
+        at, sender = int(self._head["message"][0]), int(self._head["info"][0]) + GID
+        message, gid = ctypes.string_at(int(words[at]), int(words[at + 1])), words[sender : sender + 2].tobytes()
+        if not self._readers[place].judge(message, {"publisher_gid": {"data": gid}}):
+            others = self._senders[place, 1:]
+            others[:] = np.roll(others, 1, axis=0)
+            others[0] = np.frombuffer(gid, np.int64)

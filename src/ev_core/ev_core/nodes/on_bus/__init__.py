@@ -1,1 +1,0 @@
-"""Nodes that speak on a CAN bus."""

@@ -1,1 +1,0 @@
-"""Roles that are played by what was recorded: `method: .../signals.npz`."""

@@ -1,0 +1,26 @@
+"""The bits of one frame on the wire, counted one by one: what the tables of `frame_length` are compared with."""
+
+from __future__ import annotations
+
+from ev_msgs_py.can.frame_length import NEVER_STUFFED, frame_bits
+
+EQUAL_BITS = 5  # after which a stuff bit of the other value follows
+
+
+def exact_frame(identifier: int, data: bytes) -> int:
+    """Bits of this very frame, stuff bits counted, and the pause after it."""
+    bits = list(frame_bits(identifier, data))
+    return len(bits) + stuff_bits(bits) + NEVER_STUFFED
+
+
+def stuff_bits(bits: list[int]) -> int:
+    """How many bits are stuffed in: one after five equal ones, which counts for the next five."""
+    count = run = 0
+    last = -1
+    for bit in bits:
+        run = run + 1 if bit == last else 1
+        last = bit
+        if run == EQUAL_BITS:
+            count += 1
+            last, run = 1 - bit, 1
+    return count
