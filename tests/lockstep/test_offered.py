@@ -34,7 +34,8 @@ def offer(monkeypatch):
 def test_two_packages_do_not_share_a_name(offer):
     """Which of them a run would get hangs on the order of folders."""
     offer("coast_down", "ev_sim.manoeuvres.coast_down")  # the same one, installed twice
-    assert report_for("coast_down").module.__name__ == "ev_sim.manoeuvres.coast_down"
+    assert report_for("coast_down")
+    assert offered_module(GROUP, "report", "coast_down").__name__ == "ev_sim.manoeuvres.coast_down"
     offer("coast_down", "somebody.report")
     said = r"^ev_stack\.reports 'coast_down' is offered by ev_sim\S+ and by somebody\.report, allowed is one$"
     with pytest.raises(ParameterError, match=said):
@@ -47,7 +48,8 @@ def test_what_does_not_load_is_one_line_and_harms_only_who_wants_it(offer):
         ParameterError, match=r"^report braking: somebody\.report is not loaded: ModuleNotFoundError: No"
     ):
         report_for("braking")
-    assert report_for("hill_start").module.__name__ == "ev_sim.manoeuvres.hill_start"
+    assert report_for("hill_start")
+    assert offered_module(GROUP, "report", "hill_start").__name__ == "ev_sim.manoeuvres.hill_start"
     assert load_scenario("coast_down").runs
 
 

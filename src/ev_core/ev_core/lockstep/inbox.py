@@ -27,8 +27,7 @@ class Arrival(Enum):
     RESTART = "time went back to zero, or it is the first instant of a later run: a new run begins"
 
 
-_ARRIVALS = tuple(Arrival)
-NEW, REPEATED, OLD, GAP, RESTART = range(len(_ARRIVALS))  # as the protocol names them
+NEW, REPEATED, OLD, GAP, RESTART = range(len(_ARRIVALS := tuple(Arrival)))  # as the protocol names them
 ROWS = 8  # steps whose inputs are kept at most
 NEVER = -(1 << 62)  # the stamp of nothing
 LAST, ANSWER, BEFORE = range(3)  # places in `Steps.done`: the last step, the last answer, the answer before it
@@ -144,7 +143,7 @@ class Inbox:
         self._place = {kind: i for i, kind in enumerate(reads)}
         self._kinds: dict[int, tuple[type, ...]] = {}  # by their bits
         self._block = np.zeros(3 + 2 * ROWS, np.int64)
-        block: Any = memoryview(self._block)  # type: ignore[arg-type]
+        block: Any = memoryview(self._block)  # type: ignore[arg-type]  # mypy knows no buffer of numpy
         constants = (*map(self._bits, (reads, heralds, followed)), period, lead, int(may_skip))
         self.steps = Steps(block[:3], block[3 : 3 + ROWS], block[3 + ROWS :], *constants)
         self._numbers = np.zeros((ROWS + 2, SIZE))

@@ -47,7 +47,7 @@ def add_up(block: Any, first: int, last: int, step: int, numbers: Any) -> None:
 
 @compilable
 def add_up_step(block: Any, step: int, taken: Any, said: Any) -> None:
-    """Add the inputs of a step and the outputs that follow from them, each in its frame; of -1 - n outputs of step n."""
+    """Add the inputs of a step and the outputs that follow, each in its frame; of -1 - n the outputs of n."""
     if step >= 0:
         add_up(block, 0, block[_TAKEN], step, taken)
         add_up(block, block[_TAKEN], block[_COUNT], step + block[_AHEAD], said)

@@ -86,7 +86,7 @@ class Frame:
     def of(cls, row: np.ndarray) -> Frame:
         """The frame whose numbers are a row of others, (size,), which lasts as long as the frame."""
         found = cls.__new__(cls)
-        found.address, found.numbers = row.ctypes.data, memoryview(row)  # type: ignore[arg-type]
+        found.address, found.numbers = row.ctypes.data, memoryview(row)  # type: ignore[arg-type]  # mypy knows no buffer of numpy
         return found
 
     @classmethod
