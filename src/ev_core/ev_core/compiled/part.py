@@ -12,9 +12,8 @@ import numpy as np
 
 from ev_core.compiled.constants import constants_row
 from ev_core.compiled.part_source import part_source
-from ev_core.compiling import kept_code
-from ev_core.compiling.foreign import FUNCTION
-from ev_core.compiling.machine_code import function_address
+from ev_core.compiling import machine_code
+from ev_core.compiling.machine_code import FUNCTION, function_address
 from ev_core.faults import striking
 from ev_core.faults.row import FaultRow
 from ev_core.methods.law import Given, Law
@@ -31,7 +30,7 @@ from ev_msgs_py.refusal import ParameterError
 def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
     """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
     given = Given(_law(method), parameters, vehicle, period)
-    return kept_code.is_kept(_name(method), *part_source(method, given))
+    return machine_code.is_kept(_name(method), *part_source(method, given))
 
 
 def _law(method: Method) -> Law:

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from ev_core.compiling import kept_code, machine_code
+from ev_core.compiling import machine_code
 from ev_core.lockstep.tally import BLOCK
 from ev_core.lockstep.tally import address as tally_address
 from ev_core.node_loop.message_memory import RUN, TOPIC, Memory, integers
@@ -62,7 +62,7 @@ _NAMES = {"HEAD": HEAD, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN, "Memory": 
 
 def is_kept() -> bool:
     """Whether the machine code is on disk, so that nobody has to wait for the compiler."""
-    return kept_code.is_kept("node_steps", _TEXT, _NAMES)
+    return machine_code.is_kept("node_steps", _TEXT, _NAMES)
 
 
 def keep() -> None:

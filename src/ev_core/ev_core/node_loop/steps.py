@@ -10,7 +10,7 @@ from __future__ import annotations
 from time import CLOCK_MONOTONIC
 from typing import Any
 
-from ev_core.compiling.foreign import call
+from ev_core.compiling.machine_code import call
 from ev_core.lockstep.tally import add_up
 from ev_core.node_loop.message_memory import is_laid_out_like, read_numbers, stamp_in, write_message
 from ev_msgs_py.compilable import compilable
