@@ -13,6 +13,7 @@ import numpy as np
 from ev_core.compiled.constants import constants_row
 from ev_core.compiled.part_source import part_source
 from ev_core.compiling import machine_code
+from ev_core.compiling.fingerprint import Reach
 from ev_core.compiling.machine_code import FUNCTION, function_address
 from ev_core.faults import striking
 from ev_core.faults.row import FaultRow
@@ -42,11 +43,6 @@ def _name(method: Method) -> str:
     return f"{Path(method.name).stem}_{method.role}"  # of a law file, whose name is a path
 
 
-def _address(method: Method, given: Given) -> int:
-    """Of the compiled function of a method (`part_source`); `given` is that of any of its objects."""
-    return function_address(_name(method), *part_source(method, given))
-
-
 class CompiledPart:
     """Plays a role by the compiled form of its law; the state is a row of numbers, advanced in place."""
 
@@ -55,8 +51,16 @@ class CompiledPart:
     def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
         law = _law(method)
         self.given = Given(law, parameters, vehicle, period)
+
+        def look_at(reach: Reach) -> None:
+            from ev_core.compiled import mistakes
+
+            found = mistakes.wrong_text(method, reach.functions.values())
+            if found := found or mistakes.wrong_answer(method, parameters, vehicle, period):
+                raise ParameterError(found)
+
         try:
-            self.function = _address(method, self.given)
+            self.function = function_address(_name(method), *part_source(method, self.given), look_at)
         except (ParameterError, OSError, MemoryError):
             raise
         except Exception as error:  # of many kinds: whatever the compiler stumbles over

@@ -11,6 +11,7 @@ import hashlib
 import linecache
 import os
 import sys
+from collections.abc import Callable
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -53,12 +54,21 @@ def call(address: int, first: int, second: int, third: int, fourth: int) -> int:
     return status
 
 
-def function_address(name: str, text: str, names: dict[str, Any]) -> int:
-    """The address of the C function `step` of a text that uses these names: loaded from disk, or compiled first."""
+def function_address(
+    name: str, text: str, names: dict[str, Any], look_at: Callable[[Reach], None] = lambda _: None
+) -> int:
+    """The address of the C function `step` of a text that uses these names: loaded from disk, or compiled first.
+
+    Before it is compiled, `look_at` may refuse what the text reaches.
+    """
     key = key_of(name, text, names)
     if key not in _addresses:
         kept = kept_code(key)
-        _addresses[key] = (inside_numba.loaded(*kept) if kept else 0) or compiled_address(key, text, names)
+        address = inside_numba.loaded(*kept) if kept else 0
+        if not address:
+            look_at(reach_of(text, names))
+            address = compiled_address(key, text, names)
+        _addresses[key] = address
     return _addresses[key]
 
 
