@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from numba import njit
 from toy_methods import OFFERED, begun_at, toy, toy_graph
 
-from ev_core.compiling.library import OPTIONS, register_functions
+from ev_core.compiling.machine_code import OPTIONS, register_functions
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import sequence
 from ev_core.lockstep.inbox import (

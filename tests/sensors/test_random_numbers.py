@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from ev_core.compiling.library import OPTIONS, register_functions
+from ev_core.compiling.machine_code import OPTIONS, register_functions
 from ev_core.sensors.random_numbers import WORD, normals, philox, uniform
 
 COUNT = 20_000

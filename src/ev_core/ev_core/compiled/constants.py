@@ -56,6 +56,8 @@ def _leaves(c: Any) -> list[Any]:
     if c is None:
         return []
     if not hasattr(c, "_fields"):
+        if not isinstance(c, (int, float, tuple, np.number)) and not is_dataclass(c):
+            raise TypeError(f"prepare gives {type(c).__name__}, allowed is a NamedTuple of numbers and tuples")
         return [c]
     return [leaf for value in c for leaf in _leaves(value)]
 

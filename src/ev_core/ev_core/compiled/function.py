@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ev_core.compiled.constants import Unpacking, constants_row, constants_type
-from ev_core.compiling.library import compiled_function
+from ev_core.compiling.machine_code import compiled_function
 from ev_core.methods.law import Given, given_names
 from ev_core.parameters.record import numbers, record_type
 

@@ -9,8 +9,7 @@ import numpy as np
 from numba import njit, types
 
 from ev_core.compiled.part import CompiledPart
-from ev_core.compiling.foreign import call
-from ev_core.compiling.library import OPTIONS, keep_overloads
+from ev_core.compiling.machine_code import OPTIONS, call, keep_overloads
 from ev_core.methods.register import Method
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import shape_of

@@ -1,23 +1,30 @@
 """Why a law cannot be compiled, in one line: file, line, what is wrong, what to write instead.
 
-The compiler says the same in hundreds of lines of its own text, with the cause in the middle.
+The compiler says the same in hundreds of lines of its own text, with the cause in the middle. What it compiles into
+something else than the text says, or into what never ends, is found in the text before.
 """
 
 from __future__ import annotations
 
+import ast
 import inspect
 import re
+import textwrap
 import traceback
+from collections.abc import Callable, Iterable, Iterator
 from difflib import get_close_matches
 from pathlib import Path
-from types import SimpleNamespace
+from types import FunctionType, SimpleNamespace
 from typing import Any
 
-from ev_core.methods.law import Law, LawObject
+from ev_core.methods.law import GIVEN, Law, LawObject
 from ev_core.methods.register import Method
+from ev_core.parameters.record import entries_without_number
+from ev_msgs_py.compilable import FUNCTIONS
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
+from ev_msgs_py.contract.wheels import Wheels
 
 _PLACE = re.compile(r'File "(?P<file>[^"<]+)", line (?P<line>\d+)|Raised from (?P<path>\S+) \((?P<at>\d+)\)')
 _CALLED = re.compile(r"resolving callee type: Function\(<(?:built-in function|function|ufunc|class) '?([\w.]+)")
@@ -50,31 +57,127 @@ def mistake(method: Method, parameters: Any, vehicle: Any, period: float, error:
     """One line about a law for which the compiler has raised an error."""
     law = method.law
     assert law is not None
-    file, line, what = _in_python(law, method, LawObject(law, parameters, vehicle, period)) or _of_compiler(law, error)
-    return f"{file}, line {line}: {method.role} law {law.function.__name__}: {what} (docs/compiled_laws.md)"
+    found = _in_python(law, method, LawObject(law, parameters, vehicle, period))
+    return _line(method, *(found or _of_compiler(law, error)))
+
+
+def wrong_answer(method: Method, parameters: Any, vehicle: Any, period: float) -> str:
+    """One line about a law whose first step, in plain Python, gives something else than its role writes; else empty."""
+    law = method.law
+    assert law is not None
+    try:
+        found = None if law.heavy else _of_answer(law, method, LawObject(law, parameters, vehicle, period))
+    except Exception:  # a step with inputs out of nowhere: what it raises need not be a mistake
+        return ""
+    return _line(method, *found) if found else ""
+
+
+def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
+    """One line about the first of these functions whose text does not mean what it says; empty if there is none."""
+    law = method.law
+    assert law is not None
+    marked = set(FUNCTIONS)
+    for function in filter(marked.__contains__, functions):
+        own = function in (law.function, law.outputs)
+        for node, what in _wrong(function, tuple(inspect.signature(function).parameters) if own else ()):
+            file, line = _beginning(function)
+            return _line(method, file, line + node.lineno - 1, what)
+    return ""
+
+
+def _line(method: Method, file: str, line: int, what: str) -> str:
+    law = method.law.function.__name__ if method.law else method.name
+    return f"{file}, line {line}: {method.role} law {law}: {what} (docs/compiled_laws.md)"
+
+
+_WAYS_OUT, _SHARED = (ast.Break, ast.Return, ast.Raise), (ast.List, ast.Dict, ast.Set)
+
+
+def _wrong(function: FunctionType, arguments: tuple[str, ...]) -> Iterator[tuple[Any, str]]:
+    """Where the text of a function is wrong, and why; `arguments` are those of a law, which it only reads but for s."""
+    for node in ast.walk(_tree(function)):
+        match node:
+            case ast.Global(names=names) | ast.Nonlocal(names=names):
+                yield node, f"{names[0]} is set for all objects of the law, declare it as state (entry)"
+            case ast.Import() | ast.ImportFrom():
+                yield node, "a module is imported here, import it at the top of the file"
+            case ast.Try():
+                yield node, "an exception is caught, test the condition instead"
+            case ast.While(test=ast.Constant()) if not any(isinstance(e, _WAYS_OUT) for e in ast.walk(node)):
+                yield node, "the loop never ends, give it a bound: for i in range(n)"
+            case ast.Call(func=ast.Name(id=name)) if name == function.__name__:
+                yield node, f"{name} calls itself, write a loop"
+            case ast.Call(func=ast.Name(id="str" | "repr" | "format" as name)):
+                yield node, f"{name} makes a text, allowed are numbers"
+            case ast.Compare() if any(_is_text(each) for each in (node.left, *node.comparators)):
+                yield node, "a number is compared with a text, allowed is the place of a choice among the choices"
+            case ast.Subscript(value=ast.Name(id=name), slice=ast.Constant(value=str(key))) if name in arguments:
+                yield node, f'{name}["{key}"] is not known, write {name}.{key}'
+            case ast.arguments(vararg=ast.arg() as many) | ast.arguments(kwarg=ast.arg() as many):
+                yield many, f"{many.arg} stands for any number of arguments, name each of them"
+            case ast.arguments() if shared := [each for each in node.defaults if isinstance(each, _SHARED)]:
+                yield shared[0], "this default is one for all calls, declare it as state (entry)"
+    for node, name in _assigned(function):
+        root = re.split(r"\W", name)[0]
+        if root in arguments and root != "s":
+            instead = "what changes is state (entry)" if root in GIVEN else "make a new signal"
+            yield node, f"{name} is written, {root} is only read: {instead}"
+
+
+def _is_text(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
+
+
+def _assigned(function: Callable[..., Any]) -> Iterator[tuple[ast.expr, str]]:
+    """What a function assigns to besides names of its own, with its text."""
+    for node in ast.walk(_tree(function)):
+        if isinstance(node, ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store):
+            yield node, ast.unparse(node)
+
+
+def _tree(function: Callable[..., Any]) -> ast.AST:
+    """The text of a function; that of an empty module where it cannot be had, as that of a lambda."""
+    try:
+        return ast.parse(textwrap.dedent(inspect.getsource(function)) if function.__name__ != "<lambda>" else "")
+    except (OSError, SyntaxError):
+        return ast.Module([], [])
 
 
 def _in_python(law: Law, method: Method, made: LawObject) -> tuple[str, int, str] | None:
     """What plain Python finds wrong with one step; None if it finds nothing."""
-    signals = [
-        Instant(0.0) if kind is Instant else shape_of(kind).signal_of([1.0] * shape_of(kind).size)
-        for kind in method.reads
-    ]
-    integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
     try:
-        given = made.step(*signals)
-        if integrates:
-            given = made.outputs()
+        return _of_answer(law, method, made)
     except Exception as error:  # whatever the law raises
         frames = [each for each in traceback.extract_tb(error.__traceback__) if _is_theirs(each.filename)]
         at = frames[-1] if frames else None
         return (at.filename, at.lineno or 0, _in_words(error)) if at and at.filename != __file__ else None
+
+
+def _of_answer(law: Law, method: Method, made: LawObject) -> tuple[str, int, str] | None:
+    """What is wrong with what one step gives and leaves in the state; None if nothing is."""
+    signals = [
+        Instant(0.0) if kind is Instant else shape_of(kind).signal_of([1.0] * shape_of(kind).size)
+        for kind in method.reads
+    ]
+    given = made.step(*signals)
+    for name, value in entries_without_number(made.given["s"]):
+        file, begin = _beginning(law.function)
+        line = next((node.lineno for node, text in _assigned(law.function) if text == f"s.{name}"), 1)
+        return file, begin + line - 1, f"s.{name} becomes {type(value).__name__}, allowed is a number"
+    if ROLES[method.role].kind is RoleKind.INTEGRATES:
+        given = made.outputs()
     wrote = given if isinstance(given, tuple) and not hasattr(given, "_fields") else (given,)
-    if [type(each) for each in wrote] == [*method.writes]:
-        return None
-    function = law.outputs or law.function
-    names = [" and ".join(each.__name__ for each in kinds) for kinds in (map(type, wrote), method.writes)]
-    return *_beginning(function), f"it returns {names[0]}, allowed is {names[1]}"
+    at = _beginning(law.outputs or law.function)
+    if [type(each) for each in wrote] != [*method.writes]:
+        names = [" and ".join(each.__name__ for each in kinds) for kinds in (map(type, wrote), method.writes)]
+        return *at, f"it returns {names[0]}, allowed is {names[1]}"
+    for kind, signal in zip(method.writes, wrote, strict=True):
+        per_wheel = shape_of(kind).per_wheel
+        for name, value in zip(signal._fields, signal, strict=True):
+            if per_wheel and not isinstance(value, Wheels):
+                what = f"{name} of its {kind.__name__} is {type(value).__name__}"
+                return *at, f"{what}, allowed is Wheels: Wheels(a, b, c, d)"
+    return None
 
 
 def _in_words(error: Exception) -> str:

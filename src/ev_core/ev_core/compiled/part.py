@@ -12,9 +12,9 @@ import numpy as np
 
 from ev_core.compiled.constants import constants_row
 from ev_core.compiled.part_source import part_source
-from ev_core.compiling import kept_code
-from ev_core.compiling.foreign import FUNCTION
-from ev_core.compiling.machine_code import function_address
+from ev_core.compiling import machine_code
+from ev_core.compiling.fingerprint import Reach
+from ev_core.compiling.machine_code import FUNCTION, function_address
 from ev_core.faults import row
 from ev_core.faults.row import FaultRow
 from ev_core.methods.law import Given, Law
@@ -31,7 +31,7 @@ from ev_msgs_py.refusal import ParameterError
 def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
     """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
     given = Given(_law(method), parameters, vehicle, period)
-    return kept_code.is_kept(_name(method), *part_source(method, given))
+    return machine_code.is_kept(_name(method), *part_source(method, given))
 
 
 def _law(method: Method) -> Law:
@@ -43,11 +43,6 @@ def _name(method: Method) -> str:
     return f"{Path(method.name).stem}_{method.role}"  # of a law file, whose name is a path
 
 
-def _address(method: Method, given: Given) -> int:
-    """Of the compiled function of a method (`part_source`); `given` is that of any of its objects."""
-    return function_address(_name(method), *part_source(method, given))
-
-
 class CompiledPart:
     """Plays a role by the compiled form of its law; the state is a row of numbers, advanced in place."""
 
@@ -56,8 +51,16 @@ class CompiledPart:
     def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
         law = _law(method)
         self.given = Given(law, parameters, vehicle, period)
+
+        def look_at(reach: Reach) -> None:
+            from ev_core.compiled import mistakes
+
+            found = mistakes.wrong_text(method, reach.functions.values())
+            if found := found or mistakes.wrong_answer(method, parameters, vehicle, period):
+                raise ParameterError(found)
+
         try:
-            self.function = _address(method, self.given)
+            self.function = function_address(_name(method), *part_source(method, self.given), look_at)
         except (ParameterError, OSError, MemoryError):
             raise
         except Exception as error:  # of many kinds: whatever the compiler stumbles over

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from ev_core.compiling.inside_numba import options_of
 from ev_msgs_py.compilable import INLINED
 
 _NOTHING = object()
-_OPTIONS = ("targetoptions", "_sig", "types")  # of what numba makes of a function
 _FOREIGN = ("numpy", "numba", "llvmlite")  # their versions say what is in them, as Python's does of its own
 _OF_PYTHON = os.path.dirname(os.__file__)
 
@@ -67,14 +67,14 @@ class Reach:
             self._tell(found.dtype, found.shape, hashlib.sha256(content).hexdigest())
         elif not isinstance(function, FunctionType):
             self._tell(_constant(found))
-            yield from _methods(found)
+            if hasattr(found, "class_type"):  # a jitclass
+                yield from options_of(found)
         elif id(function) in self.functions:
             self._tell("again", [*self.functions].index(id(function)))
         else:
             self.functions[id(function)] = function
             self._made_of.append((function, _parts(function)))
-            options = [getattr(found, name, "") for name in _OPTIONS]
-            self._tell(f"{function.__module__}.{function.__qualname__}", function in INLINED, *options)
+            self._tell(f"{function.__module__}.{function.__qualname__}", function in INLINED, *options_of(found))
             self._digest.update(_code(function.__code__) + b"\0")
             yield from self._used_by(function)
 
@@ -103,14 +103,6 @@ def _written(found: Any) -> Any:
     if isinstance(found, FunctionType):
         return found
     return getattr(found, "py_func", getattr(found, "__wrapped__", found))
-
-
-def _methods(found: Any) -> Iterator[Any]:
-    """Of a jitclass its fields, and what its methods and properties do."""
-    of = getattr(found, "class_type", None)
-    if of is not None:
-        yield from (str(of.struct), tuple(of.jit_props))
-        yield from (tuple(e.items()) for e in (of.jit_methods, of.jit_static_methods, *of.jit_props.values()))
 
 
 def _are_same(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:

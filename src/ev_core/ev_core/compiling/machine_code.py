@@ -1,100 +1,250 @@
-"""Machine code that the compiler has made once, loaded without the compiler.
+"""Functions as machine code: compiled once, kept on disk, loaded without the compiler, and called by their address.
 
-Loading numba takes longer than a node takes to start. What it makes are object files all the same, and llvmlite, the
-part of it that knows processors, loads them within milliseconds.
+The files are named by everything that they depend on: text, reach, processor, compiler. Loading numba takes longer than
+a node takes to start: it is imported where something has to be compiled.
 """
 
 from __future__ import annotations
 
-import builtins
-import importlib.util
-import struct
+import ctypes
+import hashlib
+import linecache
+import os
 import sys
-from importlib.machinery import PathFinder
+from collections.abc import Callable
+from functools import cache
+from importlib.metadata import version
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
-from ev_core.compiling.kept_code import kept_code, key_of
+from ev_core.compiling import inside_numba
+from ev_core.compiling.fingerprint import Reach
+from ev_core.compiling.user_cache import cache_folder, read_checked, write_checked
+from ev_msgs_py.compilable import FUNCTIONS, INLINED
 
-# Modules of numba with what compiled code may call, and how their functions are named there.
-_HELPERS = {"numba._helperlib": "numba_", "numba.core.runtime._nrt_python": "NRT_"}
-_SYMBOL = struct.Struct("<IBBHQQ")  # of an ELF file: name, kind, visibility, section, value, size
+FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 4)
 
-_engines: list[Any] = []  # what they have loaded lasts as long as they do
+# Settings of the compiler that change what it makes.
+_SETTINGS = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_OPT", inside_numba.VARIABLE)
+_KEPT_TEXTS = 8  # of one name: those of other checkouts, of branches and of tests come back
+_MAKERS = ("numba", "llvmlite", "numpy")
+# Modules that tell the compiler what no text shows: its options, and what it makes of functions of ours.
+_TELLING = ("inside_numba", "machine_code")
+_DIGITS = 12
+_CODE = "code"
+
+# Division by zero gives infinity as in numpy, without a test at each division; sums keep the order in which they are
+# written (no fastmath), so results are the same to the bit in every run.
+OPTIONS: dict[str, Any] = {"error_model": "numpy"}
+
+_registered = 0
+_reached = Reach()
+_functions: dict[str, Any] = {}
+_reaches: dict[Any, Reach] = {}
 _addresses: dict[str, int] = {}
 
 
-def function_address(name: str, text: str, names: dict[str, Any]) -> int:
-    """The address of the C function `step` of a text that uses these names: loaded from disk, or compiled first."""
+def call(address: int, first: int, second: int, third: int, fourth: int) -> int:
+    """Call a C function that takes up to four pointers or integers; the result is the status that it returns.
+
+    By its address, from compiled code and from plain Python alike.
+    """
+    status: int = FUNCTION(address)(first, second, third, fourth)
+    return status
+
+
+def function_address(
+    name: str, text: str, names: dict[str, Any], look_at: Callable[[Reach], None] = lambda _: None
+) -> int:
+    """The address of the C function `step` of a text that uses these names: loaded from disk, or compiled first.
+
+    Before it is compiled, `look_at` may refuse what the text reaches.
+    """
     key = key_of(name, text, names)
     if key not in _addresses:
-        _addresses[key] = _loaded(key) or _compiled(key, text, names)
+        kept = kept_code(key)
+        address = inside_numba.loaded(*kept) if kept else 0
+        if not address:
+            look_at(reach_of(text, names))
+            address = compiled_address(key, text, names)
+        _addresses[key] = address
     return _addresses[key]
 
 
-def _compiled(key: str, text: str, names: dict[str, Any]) -> int:
-    from ev_core.compiling.library import compiled_address
+def reach_of(text: str, names: dict[str, Any]) -> Reach:
+    """Everything that the compiled form of a text depends on; looked for anew only where something has changed."""
+    of = (text, *names, *names.values())
+    if of not in _reaches or not _reaches[of].holds:
+        _reaches[of] = Reach(*of)
+    return _reaches[of]
 
-    return compiled_address(key, text, names)
+
+def key_of(name: str, text: str, names: dict[str, Any]) -> str:
+    """The name, and digits that change with everything that the compiled form of a text depends on."""
+    return f"{name}_{reach_of(text, names).digits[:_DIGITS]}"
 
 
-def _loaded(key: str) -> int:
-    """The address of the function of a text; 0 if it was not kept, or if its code calls what is not there."""
-    kept = kept_code(key)
-    if kept is None:
-        return 0
+def kept_file(key: str, what: str) -> Path:
+    """The file in which something made of a text is kept, for this processor and this compiler."""
+    return cache_folder() / f"{key}.{_machine()}.{what}"
+
+
+@cache
+def _machine() -> str:
     from llvmlite import binding
 
-    symbol, code = kept
-    binding.initialize_native_target()
-    binding.initialize_native_asmprinter()
-    machine = binding.Target.from_default_triple().create_target_machine()
-    _name_helpers(binding)  # before an engine makes other things known by the names of exceptions
-    engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
-    found = binding.ObjectFileRef.from_data(code)
-    called = calls(found)
-    if any(name.startswith("NRT_") and "alloc" in name for name in called):
-        _start_heap()
-    if not all(map(binding.address_of_symbol, called)):
-        return 0
-    engine.add_object_file(found)
-    engine.finalize_object()
-    _engines.append(engine)
-    address: int = engine.get_function_address(symbol)
+    features = binding.get_host_cpu_features().flatten()
+    settings = [os.environ.get(name, "") for name in _SETTINGS]
+    known = (binding.get_host_cpu_name(), features, *settings, sys.version, *map(version, _MAKERS))
+    digest = hashlib.sha256("\0".join(known).encode())
+    for name in _TELLING:
+        digest.update(Path(__file__).with_name(f"{name}.py").read_bytes())
+    return digest.hexdigest()[:_DIGITS]
+
+
+def keep(key: str, symbol: str, code: bytes) -> None:
+    """Keep an object file and the name of its function."""
+    write_checked(kept_file(key, _CODE), symbol.encode() + b"\n" + code)
+    forget_older(key)
+
+
+def kept_code(key: str) -> tuple[str, bytes] | None:
+    """The name of the function and its object file, as `keep` was given them; None if nothing is kept."""
+    kept = read_checked(kept_file(key, _CODE))
+    if kept is None:
+        return None
+    symbol, _, code = kept.partition(b"\n")
+    return symbol.decode(), code
+
+
+def is_kept(name: str, text: str, names: dict[str, Any]) -> bool:
+    """Whether the machine code of a text is on disk, so that nobody has to wait for the compiler."""
+    return kept_code(key_of(name, text, names)) is not None
+
+
+def forget_older(key: str) -> None:
+    """Delete what older texts of the same name were compiled to, but for those that were compiled last."""
+    folder, name = cache_folder(), key.rpartition("_")[0]
+    newest = sorted(folder.glob(f"{name}_{'[0-9a-f]' * _DIGITS}.*"), key=age)
+    texts = list(dict.fromkeys(file.name.partition(".")[0] for file in newest))
+    for file in newest:
+        if file.name.partition(".")[0] in texts[_KEPT_TEXTS:]:
+            file.unlink(missing_ok=True)
+
+
+def age(file: Path) -> float:
+    """Rises with the time since a file or folder was written; 0 if it has gone."""
+    try:
+        return -file.stat().st_mtime
+    except FileNotFoundError:  # another process has deleted it
+        return 0.0
+
+
+@cache
+def _make_known() -> None:
+    """Tell the compiler of `call` and of working memory."""
+    from llvmlite import ir
+    from numba import types
+    from numba.extending import intrinsic, overload
+
+    def called(typing: Any, address: Any, first: Any, second: Any, third: Any, fourth: Any) -> Any:
+        def lowered(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            pointer = ir.IntType(8).as_pointer()
+            function = builder.inttoptr(arguments[0], ir.FunctionType(ir.IntType(32), [pointer] * 4).as_pointer())
+            return builder.call(function, [builder.inttoptr(word, pointer) for word in arguments[1:]])
+
+        return types.int32(*[types.intp] * 5), lowered
+
+    at: Any = intrinsic(called)
+    overload(call)(
+        lambda address, first, second, third, fourth: (
+            lambda address, first, second, third, fourth: at(address, first, second, third, fourth)
+        )
+    )
+    inside_numba.make_memory_known()
+
+
+def register_functions() -> None:
+    """Make all functions that are marked as compilable so far known to the compiler.
+
+    It keeps what it has made of each of them, and forgets that where one is not what it was.
+    """
+    global _registered, _reached
+    from numba.extending import register_jitable
+
+    _make_known()
+    if not _reached.holds:
+        inside_numba.forget_made_of(FUNCTIONS[:_registered])
+    elif _registered == len(FUNCTIONS):
+        return
+    while _registered < len(FUNCTIONS):
+        function = FUNCTIONS[_registered]
+        register_jitable(**OPTIONS, no_cfunc_wrapper=True, forceinline=function in INLINED)(function)
+        _registered += 1
+    _reached = Reach(*FUNCTIONS)
+
+
+def keep_overloads(function: Any) -> Any:
+    """Let what numba makes of a function with `njit` be kept on disk; the function itself comes back."""
+    _make_known()
+    _keep(function, key_of(function.__name__, "", {"function": function}), reach_of("", {"function": function}))
+    return function
+
+
+def _keep(function: Any, key: str, reach: Reach) -> None:
+    def file(kinds: str) -> Path:
+        return kept_file(key, f"{hashlib.sha256(kinds.encode()).hexdigest()[:12]}.numba")
+
+    def read(kinds: str) -> bytes | None:
+        kept = read_checked(file(kinds))
+        if kept is None:
+            _say_compiling(key)
+        return kept
+
+    def write(kinds: str, made: bytes) -> None:
+        if reach.holds:  # and has not changed on the way
+            write_checked(file(kinds), made)
+            forget_older(key)
+
+    inside_numba.keep_overloads(function, register_functions, read, write)
+
+
+def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:
+    """The address of the C function `step` of a text, compiled now and kept for who loads it without the compiler.
+
+    Code that holds addresses of this process is not kept: another one would jump to where nothing is.
+    """
+    _say_compiling(key)
+    with inside_numba.only_machine_code_of("step"):
+        register_functions()
+        step = _executed(key, text, names)
+    if made := inside_numba.object_code(step):
+        keep(key, *made)
+    address: int = step.address
     return address
 
 
-def calls(found: Any) -> list[str]:
-    """The names in an object file (ELF) that others have to define."""
-    sections = {section.name(): section.data() for section in found.sections()}
-    names = sections[b".strtab"]
-    entries = list(_SYMBOL.iter_unpack(sections[b".symtab"]))[1:]  # the first one is none
-    return [names[at : names.index(b"\0", at)].decode() for at, _, _, section, _, _ in entries if section == 0]
+def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
+    """The function `step` of a text that uses these names, compiled or loaded with its first call."""
+    key = key_of(name, text, names)
+    if key not in _functions:
+        register_functions()
+        _functions[key] = _executed(key, text, names)
+        _keep(_functions[key], key, reach_of(text, names))
+    return _functions[key]
 
 
-def _name_helpers(binding: Any) -> None:
-    """Tell what code may call besides the C library, as numba itself does when it has compiled something."""
-    package: Any = importlib.util.find_spec("numba")
-    numba = Path(package.submodule_search_locations[0])
-    helpers = {f"PyExc_{name}": id(value) for name, value in vars(builtins).items() if isinstance(value, type)}
-    for place, prefix in _HELPERS.items():
-        folder, _, name = place.rpartition(".")
-        module: Any = sys.modules.get(place)
-        if module is None:
-            spec: Any = PathFinder.find_spec(name, [str(numba.joinpath(*folder.split(".")[1:]))])
-            module = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(module)
-        for helper, address in module.c_helpers.items():
-            helpers[helper[1:] if helper.startswith("_") else prefix + helper] = address
-    for name, address in helpers.items():
-        if not binding.address_of_symbol(name):
-            binding.add_symbol(name, address)
+def _executed(key: str, text: str, names: dict[str, Any]) -> Any:
+    module = ModuleType(f"ev_stack_{key}")
+    vars(module).update(names)
+    sys.modules[module.__name__] = module  # what numba loads from disk asks for its module by name
+    file = f"<{key}>"
+    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)  # for what the compiler refuses
+    exec(compile(text, file, "exec"), vars(module))
+    return vars(module)["step"]
 
 
-def _start_heap() -> None:
-    """Make that of numba ready, from which some code takes memory: such code has to wait for numba to load."""
-    from numba.core.registry import cpu_target
-    from numba.core.runtime.nrt import rtsys
-
-    heap: Any = rtsys
-    heap.initialize(cpu_target.target_context)
+def _say_compiling(key: str) -> None:
+    name = key.rpartition("_")[0].replace("_", " ")
+    print(f"compiling {name} ... (once)", file=sys.stderr, flush=True)

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from ev_core.compiling.foreign import FUNCTION
+from ev_core.compiling.machine_code import FUNCTION
 from ev_core.faults.fault import Fault
 from ev_core.faults.row import FaultRow, of_signals
 from ev_core.lockstep.configuration import Configuration

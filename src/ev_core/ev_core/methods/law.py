@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache, lru_cache, partial
 from types import MappingProxyType, SimpleNamespace
 from typing import Any, TypeVar
 
 from ev_core.parameters.declaration import number_tree
-from ev_core.parameters.record import fill, names, numbers
+from ev_core.parameters.record import entries_without_number, fill, names, numbers
 from ev_core.vehicle.car import car_numbers
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.compilable import FUNCTIONS
+from ev_msgs_py.refusal import shown, unknown_name
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -82,11 +83,42 @@ def named_after(function: F, law: Callable[..., Any]) -> F:
 @cache
 def given_names(function: Callable[..., Any]) -> tuple[str, ...]:
     """Which of `GIVEN` a function asks for, in its order; TypeError unless they come first."""
-    asked = tuple(inspect.signature(function).parameters)
+    arguments = inspect.signature(function).parameters
+    asked = tuple(arguments)
     count = sum(name in GIVEN for name in asked)
-    if any(name not in GIVEN for name in asked[:count]):
-        raise TypeError(f"{function.__name__}: {', '.join(GIVEN)} come before the signals")
+    for name in asked[:count]:
+        if name not in GIVEN and arguments[name].annotation is inspect.Parameter.empty:
+            raise TypeError(f"{function.__name__}: {name} is not known, allowed are {', '.join(GIVEN)} and signals")
+        if name not in GIVEN:
+            raise TypeError(f"{function.__name__}: {name} stands too early, {', '.join(GIVEN)} come before the signals")
     return asked[:count]
+
+
+def declared_law(who: str, function: Callable[..., Any], parameters: type, how: Mapping[str, Any]) -> Law:
+    """The law of a declaration; TypeError, in one line that `who` begins, for what it cannot be made of."""
+    known = tuple(each.name for each in fields(Law))[2:]
+    for name in how:
+        if name not in known:
+            raise TypeError(f"{who}: {unknown_name('argument', name, known)}")
+    law = Law(function, parameters, **how)
+    state = law.state
+    if not isinstance(state, type) or not is_dataclass(state):
+        raise TypeError(f"{who}: state={shown(state)} is refused, allowed is a class marked @dataclass(slots=True)")
+    if bare := [each.name for each in fields(state) if each.default is each.default_factory is MISSING]:
+        raise TypeError(f"{who}: {state.__name__}.{bare[0]} has no start value, declare it by entry(0.0, unit=...)")
+    for name, value in entries_without_number(state()):
+        kind = type(value).__name__
+        raise TypeError(f"{who}: {state.__name__}.{name} begins as {kind}, allowed is a number: entry(0.0, unit=...)")
+    if not isinstance(law.needs, tuple | list):
+        raise TypeError(f"{who}: needs= is no tuple, write needs=(...,)")
+    asked = inspect.signature(function).parameters
+    for name, there, argument in (("s", state is not NoState or law.start, "state"), ("c", law.prepare, "prepare")):
+        if name in asked and not there:
+            raise TypeError(f"{who}: {name} is asked for and not made, declare {argument}=")
+    for each in asked.values():
+        if each.kind in (each.VAR_POSITIONAL, each.VAR_KEYWORD):
+            raise TypeError(f"{who}: {each.name} stands for any number of arguments, name each signal")
+    return law
 
 
 class Given:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any, Protocol
 
-from ev_core.compiling.foreign import FUNCTION
+from ev_core.compiling.machine_code import FUNCTION
 from ev_core.methods.hooks import Reporting
 from ev_core.methods.register import Method
 from ev_msgs_py.contract import frame

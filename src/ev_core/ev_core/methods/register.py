@@ -13,9 +13,9 @@ from typing import Any, TypeVar
 from ev_core.faults.fault import FaultParameters
 from ev_core.methods.common_parameters import CommonParameters
 from ev_core.methods.hooks import refuse_lacking
-from ev_core.methods.law import Law, given_names
+from ev_core.methods.law import Law, declared_law, given_names
 from ev_core.parameters.declaration import entries
-from ev_core.parameters.values import entries_by_name
+from ev_core.parameters.values import entries_by_name, refuse_undeclared
 from ev_core.vehicle.layout import refusal
 from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
@@ -146,25 +146,27 @@ def method(role: str, name: str, parameters: type | None = None, **how: Any) -> 
 
     def register(defined: T) -> T:
         factory: Any = defined
+        who = f"{role} method {name}"
         if parameters is not None:
-            factory = Law(factory, parameters, **how)
+            factory = declared_law(who, factory, parameters, how)
             if factory.outputs is None and ROLES[role].kind is RoleKind.INTEGRATES:
-                raise TypeError(f"{role} method {name}: a {role} integrates, so its law needs outputs=")
+                raise TypeError(f"{who}: a {role} integrates, so its law needs outputs=")
         else:
             refuse_lacking(role, name, factory)
+        refuse_undeclared(who, factory.parameters)
         function = _stepping(role, factory)
         hints = typing.get_type_hints(function)
         given = given_names(function) if parameters is not None else ("self",)
         arguments = [name for name in inspect.signature(function).parameters if name not in given]
         if bare := [name for name in arguments if name not in hints]:
-            raise TypeError(f"{role} method {name}: argument {bare[0]} has no annotation that names its signal")
+            raise TypeError(f"{who}: argument {bare[0]} has no annotation that names its signal")
         reads = tuple(hints[name] for name in arguments)
         for signal in reads:
             if not ROLES[role].may_read(signal):
                 asked = getattr(signal, "__name__", signal)
-                raise TypeError(f"{role} method {name}: a {role} does not read {asked} (see roles.py)")
+                raise TypeError(f"{who}: a {role} does not read {asked} (see roles.py)")
         try:
-            refuse_taken(f"{role} method {name}", factory.parameters)
+            refuse_taken(who, factory.parameters)
         except ParameterError as error:
             raise TypeError(str(error)) from None
         _REGISTER.setdefault(role, {})[name] = Method(role, name, factory, reads, factory.parameters)

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.compiling.foreign import FUNCTION, call
-from ev_core.compiling.machine_code import function_address
+from ev_core.compiling.machine_code import FUNCTION, call, function_address
 from ev_core.methods.part import PythonPart
 from ev_core.methods.register import Method
 from ev_core.native.interface import LAW_ROLES, car_row, reads_of, size_of

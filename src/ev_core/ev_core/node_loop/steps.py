@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.compiling import kept_code, machine_code
-from ev_core.compiling.foreign import call
+from ev_core.compiling import machine_code
+from ev_core.compiling.machine_code import call
 from ev_core.lockstep.inbox import (
     ANSWER,
     LAST,
@@ -235,7 +235,7 @@ _NAMES = {**_RECORDS, "Memory": Memory, "Steps": Steps, "take_steps": take_steps
 
 def is_kept() -> bool:
     """Whether the machine code is on disk, so that nobody has to wait for the compiler."""
-    return kept_code.is_kept("node_steps", _TEXT, _NAMES)
+    return machine_code.is_kept("node_steps", _TEXT, _NAMES)
 
 
 @cache

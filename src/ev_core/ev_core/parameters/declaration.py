@@ -9,7 +9,7 @@ from __future__ import annotations
 import types
 import typing
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import Field, dataclass, field, fields, is_dataclass
 from functools import cache
 from typing import Any, TypeVar
 
@@ -72,6 +72,11 @@ def parameter(
     """
     spec = Spec(about, unit, low, high, choices, source, read_only, lateral, per_wheel, own)
     return field(default=default, metadata={_SPEC: spec})
+
+
+def is_declared(field: Field[Any]) -> bool:
+    """Whether a field of a dataclass is a declared parameter."""
+    return _SPEC in field.metadata
 
 
 def setting(default: Any, **about: Any) -> Any:

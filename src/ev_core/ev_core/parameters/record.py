@@ -119,6 +119,21 @@ def _element(value: Any) -> tuple[Any, ...]:
     return inner, (len(value),)
 
 
+def entries_without_number(record: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """By dotted name what stands in a record in the place of a number."""
+    for name, value in _items(record):
+        if isinstance(value, list):
+            for element in value:
+                if is_dataclass(element):
+                    yield from entries_without_number(element, f"{prefix}{name}.")
+                elif not _is_number(element):
+                    yield prefix + name, element
+        elif is_dataclass(value):
+            yield from entries_without_number(value, f"{prefix}{name}.")
+        elif not _is_number(value):
+            yield prefix + name, value
+
+
 def numbers(values: Any) -> list[float]:
     """All numbers of a record or a tree, in order of declaration."""
     found: list[float] = []

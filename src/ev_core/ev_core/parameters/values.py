@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ev_core.parameters.declaration import Entry, entries
+from ev_core.parameters.declaration import Entry, entries, is_declared
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 # By declared unit, what may be written instead: a number is multiplied by the first and divided by the second.
@@ -72,6 +72,22 @@ def check(entry: Entry, value: Any) -> Any:
             raise _refused(entry, value, f"an array of {_type_word(entry.type)}")
         return tuple(_check_element(entry, plain(element)) for element in value)
     return _check_element(entry, value)
+
+
+def refuse_undeclared(who: str, parameters: Any) -> None:
+    """TypeError, in one line that `who` begins, if a class is not one of declared parameters with allowed defaults."""
+    if not isinstance(parameters, type) or not is_dataclass(parameters):
+        given = f"class {parameters.__name__}" if isinstance(parameters, type) else type(parameters).__name__
+        raise TypeError(f"{who}: parameters are {given}, allowed is a class marked @dataclass(frozen=True, slots=True)")
+    for f in fields(parameters):
+        is_group = f.default_factory is not dataclasses.MISSING and is_dataclass(f.default_factory())
+        if not is_group and not is_declared(f):
+            raise TypeError(f"{who}: {f.name} is no declared parameter, write {f.name}: ... = parameter(...)")
+    for entry in entries(parameters):
+        try:
+            check(entry, entry.default)
+        except ParameterError as error:
+            raise TypeError(f"{who}: the default of {error}") from None
 
 
 def plain(value: Any) -> Any:

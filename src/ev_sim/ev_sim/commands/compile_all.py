@@ -34,7 +34,7 @@ def main() -> None:
         cache_folder()  # also for the workers
     except ParameterError as error:
         refuse(error)
-    from ev_core.compiling import library  # noqa: F401, once for all workers that are forked from this process
+    import numba  # noqa: F401, once for all workers that are forked from this process
 
     with ProcessPoolExecutor(os.cpu_count()) as workers:
         found = list(workers.map(_compile_jobs, [[_STEPPING], *_sharing(compilable)]))

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 from zipfile import is_zipfile
 
-from ev_core.compiling.kept_code import age
+from ev_core.compiling.machine_code import age
 from ev_core.compiling.user_cache import cache_folder, read_checked, write_checked
 from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.contract.roles import MASTER
