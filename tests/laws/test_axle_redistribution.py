@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import pytest
 from differentials import REAR, ZHILEYKIN, Differential, Motion, on, sequences
@@ -62,7 +63,7 @@ def test_front_share_ends_at_one_half():
     assert made().step(Motion(torque=1000.0, a_x=1.0)).drive == (250.0,) * 4
 
 
-@pytest.mark.parametrize("braking", ["deceleration", "command"])
+@pytest.mark.parametrize("braking", ["straight", "deceleration", "command"])
 @pytest.mark.parametrize("factor", ["given", "equality"])
 def test_speeding_up_backwards_is_no_braking(braking, factor):
     """In reverse torque, acceleration and speeds change their sign, and nothing else; slowing down is all rear."""
@@ -71,7 +72,7 @@ def test_speeding_up_backwards_is_no_braking(braking, factor):
     forwards = made(braking=braking, factor=factor, k=0.5).step(steered).drive
     assert front(forwards) > 0.0
     assert made(braking=braking, factor=factor, k=0.5).step(back).drive == tuple(-each for each in forwards)
-    slows = dataclasses.replace(back, torque=1000.0, a_x=0.6)
+    slows = dataclasses.replace(back, torque=1000.0, a_x=0.6, a_y=0.0)
     assert front(made(braking=braking, factor=factor, k=0.5).step(slows).drive) == 0.0
 
 
@@ -95,10 +96,19 @@ def test_without_drive_force_the_equality_stays_finite():
 
 
 def test_a_car_that_slows_down_has_all_torque_on_the_rear_axle():
-    """Zhileykin: phi = pi, j_x <= 0, whatever the driver does; also where eq 5 as printed would give a half."""
+    """Zhileykin: phi = pi, j_y = 0, j_x <= 0, whatever the driver does; eq 5 as printed would give a half."""
     assert front(made().step(Motion(torque=400.0, a_x=-2.0)).drive) == 0.0
     assert front(made(first_branch="rear").step(Motion(torque=400.0, a_x=-2.0)).drive) == 0.0
     assert front(made().step(Motion(torque=-400.0, a_x=2.0)).drive) == pytest.approx(-200.0)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(("angle", "straight"), [(0.19, 0.0), (0.21, 200.0), (1.0, 200.0)])
+def test_the_rule_on_slowing_down_ends_beside_the_axis(angle, straight, side):
+    """j_y = 0 is read as an angle of at most 0.2 rad; in a bend eq 5 as printed gives the most, a half."""
+    motion = Motion(torque=400.0, a_x=-2.0 * math.cos(angle), a_y=side * 2.0 * math.sin(angle))
+    assert front(made(first_branch="rear").step(motion).drive) == pytest.approx(straight)
+    assert front(made(first_branch="rear", braking="deceleration").step(motion).drive) == 0.0
 
 
 @pytest.mark.parametrize("motion", [Motion(torque=-400.0, a_x=2.0), Motion(torque=100.0, brake=50.0, a_x=2.0)])

@@ -8,7 +8,7 @@ from ev_control.estimation import slip_angle_observer
 from ev_control.estimation.plausible import is_plausible
 from ev_control.law import BrakeSplitParameters, split_brake
 from ev_control.shared.torque_split import KNOWN_BY, TRUTH, differential
-from ev_core.law import ALL_WHEELS_DRIVEN, Car, Wheels, compilable, entry, group, hypot, parameter, part
+from ev_core.law import ALL_WHEELS_DRIVEN, Car, Wheels, compilable, cos, entry, group, hypot, parameter, part, setting
 from ev_msgs_py.contract.signals import (
     BodyVelocity,
     DriverCommand,
@@ -84,8 +84,8 @@ def rear_difference(car: Car, road_wheel_angle: float, front_share: float) -> fl
     return min(q, 1.0)
 
 
-BRAKING = ("deceleration", "command")
-DECELERATION, COMMAND = range(len(BRAKING))
+BRAKING = ("straight", "deceleration", "command")
+STRAIGHT, DECELERATION, COMMAND = range(len(BRAKING))
 REAR_WHEELS = ("by_speed", "by_geometry")
 BY_SPEED, BY_GEOMETRY = range(len(REAR_WHEELS))
 FIRST_BRANCHES = ("front", "rear")
@@ -103,11 +103,18 @@ class AxleRedistributionParameters(NeutralSteerParameters):
         source="Zhileykin 2018 uses the true ones",
     )
     braking: str = parameter(
-        "deceleration",
+        "straight",
         choices=BRAKING,
-        about="when all torque goes to the rear axle: while the car slows down, j_x <= 0; or while the driver brakes, "
-        "by a negative drive torque or the brake",
-        source="Zhileykin 2018: phi = pi, j_y = 0, j_x <= 0, that is while the car slows down",
+        about="when all torque goes to the rear axle: while the car slows down straight ahead, j_x <= 0 and j_y = 0; "
+        "while it slows down, in a bend as well; or while the driver brakes, by a negative drive torque or the brake",
+        source="Zhileykin 2018, below eq 5: phi = pi, j_y = 0, j_x <= 0",
+    )
+    straight_angle: float = setting(
+        0.2,
+        unit="rad",
+        low=0.0,
+        high=1.5,
+        about="angle between deceleration and the car's axis up to which j_y counts as zero for `straight`",
     )
     rear_wheels: str = parameter(
         "by_speed",
@@ -176,10 +183,11 @@ def axle_redistribution(
     """Share the drive torque between front axle, slower and faster rear wheel so that the car steers neutrally.
 
     Front share h_n = K cos(phi) if the front axle slides (|d1| >= |d2|), else K (1 - cos(phi)), within
-    0..largest_front_share; 0 while the car slows down; phi is the angle of the acceleration to the car's axis, in
-    reverse to its rear (Zhileykin 2018, eqs 4 and 5). Of the rear torque the slower wheel gets (1 + q)/2 and the faster
-    one (1 - q)/2 with q = L |Theta| h_n/(2 B (1 - h_n)), Theta the road-wheel angle [rad] (eq 7). Parameters choose
-    other readings of the source. The torques [N m] add up to the driver's; the lag of the clutches is the plant's.
+    0..largest_front_share; 0 while the car slows down straight ahead; phi is the angle of the acceleration to the
+    car's axis, in reverse to its rear (Zhileykin 2018, eqs 4 and 5). Of the rear torque the slower wheel gets (1 + q)/2
+    and the faster one (1 - q)/2 with q = L |Theta| h_n/(2 B (1 - h_n)), Theta the road-wheel angle [rad] (eq 7).
+    Parameters choose other readings of the source. The torques [N m] add up to the driver's; the lag of the clutches is
+    the plant's.
     """
     delta, torque, speed = column.road_wheel_angle, driver.drive_torque, wheels.velocity
     ahead = -1.0 if (speed[0] + speed[1]) + (speed[2] + speed[3]) < 0.0 else 1.0
@@ -193,15 +201,22 @@ def axle_redistribution(
             p.observer, car, s.observer, period, driver, column, wheels, imu
         )
         follow(p, s, abs(angles.front) - abs(angles.rear), ahead, wheels, imu)
-    brakes = ahead * torque < 0.0 or driver.brake_torque > 0.0 if p.braking == COMMAND else s.cos_phi <= 0.0
     h = 0.0
-    if not brakes:
+    if not all_to_rear(p, s.cos_phi, ahead * torque < 0.0 or driver.brake_torque > 0.0):
         h = front_share(p, car, s.front_slides == 1.0, s.cos_phi, s.acceleration, ahead * torque / car.wheel_radius)
     inner = 1.0 if delta > 0.0 else -1.0
     q = rear_difference(car, delta, h) * (s.slower if p.rear_wheels == BY_SPEED else inner)
     front, rear = torque * h, torque * (1.0 - h)
     drive = Wheels(front / 2.0, front / 2.0, rear * (1.0 + q) / 2.0, rear * (1.0 - q) / 2.0)
     return WheelTorqueRequest(drive, split_brake(p.brake, driver))
+
+
+@compilable
+def all_to_rear(p: AxleRedistributionParameters, cos_phi: float, driver_brakes: bool) -> bool:
+    """Whether the rear axle gets all torque, h = 0: phi = pi, j_y = 0, j_x <= 0 (Zhileykin 2018, below eq 5)."""
+    if p.braking == COMMAND:
+        return driver_brakes
+    return cos_phi <= (0.0 if p.braking == DECELERATION else -cos(p.straight_angle))
 
 
 @compilable

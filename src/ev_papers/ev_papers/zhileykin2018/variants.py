@@ -53,7 +53,8 @@ VARIANTS = (
     _reading("rear_wheels", "by_geometry", "more torque for the inner rear wheel instead of the slower one"),
     _reading("second_branch", "derived", "eq 5 as it follows, K cos(phi)"),
     _reading("second_branch", "rear_share", "eq 5 for the rear share, 1 - K cos(phi)"),
-    _reading("braking", "command", "braking by the driver's command instead of j_x <= 0"),
+    _reading("braking", "command", "braking by the driver's command instead of j_x <= 0 straight ahead"),
+    _reading("braking", "deceleration", "all torque to the rear axle wherever the car slows down, j_x <= 0"),
     _reading("source", "estimated", "slip angles from the observer"),
 )
 
