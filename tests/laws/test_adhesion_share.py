@@ -35,28 +35,37 @@ def on_road(torque: float, left: float, right: float) -> Motion:
 
 @given(torque=st.floats(-1000.0, 1000.0), left=frictions, right=frictions, factor=st.floats(0.2, 3.0))
 @settings(max_examples=100)
-def test_torques_stay_below_the_grip_and_in_proportion(torque, left, right, factor):
+def test_with_a_limit_torques_stay_below_the_grip_and_in_proportion(torque, left, right, factor):
     """M_i <= factor phi_i F_i r (eq 1.2), M_left/M_right = phi_left/phi_right under equal loads."""
-    drive = made(error_factor=factor).step(on_road(torque, left, right)).drive
+    drive = made(error_factor=factor, limit=True).step(on_road(torque, left, right)).drive
     for place, friction in enumerate((left, right)):
         assert abs(drive[place]) <= factor * friction * GRIP * (1 + 1e-14)
     assert drive.front_left * right == pytest.approx(drive.front_right * left, rel=1e-12, abs=1e-12)
     assert abs(sum(drive)) <= abs(torque) * (1 + 1e-14) + 1e-300  # below that a product keeps few digits
 
 
+@given(torque=st.floats(-3000.0, 3000.0), left=frictions, right=frictions, factor=st.floats(0.2, 3.0))
+def test_all_of_the_torque_is_shared_also_where_the_road_does_not_carry_it(torque, left, right, factor):
+    """M_i = M phi_i/sum(phi) under equal loads, however wrong the friction is believed to be; 1e-12 for rounding."""
+    drive = made(error_factor=factor).step(on_road(torque, left, right)).drive
+    shares = left / (left + right), right / (left + right)
+    assert drive[:2] == pytest.approx([torque * share for share in shares], rel=1e-12, abs=1e-300)
+
+
 @given(torque=st.floats(-300.0, 300.0), left=frictions, right=frictions)
-def test_all_of_the_torque_is_shared_where_the_road_carries_it(torque, left, right):
+def test_with_a_limit_all_is_shared_where_the_road_carries_it(torque, left, right):
     """Friction 0.05 carries 86 N m on each side, 1e-12 for rounding."""
     carried = (left + right) * GRIP
-    drive = made().step(on_road(torque, left, right)).drive
+    drive = made(limit=True).step(on_road(torque, left, right)).drive
     assert abs(sum(drive)) == pytest.approx(min(abs(torque), carried), rel=1e-12, abs=1e-300)
 
 
 def test_snow_and_asphalt_by_hand():
-    """Snow left, asphalt right: all of 1000 N m at 1 : 2; of 9000 N m no more than both wheels can carry."""
+    """Snow left, asphalt right: all of 1000 N m at 1 : 2; with a limit of 9000 N m what both wheels can carry."""
     assert made().step(on_road(1000.0, 0.4, 0.8)).drive == pytest.approx(Wheels.front(1000 / 3, 2000 / 3))
-    assert made().step(on_road(9000.0, 0.4, 0.8)).drive == pytest.approx(Wheels.front(0.4 * GRIP, 0.8 * GRIP))
-    mistaken = made(error_factor=1.5).step(on_road(9000.0, 0.4, 0.8)).drive
+    assert made().step(on_road(9000.0, 0.4, 0.8)).drive == pytest.approx(Wheels.front(3000.0, 6000.0))
+    assert made(limit=True).step(on_road(9000.0, 0.4, 0.8)).drive == pytest.approx(Wheels.front(0.4 * GRIP, 0.8 * GRIP))
+    mistaken = made(error_factor=1.5, limit=True).step(on_road(9000.0, 0.4, 0.8)).drive
     assert mistaken == pytest.approx(Wheels.front(0.6 * GRIP, 1.2 * GRIP))
 
 
@@ -65,14 +74,18 @@ def test_the_wheel_gets_its_grip_through_the_gear(speed, arrives):
     """Of a command the gear lets 97 % arrive where it drives; where the motor brakes, the gear helps."""
     car = dataclasses.replace(DISSERTATION, motor=Motor(gear_efficiency=0.97))
     motion = dataclasses.replace(on_road(9000.0, 0.4, 0.8), speeds=Wheels.all(speed))
-    drive = Differential(LAW, car, PERIOD).step(motion).drive
+    drive = Differential(LAW, car, PERIOD, limit=True).step(motion).drive
     assert [arrives * torque for torque in drive] == pytest.approx(Wheels.front(0.4 * GRIP, 0.8 * GRIP), rel=1e-14)
     part = Differential(LAW, car, PERIOD).step(dataclasses.replace(motion, torque=1000.0)).drive
     assert part == pytest.approx(Wheels.front(1000 / 3, 2000 / 3))  # the driver's torque is a command as well
 
 
-def test_no_load_means_no_torque():
-    assert made().step(Motion(torque=1000.0, load=Wheels.all(0.0))).drive == Wheels.all(0.0)
+@pytest.mark.parametrize("limit", [False, True])
+@pytest.mark.parametrize("load", [0.0, 5e-324])
+def test_no_load_means_no_torque_or_a_finite_one(limit, load):
+    """The smallest load that a float can have, too: torque over it would be infinite."""
+    drive = made(limit=limit).step(Motion(torque=1000.0, load=Wheels.all(load))).drive
+    assert sum(drive) in (0.0, 1000.0)
 
 
 def test_estimated_friction_is_found_by_slipping():

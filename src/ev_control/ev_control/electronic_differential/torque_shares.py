@@ -84,7 +84,7 @@ def load_proportional(
 
 @dataclass(frozen=True, slots=True)
 class AdhesionShareParameters:
-    """Where the friction comes from, and how wrong it is."""
+    """Where the friction comes from, how wrong it is, and whether it limits as well."""
 
     friction: str = parameter(
         "truth",
@@ -94,6 +94,12 @@ class AdhesionShareParameters:
     )
     error_factor: float = parameter(
         1.0, unit="1", low=0.1, high=10.0, about="friction that the law believes in over that"
+    )
+    limit: bool = parameter(
+        False,
+        about="whether no wheel gets more than its grip: a traction control, which an ideal divider has beside the "
+        "shares in proportion to adhesion",
+        source="the dissertation, section 1.2, lists both; its method 5 is named after the shares",
     )
     estimate: friction_estimate.FrictionEstimateParameters = group(friction_estimate.FrictionEstimateParameters)
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
@@ -131,13 +137,13 @@ def adhesion_share(
     imu: InertialMeasurement,
     tires: TireForces,
 ) -> WheelTorqueRequest:
-    """Share the drive torque in proportion to the grip of the driven wheels, and give none of them more than that.
+    """Share the drive torque in proportion to the grip of the driven wheels.
 
-    tau_i = phi_i F_i r [N m] (dissertation, eq 1.2, at the wheel), M_i = min(M tau_i/sum(tau), tau_i/eta): a command
-    counts before the gear, whose efficiency eta takes its part of it on the way to the wheel. With `truth` friction and
-    load are the plant's; else they come from `estimated_friction` and the accelerations. Braking by the drives is
-    shared in the same way, but there the gear helps, and tau_i eta is the bound. With `allocation.keep` sum a wheel may
-    get more than its grip, in place of one whose motor ends before.
+    M_i = M tau_i/sum(tau) with tau_i = phi_i F_i r [N m] (dissertation, eq 1.2, at the wheel). With `truth` friction
+    and load are the plant's; else they come from `estimated_friction` and the accelerations. Braking by the drives is
+    shared in the same way. With `limit` no wheel gets more than tau_i/eta: a command counts before the gear, whose
+    efficiency eta takes its part of it on the way to the wheel; where the drive brakes the gear helps, and tau_i eta is
+    the bound. With `allocation.keep` sum a wheel may get more than that, in place of one whose motor ends before.
     """
     total = driver.drive_torque
     if p.friction == TRUTH:
@@ -153,8 +159,16 @@ def adhesion_share(
     rear_right = p.error_factor * grip(car, 3, total, friction[3], load[3], wheels.velocity[3])
     # Left and right first, so that a mirrored car gets exactly mirrored torques.
     carried = (front_left + front_right) + (rear_left + rear_right)
-    share = min(max(total / carried, -1.0), 1.0) if carried > 0.0 else 0.0
-    drive = Wheels(share * front_left, share * front_right, share * rear_left, share * rear_right)
+    if p.limit:
+        total = min(max(total, -carried), carried)
+    if carried <= 0.0:
+        total, carried = 0.0, 1.0
+    drive = Wheels(
+        total * (front_left / carried),
+        total * (front_right / carried),
+        total * (rear_left / carried),
+        total * (rear_right / carried),
+    )
     return allocated(p.allocation, car, wheels, WheelTorqueRequest(drive, split_brake(p.brake, driver)))
 
 
