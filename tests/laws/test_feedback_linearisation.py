@@ -1,4 +1,4 @@
-"""Slip control by feedback linearisation (dissertation, section 1.3)."""
+"""Slip control by feedback linearisation (dissertation, the first section 1.4)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Slip control by fuzzy rules (dissertation, section 1.3, which gives none of them)."""
+"""Slip control by fuzzy rules (dissertation, the first section 1.4, which gives none of them)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The modified lambda controller (dissertation, section 1.3, figure 1.20)."""
+"""The modified lambda controller (dissertation, the first section 1.4, figure 1.20)."""
 
 from __future__ import annotations
 

@@ -89,9 +89,7 @@ class Driveline:
     locking_speed: float = setting(
         1.0, unit="rad/s", low=0.1, high=100.0, about="speed difference at which 76 % of the locking torque acts"
     )
-    clutch_lag: float = parameter(
-        0.1, unit="s", low=1e-3, high=10.0, about="time constant of the torque shares", source="Zhileykin 2018"
-    )
+    clutch_lag: float = setting(0.1, unit="s", low=1e-3, high=10.0, about="time constant of the torque shares")
     front_gear: float = _gear("front")
     rear_gear: float = _gear("rear")
     front_size: float = _size("front")

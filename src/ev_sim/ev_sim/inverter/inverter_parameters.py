@@ -53,6 +53,10 @@ class LoadMachine(Machine):
     """The load machine, an asynchronous one; its limits by voltage are taken for those of a synchronous one."""
 
     peak_torque: float = parameter(400.0, unit="N m", low=0.0, high=1000.0, about="at the shaft", source=_LOST)
+    nominal_torque: float = parameter(
+        250.0, unit="N m", low=1e-3, high=1000.0, about="at the shaft; temperatures decide for how long", source=_LOST
+    )
+    peak_power: float = parameter(150e3, unit="W", low=1.0, high=1e7, about="mechanical", source=_LOST)
     maximum_speed: float = parameter(
         1047.0, unit="rad/s", low=1.0, high=1047.2, about="of the shaft; no drive torque beyond", source=_LOST
     )
@@ -98,6 +102,23 @@ class DcLinkParameters:
 
 
 @dataclass(frozen=True, slots=True)
+class LoadDcLinkParameters(DcLinkParameters):
+    """The same of a load machine's inverter, which the source feeds from the mains and says nothing else of."""
+
+    supply_voltage: float = parameter(
+        329.6, unit="V", low=10.0, high=1000.0, about="of the supply", source="assumption: as behind the other inverters"
+    )
+    precharge_resistance: float = parameter(
+        600.0,
+        unit="ohm",
+        low=1.0,
+        high=1e4,
+        about="pre-charge resistor",
+        source="assumption: as in the other inverters, PM150, of which alone the source prints it",
+    )
+
+
+@dataclass(frozen=True, slots=True)
 class InverterParameters:
     """One inverter and its machine; torque control only, as those of the machines under test in the source."""
 
@@ -123,6 +144,7 @@ class LoadInverter(InverterParameters):
     """The inverter of a load machine: torque or speed."""
 
     machine: LoadMachine = group(LoadMachine)
+    dc_link: LoadDcLinkParameters = group(LoadDcLinkParameters)
     offers_speed_mode: bool = setting(True, about="whether its speed can be controlled, not only its torque")
 
 
