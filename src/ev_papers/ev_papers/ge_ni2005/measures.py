@@ -58,7 +58,7 @@ def _largest(run: Recording, values: np.ndarray, since: float) -> float:
 
 
 def largest_radius(driven: ScenarioRuns, run: str, since: float) -> float:
-    """Largest radius of the path from an instant [s] to the end of the figures [m]; it comes down from infinity."""
+    """Largest radius of the path from an instant [s] to the end of the figures [m]."""
     return _largest(run_named(driven.runs, run), motion.radius_of_path(run_named(driven.runs, run)), since)
 
 
@@ -81,6 +81,22 @@ def time_to_that_of_equal_torques(driven: ScenarioRuns, run: str) -> float:
 def chatter(driven: ScenarioRuns, run: str, target: float) -> float:
     """Chatter of the torques of a run that comes to its target slip [1], in [N m/s]."""
     return quantities.chatter_at_its_target(run_named(driven.runs, run), target)
+
+
+def rolling_efficiency(driven: ScenarioRuns, run: str) -> float:
+    """What slip leaves of the work of the driven wheels in the end, the mean of 1 - l over both [1]."""
+    recording = run_named(driven.runs, run)
+    slips = (motion.value_at(recording, slip(recording, side), paper.INSTANT) for side in ("left", "right"))
+    return 1.0 - sum(slips) / 2.0
+
+
+def slip_over_target(driven: ScenarioRuns, side: str, run: str) -> float:
+    """Slip of a rear wheel in the end over its target, l3* inside and l4* = l3* - K1 (w - delta u/L) outside [1]."""
+    recording = run_named(driven.runs, run)
+    yaw_rate = motion.value_at(recording, channel(recording, motion.YAW_RATE), paper.INSTANT)
+    outside = paper.YAW_GAIN * (yaw_rate - paper.STEERING * paper.SPEED / paper.WHEELBASE)
+    target = paper.TARGET - (outside if side == "right" else 0.0)
+    return motion.value_at(recording, slip(recording, side), paper.INSTANT) / target
 
 
 def mean_torque(driven: ScenarioRuns, run: str) -> float:

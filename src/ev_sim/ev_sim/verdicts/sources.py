@@ -36,7 +36,9 @@ def source_named(name: str) -> ModuleType:
 
 
 KINDS = ("printed", "follows", "words", "axes", "lost")
-NOTES = ("assumption", "inputs", "not judgeable", "no verdict")
+ASSUMPTION, INPUTS, IN_PART = "assumption", "inputs", "in part"
+NO_VERDICT = ("not judgeable", "no verdict")
+NOTES = (ASSUMPTION, INPUTS, IN_PART, *NO_VERDICT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +50,9 @@ class Published:
     left). `where`: equation, axes or panel. `quantity` and `printed` say what was published, in words and numbers.
     `needs`: what is driven, none for what follows from equations alone; `checks`: the numbers.
     `note`: what had to be added to the source (assumption), why the number cannot fail by physics, because it comes
-    from the inputs of the run (inputs), or why there is no verdict (not judgeable, no verdict), with the needs of what
-    is filled into its text; empty if there is nothing to say.
+    from the inputs of the run (inputs), which part of it holds where its first number, as the source defines it, does
+    not (in part), or why there is no verdict (not judgeable, no verdict), with the needs of what is filled into its
+    text; empty if there is nothing to say.
     """
 
     id: str
@@ -66,7 +69,7 @@ class Published:
     @property
     def is_judged(self) -> bool:
         """Whether there is a verdict; where there is none, numbers are shown all the same."""
-        return self.note not in NOTES[2:]
+        return self.note not in NO_VERDICT
 
     def noted(self, note: str, driven: Mapping[Need, Driven]) -> str:
         """The text of the note if it is one of this sort, with what was driven for it filled in; else empty."""
@@ -74,7 +77,8 @@ class Published:
 
     def metrics(self, driven: Mapping[Need, Driven]) -> dict[str, Metric]:
         """The numbers of this id by name of the check."""
-        assumption, inputs = (self.noted(note, driven) for note in NOTES[:2])
+        assumption = self.noted(ASSUMPTION, driven) or self.noted(IN_PART, driven)
+        inputs = self.noted(INPUTS, driven)
 
         def reference(value: float, band: Band, compared: str) -> Reference:
             source = f"{self.kind}{': ' if self.where else ''}{self.where}{compared}"

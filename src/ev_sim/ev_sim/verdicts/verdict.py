@@ -13,11 +13,11 @@ from ev_sim.measures.metric import FROM_INPUTS, NOT_MEASURED, NOT_REPRODUCED, RE
 from ev_sim.recording.files_of_run import atomic_file
 from ev_sim.report.tables import text_table
 from ev_sim.verdicts.need import Driven, Need, ScenarioNeed, ScenarioRuns
-from ev_sim.verdicts.sources import NOTES, Published, published, sources
+from ev_sim.verdicts.sources import ASSUMPTION, IN_PART, INPUTS, NO_VERDICT, Published, published, sources
 
 # The sorts of verdicts, by the words with which their texts begin.
 WITH_ASSUMPTION = "reproduced with assumption"
-SORTS = (WITH_ASSUMPTION, REPRODUCED, NOT_REPRODUCED, FROM_INPUTS, *NOTES[2:], NOT_MEASURED)
+SORTS = (WITH_ASSUMPTION, REPRODUCED, IN_PART, NOT_REPRODUCED, FROM_INPUTS, *NO_VERDICT, NOT_MEASURED)
 
 
 def sort_of(text: str) -> str:
@@ -39,16 +39,18 @@ class Verdict:
         """The verdict without its reason or assumption; an id with several numbers holds if all of them hold."""
         if not self.published.is_judged:
             return self.published.note
-        each = {metric.judgement for metric in self.metrics.values() if metric.reference}
+        first, *others = (metric.judgement for metric in self.metrics.values() if metric.reference)
+        if self.published.note == IN_PART and first == NOT_REPRODUCED and set(others) == {REPRODUCED}:
+            return IN_PART
         for worst in (NOT_MEASURED, NOT_REPRODUCED):
-            if worst in each:
+            if worst in (first, *others):
                 return worst
-        return FROM_INPUTS if self.published.note == "inputs" else REPRODUCED
+        return FROM_INPUTS if self.published.note == INPUTS else REPRODUCED
 
     @property
     def assumption(self) -> str:
         """What had to be added to the source, empty if nothing."""
-        return self.note if self.published.note == "assumption" else ""
+        return self.note if self.published.note in (ASSUMPTION, IN_PART) else ""
 
     @property
     def text(self) -> str:
@@ -56,7 +58,7 @@ class Verdict:
         judgement = self.judgement
         if judgement == NOT_MEASURED:
             return f"{judgement}: " + "; ".join(metric.reason for metric in self.metrics.values() if metric.reason)
-        if judgement == FROM_INPUTS or not self.published.is_judged:
+        if judgement in (FROM_INPUTS, IN_PART) or not self.published.is_judged:
             return f"{judgement}: {self.note}"
         if judgement == REPRODUCED and self.assumption:
             return f"{judgement} with assumption {self.assumption}"
