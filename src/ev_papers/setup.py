@@ -14,6 +14,8 @@ REPORTS = [
     "urban_mixed = ev_papers.dissertation.studies.report",
     "urban_mixed_bench = ev_papers.dissertation.studies.report_bench",
     "zhileykin2018 = ev_papers.zhileykin2018.report",
+    "zhileykin2018_braking = ev_papers.zhileykin2018.report_claims",
+    "zhileykin2018_steered = ev_papers.zhileykin2018.report_claims",
 ]
 STUDIES = [
     "bench_convergence = ev_papers.dissertation.studies.bench_convergence",

@@ -229,6 +229,13 @@ def spins_with_excess(driven: ScenarioRuns) -> float:
     return float((np.sign(gained[clear]) == np.sign(excess[clear])).mean())
 
 
+def circuits_apart(driven: ScenarioRuns) -> float:
+    """Mean difference of the measured torques right and left in traction over the largest one [%]."""
+    run = _bench(driven)
+    right, left = (channel(run, f"bench.shafts.torque.{wheel}") for wheel in (_RIGHT, _LEFT))
+    return apart(right, left, traction(run, driven.parameters["driver"]))
+
+
 def difference(model: ScenarioRuns, bench: ScenarioRuns) -> float:
     """Mean difference of the right torque in traction over its largest value [%]."""
     run = _model(model)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ev_papers.shchur2019 import paper
-from ev_sim.measures import motion
+from ev_sim.measures import handling, motion
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.samples import channel, last, mean_between, run_named
 from ev_sim.plant.ackermann import front_wheel_angles, path_curvature, wheel_speed_ratios
@@ -274,6 +274,16 @@ def sum_beyond_the_driver(driven: ScenarioRuns) -> float:
     run = _cycle(driven)
     both = channel(run, "torque_request.drive.front_right") + channel(run, "torque_request.drive.front_left")
     return float(np.abs(both - channel(run, "driver.command.drive_torque")).max())
+
+
+def slip_energy_over(driven: ScenarioRuns, other: ScenarioRuns) -> float:
+    """Slip energy of all wheels over that of another run [1]."""
+    return handling.slip_energy(_cycle(driven), driven.vehicle) / handling.slip_energy(_cycle(other), other.vehicle)
+
+
+def neglected_damping(driven: ScenarioRuns, speed: float) -> float:
+    """The last term of eq 3 at a speed [km/h] as a viscous friction, for J_k = 1 kg m^2, over that of eq 5 [1]."""
+    return speed / 3.6 * paper.TRACK**2 / (2.0 * paper.R_K**2 * paper.WHEELBASE) / paper.CLOSED_LOOP.damping
 
 
 def radius(driven: ScenarioRuns) -> float:

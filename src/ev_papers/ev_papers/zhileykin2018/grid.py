@@ -47,7 +47,8 @@ SIZE = len(FORCES) * len(ANGLES)
 Values = tuple[tuple[str, str, Any], ...]
 MOTORS = "motors"
 # An engine of the same 60 kW with converter, gearbox and final drive, as docs/drivelines.md has them, in place of the
-# motors; `motor` is the drive as laws know it. All of it is assumed: the source gives neither values nor equations.
+# motors; `motor` is the drive as laws know it. All of it is assumed: the source has eight
+# equations of its driveline, which the page lists, and no value for any of them.
 ENGINE: Values = (
     ("*", "vehicle.engine.peak_power", 60e3),
     ("*", "vehicle.gear_ratio", 4.1),

@@ -93,6 +93,12 @@ def off_the_circle(driven: ScenarioRuns, run: str) -> float:
     return quantities.deviation_from_circle(run_named(driven.runs, run), STEERED)
 
 
+def off_the_path(driven: ScenarioRuns, run: str) -> float:
+    """Largest distance of the car from the path that its driver follows [m]."""
+    driver = driven.parameters["driver"]
+    return quantities.off_the_path(run_named(driven.runs, run), driver["path.x"], driver["path.y"])
+
+
 def rear_slides_out(driven: ScenarioRuns) -> bool:
     """Whether the rear axle has the larger slip angle where rear drive passes the limit: it, not the front, slides."""
     run, vehicle = run_named(driven.runs, REAR_DRIVE), driven.vehicle

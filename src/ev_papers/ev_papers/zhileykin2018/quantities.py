@@ -7,6 +7,7 @@ through the redistribution of torque" (in Russian), Bauman University, 2018.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -32,6 +33,15 @@ def deviation_from_circle(run: Recording, begin: float) -> float:
     x, y = x - x.mean(), y - y.mean()
     (a, b, c), *_ = np.linalg.lstsq(np.column_stack((2 * x, 2 * y, np.ones_like(x))), x**2 + y**2, rcond=None)
     return float(np.abs(np.hypot(x - a, y - b) - np.sqrt(c + a**2 + b**2)).max())
+
+
+def off_the_path(run: Recording, x: Sequence[float], y: Sequence[float]) -> float:
+    """Largest distance of the centre of mass from a path of straight legs between points [m]."""
+    points, at = np.column_stack((x, y)), np.column_stack((channel(run, "pose.x"), channel(run, "pose.y")))
+    leg = np.diff(points, axis=0)
+    along = np.einsum("nkd,kd->nk", at[:, None] - points[:-1], leg) / (leg**2).sum(axis=1)
+    nearest = points[:-1] + np.clip(along, 0.0, 1.0)[..., None] * leg
+    return float(np.linalg.norm(at[:, None] - nearest, axis=2).min(axis=1).max())
 
 
 def front_share(run: Recording) -> np.ndarray:

@@ -106,7 +106,12 @@ class LoadDcLinkParameters(DcLinkParameters):
     """The same of a load machine's inverter, which the source feeds from the mains and says nothing else of."""
 
     supply_voltage: float = parameter(
-        329.6, unit="V", low=10.0, high=1000.0, about="of the supply", source="assumption: as behind the other inverters"
+        329.6,
+        unit="V",
+        low=10.0,
+        high=1000.0,
+        about="of the supply",
+        source="assumption: as for the other inverters",
     )
     precharge_resistance: float = parameter(
         600.0,

@@ -1,0 +1,38 @@
+"""Report on two claims of Zhileykin & Eranosyan (2018) without a figure: braking by the engine, a driver who steers.
+
+Scenarios `zhileykin2018_braking` and `zhileykin2018_steered`; their runs are named after bend or straight ahead and how
+the torque is shared.
+"""
+
+from __future__ import annotations
+
+from ev_core.vehicle.description import Vehicle
+from ev_papers.zhileykin2018.quantities import off_the_path
+from ev_papers.zhileykin2018.report import track
+from ev_sim.figures.drawing import sheet
+from ev_sim.figures.figure import Figure
+from ev_sim.figures.panels import motion_panels
+from ev_sim.figures.plan_view import plan_view
+from ev_sim.measures.handling import peak_sideslip
+from ev_sim.measures.metric import Metric, metric
+from ev_sim.measures.samples import Parameters, Runs, run_named
+
+
+def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
+    """Sideslip angles and, where a driver follows a path, distances from it."""
+    result, driver = {}, parameters["driver"]
+    for name in runs:
+        result[f"peak_sideslip_{name}"] = metric(lambda name=name: peak_sideslip(run_named(runs, name)), "rad")
+        if driver.get("method") == "preview":
+            result[f"off_the_path_{name}"] = metric(
+                lambda name=name: off_the_path(run_named(runs, name), driver["path.x"], driver["path.y"]), "m"
+            )
+    return result
+
+
+def figures(runs: Runs) -> dict[str, Figure]:
+    """Paths, and sideslip angles over time."""
+    return {
+        "paths": plan_view("Path of the centre of mass", [track(runs, name) for name in runs]),
+        "motion": sheet(list(motion_panels(runs, "sideslip_angle")), "time [s]"),
+    }
