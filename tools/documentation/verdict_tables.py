@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from documentation.markdown import table, with_blocks
 from documentation.measured import is_long, write_measured
-from ev_sim.verdicts.sources import published, sources
-from ev_sim.verdicts.verdict import SORTS, markdown_table, sort_of
+from ev_sim.measures.metric import REPRODUCED
+from ev_sim.verdicts.sources import IN_PART, KINDS, published, sources
+from ev_sim.verdicts.verdict import SORTS, WITH_ASSUMPTION, markdown_table, sort_of
 
 PAGE = "docs/verdicts.md"
 COUNTS = "verdict counts"
@@ -18,6 +19,7 @@ PARTS = (COUNTS, *(f"verdicts of {source}" for source in sources()))
 NAMES = (PAGE, *(f"{PAGE}#{source}" for source in sources()))  # that document.sh --runs knows
 _ROW = re.compile(r"^\| `(?P<id>[\w.]+)` \|(?P<cells>.*)\|$", re.MULTILINE)
 _VERDICT = -2  # place of its cell
+_HOLD = (REPRODUCED, WITH_ASSUMPTION, IN_PART)
 
 
 def write_verdicts(root: Path, wanted: Sequence[str]) -> None:
@@ -44,9 +46,30 @@ def rows(page: str) -> dict[str, str]:
 
 def count_table(page: str) -> str:
     """Verdicts of each sort and source on the page, and their sums."""
-    sorts = {id: sort_of(line.split(" | ")[_VERDICT]) for id, line in rows(page).items()}
+    sorts = _sorts(page)
     lines = [(source, Counter(sorts[id] for id in published(source) if id in sorts)) for source in sources()]
     lines.append(("all", Counter(sorts.values())))
     used = [sort for sort in SORTS if lines[-1][1][sort]]
     cells = [(source, str(found.total()), *(str(found[sort]) for sort in used)) for source, found in lines]
-    return table(("source", "ids", *used), cells)
+    return "\n".join((table(("source", "ids", *used), cells), _table_of_kinds(sorts)))
+
+
+def _sorts(page: str) -> dict[str, str]:
+    return {id: sort_of(line.split(" | ")[_VERDICT]) for id, line in rows(page).items()}
+
+
+def _table_of_kinds(sorts: Mapping[str, str]) -> str:
+    """What is reproduced by kind, and how many different numbers that are: one may stand in several tables."""
+    cells = []
+    for kind in KINDS:
+        of_kind = [(source, each) for source in sources() for each in published(source).values() if each.kind == kind]
+        counts = [sum(sorts.get(each.id) == sort for _, each in of_kind) for sort in _HOLD]
+        numbers = {
+            (source, check.value, check.unit)
+            for source, each in of_kind
+            if sorts.get(each.id) in _HOLD
+            for check in each.checks
+            if check.value is not None
+        }
+        cells.append((kind, str(len(of_kind)), *map(str, counts), str(len(numbers))))
+    return table(("kind", "ids", *_HOLD, "different numbers of these"), cells)

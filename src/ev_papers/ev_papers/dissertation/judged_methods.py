@@ -87,4 +87,4 @@ def saving_of_table(driven: StudyCases, end: str) -> float:
 
 def saving_of_runs(driven: StudyCases, end: str) -> float:
     """The same of our runs with driver pulse [kW min]."""
-    return _ENDS[end](savings(_means(driven, "energy_windows", "pulse")).values()) / KILOWATT_MINUTE
+    return _ENDS[end](savings(_means(driven, "energy", "pulse")).values()) / KILOWATT_MINUTE

@@ -63,9 +63,9 @@ class CircuitSums:
         return self.efficiency * self.drive_efficiency
 
     def energy(self, cycle_time: float) -> float:
-        """Mean electrical power over the samples times the time of the cycle [s] (eq 2.40 as printed) [J].
+        """Eq 2.40 with n the samples in traction: their mean electrical power times the time of the cycle [s], [J].
 
-        The energy that was taken is `electrical_work`, which is this with the time of the samples instead.
+        With n the samples of the whole cycle, t_c/n is the time of a sample and eq 2.40 is `electrical_work`.
         """
         return _ratio(self.electrical_work, self.time, "there was no traction") * cycle_time
 

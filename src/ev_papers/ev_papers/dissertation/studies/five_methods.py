@@ -54,7 +54,7 @@ COLUMNS = (
     *("2.37 right", "left", "mean", "printed", "speeds alone", "whole windows"),
     *("2.38 right", "left", "mean", "printed"),
     *("2.39", "printed"),
-    *("energy [kW min]", "2.40 as printed [kW min]", "printed, as kWh"),
+    *("energy, 2.40 [kW min]", "over the windows", "with n in traction", "printed, as kWh"),
 )
 LEFT = 2
 SUMS = ("methods_apart_", "method_1_above_2_", "seeds_with_", "gain_")
@@ -185,6 +185,7 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
             of_source(printed.DRIVE_EFFICIENCY, number, ".3f"),
             shown("total_efficiency"),
             of_source(printed.TOTAL_EFFICIENCY, number, ".3f"),
+            shown("energy", 1 / printed.KILOWATT_MINUTE, ".1f"),
             shown("energy_windows", 1 / printed.KILOWATT_MINUTE, ".1f"),
             shown("energy_as_printed", 1 / printed.KILOWATT_MINUTE, ".1f"),
             of_source(printed.ENERGY, number, ".1f"),

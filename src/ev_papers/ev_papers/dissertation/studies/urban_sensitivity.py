@@ -53,6 +53,8 @@ def _segments(shortest: float, longest: float) -> Values:
     return (("plant", "road.random_shortest", shortest), ("plant", "road.random_longest", longest))
 
 
+_LAW = "electronic_differential"
+_LIMIT = (_LAW, "limit", True)
 _NOISE = (("plant", "sensors.wheel_speed.noise", 0.03), ("plant", "sensors.wheel_torque.noise", 0.5))  # rad/s, N m
 
 _ONE_BLOCK = (
@@ -93,9 +95,10 @@ CHANGES = (
     Change("speed_resistance", "k_f added to f_0, V in m/s", (("*", "vehicle.rolling_resistance_reading", "added"),)),
     Change("one_block", "one block of the battery, 330 V", _ONE_BLOCK),
     Change("peak_use", "ASR at the fitted peak itself", (("asr", "use", 1.0),), ("1", "1b")),
-    Change("friction_125", "friction 25 % too high", (("electronic_differential", "error_factor", 1.25),), ("5",)),
-    Change("friction_150", "friction 50 % too high", (("electronic_differential", "error_factor", 1.5),), ("5",)),
-    Change("estimated", "friction estimated", (("electronic_differential", "friction", "estimated"),), ("5",)),
+    Change("limit", "no wheel gets more than its grip", (_LIMIT,), ("5",)),
+    Change("friction_125", "the same, friction 25 % too high", (_LIMIT, (_LAW, "error_factor", 1.25)), ("5",)),
+    Change("friction_150", "the same, friction 50 % too high", (_LIMIT, (_LAW, "error_factor", 1.5)), ("5",)),
+    Change("estimated", "friction estimated", ((_LAW, "friction", "estimated"),), ("5",)),
 )
 
 
