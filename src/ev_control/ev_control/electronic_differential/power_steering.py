@@ -5,24 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_control.law import AllocationParameters, BrakeSplitParameters, allocated, own_motors_to_allocate, split
+from ev_control.shared.assistance import AssistanceParameters, assistance
 from ev_control.shared.torque_split import torque_difference_per_steering_moment
-from ev_core.law import FRONT_WHEELS_DRIVEN, Car, compilable, group, method, parameter
+from ev_core.law import FRONT_WHEELS_DRIVEN, Car, compilable, group, method
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
 
 
 @dataclass(frozen=True, slots=True)
-class PowerSteeringParameters:
+class PowerSteeringParameters(AssistanceParameters):
     """Assistance and the virtual spring and damper, all at the steering wheel."""
 
-    gamma: float = parameter(
-        5.0, unit="1", low=0.0, high=50.0, about="amplification of the hand torque", source="Shchur 2019, fig. 1"
-    )
-    k_ck: float = parameter(
-        0.051, unit="N m/rad", low=0.0, high=10.0, about="stiffness of the virtual spring", source="Shchur 2019, eq 7"
-    )
-    b_ck: float = parameter(
-        0.062, unit="N m s/rad", low=0.0, high=10.0, about="virtual damping", source="Shchur 2019, eq 7"
-    )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
     allocation: AllocationParameters = group(AllocationParameters)
 
@@ -44,5 +36,5 @@ def power_steering(
     steering-wheel angle alpha [rad] as the column measures them, left positive. Shchur (2019), eq 4.
     """
     lever = torque_difference_per_steering_moment(car) * car.steering_ratio
-    difference = lever * (p.gamma * column.hand_torque - p.k_ck * column.angle - p.b_ck * column.rate)
+    difference = lever * assistance(p, column)
     return allocated(p.allocation, car, wheels, split(p.brake, car, driver, difference))

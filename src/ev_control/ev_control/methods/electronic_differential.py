@@ -3,6 +3,7 @@
 import ev_control.electronic_differential.adaptive
 import ev_control.electronic_differential.adhesion_share
 import ev_control.electronic_differential.axle_redistribution
+import ev_control.electronic_differential.course_stability
 import ev_control.electronic_differential.drive_by_wire
 import ev_control.electronic_differential.equal_torque
 import ev_control.electronic_differential.limited_slip
@@ -12,4 +13,5 @@ import ev_control.electronic_differential.open_differential
 import ev_control.electronic_differential.power_steering
 import ev_control.electronic_differential.slip_target
 import ev_control.electronic_differential.steer_by_wire
-import ev_control.electronic_differential.steering_correction  # noqa: F401
+import ev_control.electronic_differential.steering_correction
+import ev_control.electronic_differential.wheel_speed  # noqa: F401
