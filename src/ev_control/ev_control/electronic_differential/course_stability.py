@@ -15,13 +15,10 @@ from ev_core.law import (
     GRAVITY,
     Car,
     compilable,
-    copysign,
     group,
     method,
     only_driven,
     parameter,
-    setting,
-    sqrt,
 )
 from ev_msgs_py.contract.signals import (
     DriverCommand,
@@ -36,8 +33,8 @@ FIRSTS = ("steering", "yaw")
 STEERING, YAW = range(len(FIRSTS))
 WISHES = ("angle", "hand_torque")
 ANGLE, HAND_TORQUE = range(len(WISHES))
-KNOWN = ("truth", "stated")
-TRUTH, STATED = range(len(KNOWN))
+AGAINST = ("oversteer", "both")
+OVERSTEER, BOTH = range(len(AGAINST))
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,29 +46,33 @@ class CourseStabilityParameters(AssistanceParameters):
         source="assumption",
     )  # fmt: skip
     wish: str = parameter(
-        "angle",
+        "hand_torque",
         choices=WISHES,
         about="road-wheel angle that the driver wants: the one that is, or that at which eq 5 rests under his hands",
+        source="assumption",
+    )
+    against: str = parameter(
+        "oversteer",
+        choices=AGAINST,
+        about="both: the car yaws as is wanted; oversteer: no more than that, for where the front tyres slide a moment "
+        "into the bend only turns the road wheels further",
         source="assumption",
     )
     stiffness: float = parameter(
         65.0, unit="N m/rad", low=0.001, high=1e5, about="restoring stiffness k_p, for the wish", source="Shchur 2019"
     )
     yaw_gain: float = parameter(
-        500.0, unit="N m s/rad", low=0.0, high=1e5, about="yaw moment per error of the yaw rate", source="assumption"
+        200.0, unit="N m s/rad", low=0.0, high=1e5, about="yaw moment per error of the yaw rate", source="assumption"
     )  # fmt: skip
     largest_hand_torque: float = parameter(
-        4.0, unit="N m", low=0.0, high=1000.0, about="yaw moment at most, as the hands feel it over the steering ratio",
-        source="assumption: what a driver holds against with one hand",
+        3.0, unit="N m", low=0.0, high=1000.0, about="yaw moment at most, as the hands feel it over the steering ratio",
+        source="assumption: what drivers still hold against",
     )  # fmt: skip
     understeer: float = parameter(
         0.0, unit="s^2/m", low=-0.1, high=0.1, about="K of the reference r = u delta/(L + K u^2)", source="assumption"
     )  # fmt: skip
-    friction: str = parameter(
-        "truth", choices=KNOWN, about="friction of the road: that of the plant, or as stated", source="assumption"
-    )
-    stated_friction: float = parameter(
-        0.8, unit="1", low=0.01, high=2.0, about="friction where it is stated", source="assumption"
+    error_factor: float = parameter(
+        1.0, unit="1", low=0.1, high=10.0, about="friction that the law believes in over that of the plant"
     )
     grip_share: float = parameter(
         0.9, unit="1", low=0.0, high=1.0, about="share of the friction that yaw rate and torques may take",
@@ -107,18 +108,19 @@ def course_stability(
 ) -> WheelTorqueRequest:
     """Share the difference of the front wheels between power steering and a yaw moment, one after the other.
 
-    dM_s = (2 r_k i/d)(gamma M_b - k_ck alpha - b_ck alpha') (Shchur 2019, eq 4) and dM_y = (2 r_k/d) M_z with
-    M_z = k_r (r* - r), r* = u delta*/(L + K u^2) within +-share mu g/u, M_z within +-i largest_hand_torque: the lever d/2
-    that turns the car turns the road wheels as well (eqs 2 and 3). The first of both gets what it asks for within the
-    room that motors and adhesion leave beside the driver's drive torque, the other one its demand within the share of
-    the room that is left, so dM = dM_1 + dM_2. u comes from the free rear wheels [m/s], the yaw rate r [rad/s] from its
-    sensor; left positive. An absurd measurement leaves eq 4 alone.
+    dM_s = (2 r_k i/d)(gamma M_b - k_ck alpha - b_ck alpha') (Shchur 2019, eq 4), dM_y = (2 r_k/d) M_z: by his eqs 2 and
+    3 the lever d/2 that turns the car turns the road wheels as well. M_z = k_r (r* - r) within +-i largest_hand_torque,
+    r* = u delta*/(L + K u^2) within +-share mu g/u, delta* what the driver wants, delta or by eq 5 at rest
+    (1 + gamma) i M_b/(k_p + i^2 k_ck). Of the room that motors and adhesion leave beside half of the drive torque on
+    each wheel, the first of both gets what it asks for, the other one its demand within the share that is left. u [m/s]
+    comes from the free rear wheels, the yaw rate r [rad/s] from its sensor; left positive. An absurd measurement leaves
+    eq 4 alone. Shchur names course stability as further work, without a law; this one is ours.
     """
     lever = torque_difference_per_steering_moment(car) / 2.0
     steering, yaw = lever * car.steering_ratio * assistance(p, column), 0.0
     if is_plausible(column, wheels, imu):
         mu = tires.friction_coefficient
-        friction = min(mu.front_left, mu.front_right) if p.friction == TRUTH else p.stated_friction
+        friction = p.error_factor * min(mu.front_left, mu.front_right)
         yaw = lever * yaw_moment(p, car, friction, column, wheels, imu)
         room = room_of(p, car, friction, driver.drive_torque / 2.0, wheels, imu)
         if p.first == STEERING:
@@ -149,8 +151,10 @@ def yaw_moment(
         wish = (1.0 + p.gamma) * i * column.hand_torque / (p.stiffness + i * i * p.k_ck)
     limit = p.grip_share * friction * GRAVITY / abs(u)
     wanted = min(max(u * wish / (car.wheelbase + p.understeer * u * u), -limit), limit)
+    least, most = (min(wanted, 0.0), max(wanted, 0.0)) if p.against == OVERSTEER else (wanted, wanted)
+    error = min(max(imu.yaw_rate, least), most) - imu.yaw_rate
     largest = car.steering_ratio * p.largest_hand_torque
-    return min(max(p.yaw_gain * (wanted - imu.yaw_rate), -largest), largest)
+    return min(max(p.yaw_gain * error, -largest), largest)
 
 
 @compilable
@@ -162,9 +166,8 @@ def room_of(
     wheels: WheelStates,
     imu: InertialMeasurement,
 ) -> Room:
-    """Room beside a share of the drive torque [N m] for each wheel: what motors give and tyres hold beside a_y/g."""
-    across = imu.lateral_acceleration / GRAVITY
-    along = sqrt(max(friction * friction - across * across, 0.0)) * p.grip_share * car.wheel_radius
+    """Room beside a share of the drive torque [N m] for each wheel: what motors give and tyres hold along the wheel."""
+    along = p.grip_share * friction * car.wheel_radius
     grip_left = along * wheel_load(car, 0, imu.longitudinal_acceleration, imu.lateral_acceleration)
     grip_right = along * wheel_load(car, 1, imu.longitudinal_acceleration, imu.lateral_acceleration)
     left, right = motor_range(car, 0, wheels.velocity[0]), motor_range(car, 1, wheels.velocity[1])

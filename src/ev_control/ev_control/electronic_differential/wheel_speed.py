@@ -72,8 +72,8 @@ def wheel_speed(
     w_L* = w (1 - k), w_R* = w (1 + k), k = B tan(delta)/(2 L), by the torques T -+ c of a PI control of the difference,
     with the road-wheel angle delta [rad], left positive, and half of the driver's torque T [N m]. The mean speed w
     [rad/s] is the measured one, or with `mean` speed held by a second PI control. Each |c| stays below
-    largest_correction |T|. Nothing is corrected without drive torque or while the driver brakes. Ackermann and Jeantaud's
-    model in wheel speeds, of which Ge & Ni (2005) say what speaks against it, without a law; the law is ours.
+    largest_correction |T|. Nothing is corrected without drive torque or while the driver brakes. Ge & Ni (2005) say in
+    words what speaks against such a control by the model of Ackermann and Jeantaud; the law is ours.
     """
     equal = split(p.brake, car, driver, 0.0)
     share = equal.drive.rear_left
