@@ -46,18 +46,14 @@ class CourseStabilityParameters(AssistanceParameters):
         source="assumption",
     )  # fmt: skip
     wish: str = parameter(
-        "hand_torque",
-        choices=WISHES,
+        "hand_torque", choices=WISHES, source="assumption",
         about="road-wheel angle that the driver wants: the one that is, or that at which eq 5 rests under his hands",
-        source="assumption",
-    )
+    )  # fmt: skip
     against: str = parameter(
-        "oversteer",
-        choices=AGAINST,
+        "oversteer", choices=AGAINST, source="assumption",
         about="both: the car yaws as is wanted; oversteer: no more than that, for where the front tyres slide a moment "
         "into the bend only turns the road wheels further",
-        source="assumption",
-    )
+    )  # fmt: skip
     stiffness: float = parameter(
         65.0, unit="N m/rad", low=0.001, high=1e5, about="restoring stiffness k_p, for the wish", source="Shchur 2019"
     )

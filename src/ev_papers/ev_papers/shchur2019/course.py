@@ -41,11 +41,20 @@ _CONTROLS: dict[str, tuple] = {
     "gain 1000": ((_LAW, "yaw_gain", 1000.0),),
     "by both, gain 1000": ((_LAW, "against", "both"), (_LAW, "yaw_gain", 1000.0)),
 }
-_HELD = ((_LAW, "wish", "angle"), (_LAW, "against", "both"), (_LAW, "yaw_gain", 5000.0))
+# A geometry that gives the drives no lever arm, and hands that are not assisted.
+_NO_LEVER = (
+    ("steering_column", "method", "manual"),
+    (_LAW, "gamma", 0.0),
+    (_LAW, "k_ck", 0.0),
+    (_LAW, "b_ck", 0.0),
+    *_FIRM,
+)
+_STRONG = ((_LAW, "against", "both"), (_LAW, "yaw_gain", 5000.0), (_LAW, "largest_hand_torque", 100.0))
+_BESIDE = {"no yaw moment": _NONE, "yaw moment": (), "by both, gain 5000, 1600 N m": _STRONG}
 _ROBOT: dict[str, tuple] = {
     "no yaw moment": _NONE,
-    "yaw moment for hands of 3 N m": _HELD,
-    "yaw moment for hands of 100 N m": (*_HELD, (_LAW, "largest_hand_torque", 100.0)),
+    "by both, gain 5000, 48 N m": ((_LAW, "wish", "angle"), *_STRONG[:2]),
+    "by both, gain 5000, 1600 N m": ((_LAW, "wish", "angle"), *_STRONG),
 }
 
 
@@ -73,6 +82,7 @@ def _manoeuvres() -> dict[str, tuple[dict[str, tuple], tuple, float]]:
     beside = ("power steering", "steering first", "yaw first", "friction believed twice")
     return lanes | {
         "lane change, snow 2, 50 km/h": ({name: _CONTROLS[name] for name in beside}, at(50) + scarce, 11.0),
+        "lane change, 90 km/h, no lever": (_BESIDE, at(90) + _NO_LEVER, 9.0),
         "0.06 N m by hand, 80 km/h": (pushes, at(80) + pushed, 6.0),
         "robot holds 5.4 deg, 80 km/h": (_ROBOT, at(80) + held, 6.0),
     }
