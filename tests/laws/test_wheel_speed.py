@@ -102,7 +102,7 @@ def test_other_layouts_are_refused(driven, needed):
 
 @pytest.mark.slow
 def test_what_ge_and_ni_say_against_wheel_speeds_holds_in_part():
-    """Slips come closer (a third of equal torques'), a radius 1 % wrong turns the car straight ahead, none spins alone.
+    """Slips come closer (0.4 of equal torques'), a radius 1 % wrong turns the car straight ahead.
 
     At 1600 N m equal torques spin the inner wheel (slip 0.9), wheel speeds none; at 1700 N m they spin both.
     """

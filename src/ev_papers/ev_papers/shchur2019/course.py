@@ -39,7 +39,8 @@ _CONTROLS: dict[str, tuple] = {
     "wish by the angle": ((_LAW, "wish", "angle"),),
     "against both": ((_LAW, "against", "both"),),
     "gain 1000": ((_LAW, "yaw_gain", 1000.0),),
-    "by both, gain 1000": ((_LAW, "against", "both"), (_LAW, "yaw_gain", 1000.0)),
+    "wish by the angle, gain 1000": ((_LAW, "wish", "angle"), (_LAW, "yaw_gain", 1000.0)),
+    "against both, gain 1000": ((_LAW, "against", "both"), (_LAW, "yaw_gain", 1000.0)),
 }
 # A geometry that gives the drives no lever arm, and hands that are not assisted.
 _NO_LEVER = (
@@ -50,11 +51,11 @@ _NO_LEVER = (
     *_FIRM,
 )
 _STRONG = ((_LAW, "against", "both"), (_LAW, "yaw_gain", 5000.0), (_LAW, "largest_hand_torque", 100.0))
-_BESIDE = {"no yaw moment": _NONE, "yaw moment": (), "by both, gain 5000, 1600 N m": _STRONG}
+_BESIDE = {"no yaw moment": _NONE, "yaw moment": (), "against both, gain 5000, 1600 N m": _STRONG}
 _ROBOT: dict[str, tuple] = {
     "no yaw moment": _NONE,
-    "by both, gain 5000, 48 N m": ((_LAW, "wish", "angle"), *_STRONG[:2]),
-    "by both, gain 5000, 1600 N m": ((_LAW, "wish", "angle"), *_STRONG),
+    "against both, gain 5000, 48 N m": ((_LAW, "wish", "angle"), *_STRONG[:2]),
+    "against both, gain 5000, 1600 N m": ((_LAW, "wish", "angle"), *_STRONG),
 }
 
 
