@@ -17,7 +17,8 @@ FEWER_STEPS = 15
 FRONT = {"vehicle.driven_wheels": ["front_left", "front_right"], "control_period": 0.005}
 VALUES = {"circuits_on_can": FRONT, "can": FRONT | {"gear_ratio": 2.65}}
 SIDED = ("circuits_on_can", "can")  # identifiers and what is lost are not those of the other circuit
-DRIVEN = {"slip_target": ["rear_left", "rear_right"], "axle_redistribution": list(WHEEL_NAMES)}
+REAR = ["rear_left", "rear_right"]
+DRIVEN = {"slip_target": REAR, "wheel_speed": REAR, "axle_redistribution": list(WHEEL_NAMES)}
 METHODS = [(role, name) for role in ROLES for name in own_methods(role)]
 
 

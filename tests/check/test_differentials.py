@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 STEPS = 200
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": list(REAR)}
-NEEDED = {"axle_redistribution": ALL_DRIVEN, "slip_target": REAR_DRIVEN}
+NEEDED = {"axle_redistribution": ALL_DRIVEN, "slip_target": REAR_DRIVEN, "wheel_speed": REAR_DRIVEN}
 CHOICES: dict[str, tuple[dict, ...]] = {
     "adaptive": (
         {"redistribute": True},
@@ -37,6 +37,10 @@ CHOICES: dict[str, tuple[dict, ...]] = {
         {"factor": "equality", "second_branch": "rear_share", "braking": "command"},
         {"factor": "inertia", "second_branch": "derived", "speed_deadband": 0.0},
     ),
+    "course_stability": (
+        {"first": "yaw", "wish": "angle", "understeer": 0.002},
+        {"against": "both", "yaw_gain": 5000.0, "error_factor": 3.0},
+    ),
     "drive_by_wire": ({"gain": 20.0, "brake.front_share": 0.3}, ALL_DRIVEN),
     "equal_torque": ({"vehicle.driven_wheels": ["rear_left"]}, ALL_DRIVEN),
     "limited_slip": ({"locking_ratio": 3.0, "locking_speed": 20.0}, ALL_DRIVEN),
@@ -52,6 +56,7 @@ CHOICES: dict[str, tuple[dict, ...]] = {
     ),
     "steer_by_wire": ({"disturbance_rate": 0.0}, {"max_torque_difference": 5.0, "damping_ratio": 0.3}),
     "steering_correction": ({"axle": "rear", **ALL_DRIVEN}, REAR_DRIVEN, {"gain": 10.0, "largest_correction": 0.2}),
+    "wheel_speed": ({"mean": "speed"}, {"proportional_gain": 0.0, "largest_correction": 1.0}),
 }
 
 

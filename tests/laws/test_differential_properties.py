@@ -21,6 +21,7 @@ CARS: dict[str, Vehicle] = dict.fromkeys(methods_of(ROLE), SHCHUR) | {
     "axle_redistribution": ZHILEYKIN,
     "slip_target": GE_NI,
     "steering_correction": ZHILEYKIN,
+    "wheel_speed": GE_NI,
 }
 CHOICES: dict[str, tuple[dict, ...]] = {
     "adaptive": ({"redistribute": True},),
@@ -30,20 +31,24 @@ CHOICES: dict[str, tuple[dict, ...]] = {
         {"first_branch": "rear", "second_branch": "derived"},
         {"factor": "equality", "rear_wheels": "by_geometry"},
     ),
+    "course_stability": ({"first": "yaw", "wish": "angle"}, {"against": "both", "error_factor": 0.3}),
     "slip_target": ({"source": "estimated"}, {"reading": "offset", "boundary_layer": False}, {"reading": "increment"}),
     "steering_correction": ({"axle": "rear"},),
+    "wheel_speed": ({"mean": "speed"},),
 }
-# These give less than asked for where grip or motor end.
-LIMITING = ("adhesion_share", "open_differential", "slip_target")
+# These give less than asked for where grip or motor end, or another sum to reach slips or speeds.
+LIMITING = ("adhesion_share", "open_differential", "slip_target", "wheel_speed")
 FRONT_LAYOUTS = (FRONT, ("front_left", "front_right", "rear_left"), WHEEL_NAMES)
 ANY_LAYOUTS = (*FRONT_LAYOUTS, REAR, ("rear_left",))
 LAYOUTS = {
     "axle_redistribution": (WHEEL_NAMES,),
+    "course_stability": (FRONT,),
     "drive_by_wire": FRONT_LAYOUTS,
     "power_steering": FRONT_LAYOUTS,
     "slip_target": (REAR,),
     "steer_by_wire": FRONT_LAYOUTS,
     "steering_correction": (*FRONT_LAYOUTS, REAR),
+    "wheel_speed": (REAR,),
 }
 SYMMETRIC = (FRONT, REAR, WHEEL_NAMES)
 MIRRORED = [
@@ -55,8 +60,8 @@ MIRRORED = [
 ]
 
 
-def test_all_thirteen_are_asked():
-    assert len(CARS) == 13
+def test_all_fifteen_are_asked():
+    assert len(CARS) == 15
 
 
 @pytest.mark.parametrize("name", CARS)

@@ -101,6 +101,7 @@ SCENARIO_PAGES = {
 
 STUDY_PAGES = {  # pages that show studies alone
     "docs/asr.md": ("asr_shootout",),
+    "docs/beyond.md": ("shchur2019_course", "ge_ni2005_wheel_speeds"),
     "docs/faults.md": ("faults",),
     "docs/dissertation.md": ("five_methods", "urban_sensitivity"),
 }

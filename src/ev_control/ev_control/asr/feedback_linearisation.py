@@ -43,9 +43,9 @@ def feedback_linearisation(
 
         M = M_road + J/(1 - S) (V'/r - k w (S - S*))
 
-    gives S' = -k (S - S*) (dissertation, the first section 1.4, which names the method but gives no equation). The road torque
-    M_road = M - J w' is measured and filtered, V' is the acceleration of the car. Near full slip 1/(1 - S) is taken
-    at S = 0.9.
+    gives S' = -k (S - S*) (dissertation, the first section 1.4, which names the method but gives no equation). The
+    road torque M_road = M - J w' is measured and filtered, V' is the acceleration of the car. Near full slip 1/(1 - S)
+    is taken at S = 0.9.
     """
     slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
     share = filter_share(period, p.road_filter)
@@ -99,8 +99,8 @@ def modified_lambda(
 
     S' = -k (S - S*) asks for w'* = (V'/r - k w (S - S*))/(1 - S), as in `feedback_linearisation`; the torque then
     follows by M' = J/T (w'* - w'), an integral action that needs no torque of the road and smooths its ripple. The
-    source has no more than that w' is regulated (dissertation, the first section 1.4, figure 1.20); the rest is assumption. Near
-    full slip 1/(1 - S) is taken at S = 0.9.
+    source has no more than that w' is regulated (dissertation, the first section 1.4, figure 1.20); the rest is
+    assumption. Near full slip 1/(1 - S) is taken at S = 0.9.
     """
     slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
     share = filter_share(period, p.filter_time)

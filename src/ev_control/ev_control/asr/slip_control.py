@@ -1,4 +1,4 @@
-"""Slip control by proportional and integral action, and by fuzzy rules (dissertation, the first section 1.4, figure 1.18)."""
+"""Slip control by proportional and integral action, and by fuzzy rules (dissertation, first section 1.4, fig. 1.18)."""
 
 from __future__ import annotations
 
@@ -95,8 +95,8 @@ def fuzzy(p: FuzzyParameters, car: Car, w: FuzzyWheel, period: float, motion: Wh
     Error and rate, over their widths, each belong to three triangular sets (below, at, above; falls, stays, rises)
     whose degrees add up to one. A rule counts with the product of its two degrees; the limit changes by the sum of the
     rules' (`RULES`) times `largest_rate` times itself, which is the weighted mean as in Takagi and Sugeno. The rules
-    take torque away faster than they give it back. The dissertation (the first section 1.4) reports fuzzy slip control without a
-    rule, so these are an assumption.
+    take torque away faster than they give it back. The dissertation (the first section 1.4) reports fuzzy slip control
+    without a rule, so these are an assumption.
     """
     slip = observed_slip(p.regulator.slip, car, w.observer, period, motion)
     if stays_out(p.regulator, w, slip):

@@ -17,7 +17,7 @@ def torque_difference_per_steering_moment(car: Car) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class PowerSteeringParameters:
+class AssistanceParameters:
     """Assistance and the virtual spring and damper, all at the steering wheel."""
 
     gamma: float = parameter(
@@ -29,6 +29,18 @@ class PowerSteeringParameters:
     b_ck: float = parameter(
         0.062, unit="N m s/rad", low=0.0, high=10.0, about="virtual damping", source="Shchur 2019, eq 7"
     )
+
+
+@compilable
+def assistance(p: AssistanceParameters, column: SteeringColumnState) -> float:
+    """Torque at the steering wheel besides that of the hands [N m]: gamma M_b - k_ck alpha - b_ck alpha' (eq 4)."""
+    return p.gamma * column.hand_torque - p.k_ck * column.angle - p.b_ck * column.rate
+
+
+@dataclass(frozen=True, slots=True)
+class PowerSteeringParameters(AssistanceParameters):
+    """The same, brakes and what stays where motors saturate."""
+
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
     allocation: AllocationParameters = group(AllocationParameters)
 
@@ -44,7 +56,7 @@ def power_steering(
     steering-wheel angle alpha [rad] as the column measures them, left positive. Shchur (2019), eq 4.
     """
     lever = torque_difference_per_steering_moment(car) * car.steering_ratio
-    difference = lever * (p.gamma * column.hand_torque - p.k_ck * column.angle - p.b_ck * column.rate)
+    difference = lever * assistance(p, column)
     return allocated(p.allocation, car, wheels, split(p.brake, car, driver, difference))
 
 

@@ -1,0 +1,116 @@
+"""A differential by wheel speeds beside the slip targets of Ge & Ni (2005): what they say against it, in their runs."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ev_papers.ge_ni2005.quantities import QUANTITIES, SIDES, slip
+from ev_sim.figures.figure import Figure
+from ev_sim.measures.metric import Metric, metric
+from ev_sim.measures.samples import channel
+from ev_sim.recording.recording import Recording
+from ev_sim.report.tables import text_table
+from ev_sim.scenarios.scenario import Run
+from ev_sim.study.study import Case, Results
+
+ABOUT = "Ge & Ni 2005: wheel speeds after Ackermann beside slip targets and equal torques - turn, wheel radius, road"
+SCENARIO = "ge_ni2005"
+UNITS = {"yaw_rate": "rad/s", "aside": "m", "slip_left": "1", "slip_right": "1", "peak_slip": "1", "chatter": "N m/s"}
+COLUMNS = ("run", "control", *(f"{name} [{unit}]" for name, unit in UNITS.items()))
+SUMS = ()
+
+_LAW = "electronic_differential"
+_SPEEDS = (_LAW, "method", "wheel_speed")
+_CONTROLS: dict[str, tuple] = {
+    "equal torques": ((_LAW, "method", "equal_torque"),),
+    "speed difference": (_SPEEDS,),
+    "both speeds": (_SPEEDS, (_LAW, "mean", "speed")),
+    **{f"slip, {reading}": ((_LAW, "reading", reading),) for reading in ("rate", "offset", "increment")},
+}
+_STRAIGHT = (("steering_column", "profile.angle", (0.0,)),)
+_LEFT_SMALLER = (("*", "vehicle.wheel_radius_ratio", (1.0, 1.0, 0.99, 1.0)),)
+_SLIPPERY = (
+    ("*", "vehicle.tyre.coefficients", (0.4, 0.1, 0.0, 0.0)),  # half the friction at half the slip
+    ("plant", "initial_drive_torque", (0.0, 0.0, 600.0, 600.0)),
+)
+_SPLIT = (
+    ("*", "vehicle.tyre.curve", "burckhardt"),  # whose friction is the surface's
+    ("plant", "road.left", ("ice",)),
+    ("plant", "initial_drive_torque", (0.0, 0.0, 50.0, 50.0)),
+)
+
+
+def _pedal(torque: float) -> tuple:
+    return (("driver", "pedals.drive_torque", (2.0 * torque,)),)
+
+
+_FREE, _FULL_FREE = "rate_free_speed", "rate_full_car_free_speed"
+_RUNS: dict[str, tuple[str, tuple]] = {
+    "turn": ("rate", ()),
+    "turn, u free": (_FREE, ()),
+    "turn, full car, u free": (_FULL_FREE, ()),
+    "turn, left wheel 1 % smaller": ("rate", _LEFT_SMALLER),
+    "straight, left wheel 1 % smaller": ("rate", _STRAIGHT + _LEFT_SMALLER),
+    "turn, 1600 N m on each wheel": ("rate", _pedal(1600.0)),
+    "turn, 1700 N m on each wheel": ("rate", _pedal(1700.0)),
+    "turn, slippery, 600 N m on each wheel": ("rate", _SLIPPERY + _pedal(600.0)),
+    "turn, slippery, 900 N m on each wheel": ("rate", _SLIPPERY + _pedal(900.0)),
+    "straight, ice left, full car, u free": (_FULL_FREE, _STRAIGHT + _SPLIT + _pedal(1000.0)),
+}
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """There are none: the cases are those of the page docs/ge_ni2005.md."""
+
+
+def cases(given: argparse.Namespace) -> Sequence[Case]:
+    """Every control in every run."""
+    return [
+        Case(f"{name}: {control}", SCENARIO, (*changed, *values), run)
+        for name, (run, changed) in _RUNS.items()
+        for control, values in _CONTROLS.items()
+    ]
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """UNITS at 3 s: yaw rate, where the car is, slips; the largest slip so far, and the chatter of the last second."""
+    slips = [slip(recording, side) for side in SIDES]
+    return {
+        "yaw_rate": QUANTITIES["yaw_rate"][1](recording),
+        "aside": float(channel(recording, "pose.y")[-1]),
+        "slip_left": float(slips[0][-1]),
+        "slip_right": float(slips[1][-1]),
+        "peak_slip": float(np.abs(slips).max()),
+        "chatter": QUANTITIES["chatter"][1](recording),
+    }
+
+
+def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
+    """Each quantity of each case."""
+    return {
+        f"{quantity} {name}": metric(lambda r=result, q=quantity: r.measured[q], unit)
+        for name, result in results.items()
+        for quantity, unit in UNITS.items()
+    }
+
+
+def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
+    """One row for each case."""
+    return [
+        (*name.split(": "), *(f"{result.measured[quantity]:.3g}" for quantity in UNITS))
+        for name, result in results.items()
+    ]
+
+
+def tables(given: argparse.Namespace, results: Results) -> str:
+    """The same as aligned text."""
+    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
+
+
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+    """None: the table says it all."""
+    return {}
