@@ -2,6 +2,7 @@
 
 import ev_control.asr.acceleration_ratio
 import ev_control.asr.adhesion_limit
+import ev_control.asr.blended_brakes
 import ev_control.asr.expected_signal
 import ev_control.asr.feedback_linearisation
 import ev_control.asr.fuzzy

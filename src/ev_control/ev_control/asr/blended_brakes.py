@@ -1,0 +1,205 @@
+"""ABS and stability control through the drives, with friction brakes that do the slow part (no source has equations)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+
+from ev_control.estimation.first_order_filter import filter_share
+from ev_control.estimation.plausible import is_plausible
+from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
+from ev_control.shared.allocation import motor_range
+from ev_control.shared.slip_limit import (
+    SlipLimitedWheel,
+    SlipLimitParameters,
+    WheelAlong,
+    forget_slip_limit,
+    slip_limited,
+)
+from ev_control.shared.traction_control import sign
+from ev_control.shared.yaw_difference import YawDifferenceParameters, slip_share, yaw_difference, yaw_error
+from ev_core.law import (
+    NO_WHEELS,
+    Car,
+    InertialMeasurement,
+    SteeringColumnState,
+    Vehicle,
+    Wheels,
+    WheelStates,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+    compilable,
+    each_driven,
+    each_wheel,
+    entry,
+    group,
+    method,
+    parameter,
+    part,
+    per_wheel,
+)
+
+BLENDINGS = ("drives", "friction")
+DRIVES, FRICTION = range(len(BLENDINGS))
+
+
+@dataclass(frozen=True, slots=True)
+class BlendedBrakesParameters:
+    """Who brakes, how fast a friction brake is, and what is kept; all assumptions."""
+
+    blending: str = parameter(
+        "drives",
+        choices=BLENDINGS,
+        about="drives: they brake as far as they can, and fast; friction: they only do what is asked of them, and the "
+        "friction brakes alone keep the slip, as in a car with an ABS of its brakes",
+    )
+    use: float = parameter(
+        0.8,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="share of what a drive can brake that it does on the mean while its wheel is limited; the rest is to "
+        "brake more at once",
+    )
+    lag: float = parameter(0.05, unit="s", low=0.0, high=1.0, about="time constant of a friction brake")
+    slew: float = parameter(15e3, unit="N m/s", low=100.0, high=1e7, about="fastest change of a friction brake")
+    standing: float = parameter(
+        1.0, unit="m/s", low=0.1, high=10.0, about="speed of the car below which all torques pass, and wheels may lock"
+    )
+    slip: SlipLimitParameters = group(SlipLimitParameters)
+    yaw: YawDifferenceParameters = group(YawDifferenceParameters)
+    reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters, source="observer", slipping_rate=0.05)
+
+
+@dataclass(slots=True)
+class BlendedBrakesWheel:
+    """What is known of a wheel."""
+
+    slip: SlipLimitedWheel = part(SlipLimitedWheel)
+    friction: float = entry(unit="N m", about="torque of its friction brake")
+
+
+@dataclass(slots=True)
+class BlendedBrakesState:
+    """What lasts between steps."""
+
+    reference: ReferenceSpeedState = part(ReferenceSpeedState)
+    velocity: list[float] = per_wheel(unit="rad/s", about="last wheel speeds")
+    measured: float = entry(unit="1", about="whether there are last wheel speeds")
+    wheels: list[BlendedBrakesWheel] = each_wheel(BlendedBrakesWheel)
+
+
+def brakes_to_blend(_parameters: BlendedBrakesParameters, vehicle: Vehicle) -> str:
+    """The plant would blend once more, and an engine does not brake as motors do."""
+    return "vehicle.blend_brakes false and no engine" if vehicle.blend_brakes or vehicle.engine.peak_power > 0.0 else ""
+
+
+@method(
+    "asr",
+    "blended_brakes",
+    BlendedBrakesParameters,
+    state=BlendedBrakesState,
+    needs=(each_driven, brakes_to_blend),
+    mirrored=True,
+)
+@compilable
+def blended_brakes(
+    p: BlendedBrakesParameters,
+    car: Car,
+    s: BlendedBrakesState,
+    period: float,
+    request: WheelTorqueRequest,
+    column: SteeringColumnState,
+    wheels: WheelStates,
+    imu: InertialMeasurement,
+) -> WheelTorqueCommand:
+    """Keep the slip of every wheel, driving or braking: the drive does it fast, the friction brake slowly.
+
+    Of each wheel the sum of drive and brake is wanted, M = M_drive - M_brake + side * difference, along the travel
+    (`yaw_difference`), and limited by its slip (`slip_limited`; less slip for a wheel that turns the car the wrong
+    way). Its friction brake goes towards what the drive cannot brake, or shall not, M_f' = (max(-M - u G, 0) - M_f)/T,
+    within `slew` and never beyond the pedal's; G is what the drive can brake, u is `use` while the wheel is limited
+    and else 1. The drive gives at once what is left, M + M_f within its range, against the friction brake, too. About
+    rest, and where drive and brake are asked for together, all passes. What cannot be measured passes as well.
+    """
+    drive, brake, velocity = request.drive, request.brake, wheels.velocity
+    if not is_plausible(column, wheels, imu):
+        s.measured = 0.0
+        return passed(s, request)
+    known = s.reference.speed
+    braked = brake != NO_WHEELS or ((drive[0] + drive[1]) + (drive[2] + drive[3])) * known < 0.0
+    direction = -sign(known) if braked else sign((drive[0] + drive[1]) + (drive[2] + drive[3]))
+    rolling = rolling_speeds(p.reference, car, s.reference, period, velocity, column.road_wheel_angle, imu, direction)
+    speed = s.reference.speed
+    ahead = sign(speed)
+    if abs(speed) < p.standing:
+        for i in range(4):
+            s.velocity[i] = velocity[i]
+        s.measured = 1.0
+        return passed(s, request)
+    error = yaw_error(p.yaw, car, speed, column.road_wheel_angle, imu) if p.yaw.gain > 0.0 else 0.0
+    more = ahead * yaw_difference(p.yaw, car, error)
+    torque, friction = [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]
+    for i in range(4):
+        w, side = s.wheels[i], -1.0 if i % 2 == 0 else 1.0
+        asked = ahead * drive[i] - brake[i]
+        if ahead * drive[i] > 0.0 and brake[i] > 0.0:
+            forget_slip_limit(w.slip)
+            w.friction = friction[i] = brake[i]
+            torque[i] = drive[i]
+            continue
+        wanted = asked + side * more
+        before = s.velocity[i] if s.measured == 1.0 else velocity[i]
+        motion = WheelAlong(
+            ahead * velocity[i],
+            ahead * rolling[i],
+            ahead * (velocity[i] - before) / period,
+            ahead * imu.longitudinal_acceleration / car.wheel_radius,
+            ahead * wheels.effort[i] - w.friction,
+            i,
+        )
+        net = slip_limited(p.slip, car, w.slip, period, motion, wanted, slip_share(p.yaw, error, ahead * side * wanted))
+        torque[i] = ahead * blended(p, car, w, period, net, ahead * drive[i], brake[i], ahead, velocity[i], i)
+        friction[i] = w.friction
+    s.velocity[:] = velocity
+    s.measured = 1.0
+    return WheelTorqueCommand(
+        Wheels(torque[0], torque[1], torque[2], torque[3]), Wheels(friction[0], friction[1], friction[2], friction[3])
+    )
+
+
+@compilable
+def blended(
+    p: BlendedBrakesParameters,
+    car: Car,
+    w: BlendedBrakesWheel,
+    period: float,
+    net: float,
+    asked: float,
+    pedal: float,
+    ahead: float,
+    velocity: float,
+    place: int,
+) -> float:
+    """The drive's part of a torque along the travel [N m]; the friction brake's part is moved on in the state."""
+    can = motor_range(car, place, velocity)
+    brakes, pushes = (-can.least, can.most) if ahead > 0.0 else (can.most, -can.least)
+    turns = abs(velocity)
+    charged = car.battery.charge_power / max(car.number_driven * turns, 1.0)
+    brakes = min(brakes, charged) * min(turns / car.blend_fade_speed, 1.0)
+    if p.blending == FRICTION:
+        brakes, pushes = min(max(-asked, 0.0), brakes), max(min(net, pushes), 0.0)
+    used = brakes if w.slip.limit == inf or p.blending == FRICTION else p.use * brakes
+    gap = min(max(-net - used, 0.0), pedal) - w.friction
+    step = gap * filter_share(period, p.lag)
+    w.friction = min(max(w.friction + min(max(step, -p.slew * period), p.slew * period), 0.0), pedal)
+    return min(max(net + w.friction, -brakes), pushes)
+
+
+@compilable
+def passed(s: BlendedBrakesState, request: WheelTorqueRequest) -> WheelTorqueCommand:
+    """The request, and nothing known of the wheels."""
+    for i in range(4):
+        forget_slip_limit(s.wheels[i].slip)
+        s.wheels[i].friction = request.brake[i]
+    return WheelTorqueCommand(request.drive, request.brake)

@@ -1,0 +1,91 @@
+"""The largest torque along the travel, driving or braking, with which a wheel keeps to a slip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import NamedTuple
+
+from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
+from ev_control.estimation.wheel_dynamics import slowest_wheel
+from ev_core.law import Car, compilable, copysign, entry, parameter, part
+
+
+@dataclass(frozen=True, slots=True)
+class SlipLimitParameters:
+    """The slip that is kept, and how fast; all assumptions."""
+
+    target: float = parameter(
+        0.1, unit="1", low=0.01, high=0.5, about="largest slip; the peaks of snow and wet asphalt lie at 0.09 and 0.13"
+    )
+    rate: float = parameter(25.0, unit="1/s", low=1.0, high=1000.0, about="decay of what the speed is beyond the slip")
+    filter_time: float = parameter(0.02, unit="s", low=0.0, high=1.0, about="time constant of the torque of the road")
+    release: float = parameter(
+        0.1, unit="s", low=0.0, high=100.0, about="time for which the limit has to be above what is wanted to end"
+    )
+    slowest: float = slowest_wheel()
+
+
+@dataclass(slots=True)
+class SlipLimitedWheel:
+    """What is known of a wheel."""
+
+    limit: float = entry(inf, unit="N m", about="largest torque, in the direction that is limited")
+    side: float = entry(unit="1", about="direction that is watched along the travel: 1 drives, -1 brakes")
+    served: float = entry(unit="s", about="since when the limit is above what is wanted")
+    road: Filtered = part(Filtered)  # torque of the road, driving positive [N m]
+
+
+class WheelAlong(NamedTuple):
+    """What is measured of a wheel, positive along the travel of the car."""
+
+    speed: float  # [rad/s]
+    rolling: float  # speed at which it would roll [rad/s]
+    acceleration: float  # mean over the last period [rad/s^2]
+    rolling_acceleration: float  # [rad/s^2]
+    torque: float  # of drive and brake, mean over the last period [N m]
+    place: int  # of the wheel, in the order of Wheels
+
+
+@compilable
+def forget_slip_limit(w: SlipLimitedWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    w.side = w.served = 0.0
+    forget_filtered(w.road)
+
+
+@compilable
+def slip_limited(
+    p: SlipLimitParameters,
+    car: Car,
+    w: SlipLimitedWheel,
+    period: float,
+    motion: WheelAlong,
+    wanted: float,
+    share: float,
+) -> float:
+    """The wanted torque [N m], along the travel, or the one that holds the wheel at a share [1] of the target slip.
+
+    |M| <= |M_road + J (w_free' + k (w* - w))| with w* = (1 - S*) w_free braking and w_free/(1 - S*) driving, so that
+    w - w* decays with k; M_road = M - J w' is filtered. A wheel is limited from the first slip beyond S* until the
+    limit has been above what is wanted for `release`. Slip counts against at least `slowest`. An assumption; with the
+    torque of the road in it the limit rises and falls with the friction, as in `least_squares`.
+    """
+    side = 0.0 if wanted == 0.0 else copysign(1.0, wanted)
+    if side != w.side:
+        forget_slip_limit(w)
+        w.side = side
+    if side == 0.0:
+        return wanted
+    inertia = car.driven_wheel_inertia[motion.place]
+    road = follow(w.road, motion.torque - inertia * motion.acceleration, filter_share(period, p.filter_time))
+    slip = share * p.target
+    room = slip * max(motion.rolling, p.slowest) / (1.0 if side < 0.0 else 1.0 - slip)
+    excess = side * (motion.speed - motion.rolling) - room
+    if w.limit == inf and excess <= 0.0:
+        return wanted
+    limit = side * road + inertia * (side * motion.rolling_acceleration - p.rate * excess)
+    w.served = w.served + period if limit >= abs(wanted) else 0.0
+    w.limit = inf if w.served > p.release else max(limit, 0.0)
+    return side * min(w.limit, abs(wanted))
