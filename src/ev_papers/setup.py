@@ -21,6 +21,7 @@ STUDIES = [
     "five_methods = ev_papers.dissertation.studies.five_methods",
     "ge_ni2005_periods = ev_papers.ge_ni2005.periods",
     "urban_sensitivity = ev_papers.dissertation.studies.urban_sensitivity",
+    "zhileykin2018_steering = ev_papers.zhileykin2018.steering",
     "zhileykin2018_sweep = ev_papers.zhileykin2018.sweep",
     "zhileykin2018_variants = ev_papers.zhileykin2018.variants",
 ]

@@ -1,18 +1,17 @@
-"""ABS and stability control through the drives, with friction brakes that do the slow part (no source has equations)."""
+"""ABS and stability control through the drives, with friction brakes that do the slow part; no source has equations."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
 
-from ev_control.estimation.first_order_filter import filter_share
 from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.reference_speed import ReferenceSpeedParameters, ReferenceSpeedState, rolling_speeds
-from ev_control.shared.allocation import motor_range
-from ev_control.shared.slip_limit import (
-    SlipLimitedWheel,
+from ev_control.shared.blended_wheel import (
+    BlendedWheel,
+    BlendingParameters,
     SlipLimitParameters,
     WheelAlong,
+    blended,
     forget_slip_limit,
     slip_limited,
 )
@@ -39,44 +38,17 @@ from ev_core.law import (
     per_wheel,
 )
 
-BLENDINGS = ("drives", "friction")
-DRIVES, FRICTION = range(len(BLENDINGS))
-
 
 @dataclass(frozen=True, slots=True)
-class BlendedBrakesParameters:
-    """Who brakes, how fast a friction brake is, and what is kept; all assumptions."""
+class BlendedBrakesParameters(BlendingParameters):
+    """Who brakes, what is kept, and what is known of the car; all assumptions."""
 
-    blending: str = parameter(
-        "drives",
-        choices=BLENDINGS,
-        about="drives: they brake as far as they can, and fast; friction: they only do what is asked of them, and the "
-        "friction brakes alone keep the slip, as in a car with an ABS of its brakes",
-    )
-    use: float = parameter(
-        0.8,
-        unit="1",
-        low=0.0,
-        high=1.0,
-        about="share of what a drive can brake that it does on the mean while its wheel is limited; the rest is to "
-        "brake more at once",
-    )
-    lag: float = parameter(0.05, unit="s", low=0.0, high=1.0, about="time constant of a friction brake")
-    slew: float = parameter(15e3, unit="N m/s", low=100.0, high=1e7, about="fastest change of a friction brake")
     standing: float = parameter(
-        1.0, unit="m/s", low=0.1, high=10.0, about="speed of the car below which all torques pass, and wheels may lock"
+        1.0, unit="m/s", low=0.1, high=10.0, about="speed of the car below which brakes pass, and wheels may lock"
     )
     slip: SlipLimitParameters = group(SlipLimitParameters)
     yaw: YawDifferenceParameters = group(YawDifferenceParameters)
     reference: ReferenceSpeedParameters = group(ReferenceSpeedParameters, source="observer", slipping_rate=0.05)
-
-
-@dataclass(slots=True)
-class BlendedBrakesWheel:
-    """What is known of a wheel."""
-
-    slip: SlipLimitedWheel = part(SlipLimitedWheel)
-    friction: float = entry(unit="N m", about="torque of its friction brake")
 
 
 @dataclass(slots=True)
@@ -86,7 +58,7 @@ class BlendedBrakesState:
     reference: ReferenceSpeedState = part(ReferenceSpeedState)
     velocity: list[float] = per_wheel(unit="rad/s", about="last wheel speeds")
     measured: float = entry(unit="1", about="whether there are last wheel speeds")
-    wheels: list[BlendedBrakesWheel] = each_wheel(BlendedBrakesWheel)
+    wheels: list[BlendedWheel] = each_wheel(BlendedWheel)
 
 
 def brakes_to_blend(_parameters: BlendedBrakesParameters, vehicle: Vehicle) -> str:
@@ -120,19 +92,19 @@ def blended_brakes(
     way). Its friction brake goes towards what the drive cannot brake, or shall not, M_f' = (max(-M - u G, 0) - M_f)/T,
     within `slew` and never beyond the pedal's; G is what the drive can brake, u is `use` while the wheel is limited
     and else 1. The drive gives at once what is left, M + M_f within its range, against the friction brake, too. About
-    rest, and where drive and brake are asked for together, all passes. What cannot be measured passes as well.
+    rest brakes pass, and where drive and brake are asked for together, both. What cannot be measured passes as well.
     """
     drive, brake, velocity = request.drive, request.brake, wheels.velocity
     if not is_plausible(column, wheels, imu):
         s.measured = 0.0
         return passed(s, request)
-    known = s.reference.speed
-    braked = brake != NO_WHEELS or ((drive[0] + drive[1]) + (drive[2] + drive[3])) * known < 0.0
-    direction = -sign(known) if braked else sign((drive[0] + drive[1]) + (drive[2] + drive[3]))
+    total = (drive[0] + drive[1]) + (drive[2] + drive[3])
+    braked = brake != NO_WHEELS or total * s.reference.speed < 0.0
+    direction = -sign(s.reference.speed) if braked else sign(total)
     rolling = rolling_speeds(p.reference, car, s.reference, period, velocity, column.road_wheel_angle, imu, direction)
     speed = s.reference.speed
-    ahead = sign(speed)
-    if abs(speed) < p.standing:
+    ahead = sign(speed) if abs(speed) >= p.standing else sign(total)
+    if ahead == 0.0 or (braked and abs(speed) < p.standing):
         for i in range(4):
             s.velocity[i] = velocity[i]
         s.measured = 1.0
@@ -166,34 +138,6 @@ def blended_brakes(
     return WheelTorqueCommand(
         Wheels(torque[0], torque[1], torque[2], torque[3]), Wheels(friction[0], friction[1], friction[2], friction[3])
     )
-
-
-@compilable
-def blended(
-    p: BlendedBrakesParameters,
-    car: Car,
-    w: BlendedBrakesWheel,
-    period: float,
-    net: float,
-    asked: float,
-    pedal: float,
-    ahead: float,
-    velocity: float,
-    place: int,
-) -> float:
-    """The drive's part of a torque along the travel [N m]; the friction brake's part is moved on in the state."""
-    can = motor_range(car, place, velocity)
-    brakes, pushes = (-can.least, can.most) if ahead > 0.0 else (can.most, -can.least)
-    turns = abs(velocity)
-    charged = car.battery.charge_power / max(car.number_driven * turns, 1.0)
-    brakes = min(brakes, charged) * min(turns / car.blend_fade_speed, 1.0)
-    if p.blending == FRICTION:
-        brakes, pushes = min(max(-asked, 0.0), brakes), max(min(net, pushes), 0.0)
-    used = brakes if w.slip.limit == inf or p.blending == FRICTION else p.use * brakes
-    gap = min(max(-net - used, 0.0), pedal) - w.friction
-    step = gap * filter_share(period, p.lag)
-    w.friction = min(max(w.friction + min(max(step, -p.slew * period), p.slew * period), 0.0), pedal)
-    return min(max(net + w.friction, -brakes), pushes)
 
 
 @compilable

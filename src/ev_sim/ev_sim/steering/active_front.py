@@ -14,7 +14,7 @@ class ActiveFrontParameters(SteeringRobotParameters):
     """What the robot steers, which yaw rate is wanted, and what the superposing motor can do; all assumptions."""
 
     gain: float = parameter(
-        0.3, unit="s", low=0.0, high=10.0, about="added road-wheel angle over the error of the yaw rate"
+        1.0, unit="s", low=0.0, high=10.0, about="added road-wheel angle over the error of the yaw rate"
     )
     understeer: float = parameter(
         0.0, unit="rad s^2/m", low=0.0, high=0.1, about="road-wheel angle that the car needs more per m/s^2 across"

@@ -1,4 +1,4 @@
-"""The largest torque along the travel, driving or braking, with which a wheel keeps to a slip."""
+"""A wheel that its drive and its friction brake brake together: what its slip allows, and who gives it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ from typing import NamedTuple
 
 from ev_control.estimation.first_order_filter import Filtered, filter_share, follow, forget_filtered
 from ev_control.estimation.wheel_dynamics import slowest_wheel
+from ev_control.shared.allocation import motor_range
 from ev_core.law import Car, compilable, copysign, entry, parameter, part
+
+BLENDINGS = ("drives", "friction")
+DRIVES, FRICTION = range(len(BLENDINGS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +38,36 @@ class SlipLimitedWheel:
     side: float = entry(unit="1", about="direction that is watched along the travel: 1 drives, -1 brakes")
     served: float = entry(unit="s", about="since when the limit is above what is wanted")
     road: Filtered = part(Filtered)  # torque of the road, driving positive [N m]
+
+
+@dataclass(frozen=True, slots=True)
+class BlendingParameters:
+    """Who brakes, and how fast a friction brake is; all assumptions."""
+
+    blending: str = parameter(
+        "drives",
+        choices=BLENDINGS,
+        about="drives: they brake as far as they can, and fast; friction: they only do what is asked of them, and the "
+        "friction brakes alone keep the slip, as in a car with an ABS of its brakes",
+    )
+    use: float = parameter(
+        0.8,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="share of what a drive can brake that it does on the mean while its wheel is limited; the rest is to "
+        "brake more at once",
+    )
+    lag: float = parameter(0.05, unit="s", low=0.0, high=1.0, about="time constant of a friction brake")
+    slew: float = parameter(15e3, unit="N m/s", low=100.0, high=1e7, about="fastest change of a friction brake")
+
+
+@dataclass(slots=True)
+class BlendedWheel:
+    """What is known of a wheel."""
+
+    slip: SlipLimitedWheel = part(SlipLimitedWheel)
+    friction: float = entry(unit="N m", about="torque of its friction brake")
 
 
 class WheelAlong(NamedTuple):
@@ -89,3 +123,31 @@ def slip_limited(
     w.served = w.served + period if limit >= abs(wanted) else 0.0
     w.limit = inf if w.served > p.release else max(limit, 0.0)
     return side * min(w.limit, abs(wanted))
+
+
+@compilable
+def blended(
+    p: BlendingParameters,
+    car: Car,
+    w: BlendedWheel,
+    period: float,
+    net: float,
+    asked: float,
+    pedal: float,
+    ahead: float,
+    velocity: float,
+    place: int,
+) -> float:
+    """The drive's part of a torque along the travel [N m]; the friction brake's part is moved on in the state."""
+    can = motor_range(car, place, velocity)
+    brakes, pushes = (-can.least, can.most) if ahead > 0.0 else (can.most, -can.least)
+    turns = abs(velocity)
+    charged = car.battery.charge_power / max(car.number_driven * turns, 1.0)
+    brakes = min(brakes, charged) * min(turns / car.blend_fade_speed, 1.0)
+    if p.blending == FRICTION:
+        brakes, pushes = min(max(-asked, 0.0), brakes), max(min(net, pushes), 0.0)
+    used = brakes if w.slip.limit == inf or p.blending == FRICTION else p.use * brakes
+    gap = min(max(-net - used, 0.0), pedal) - w.friction
+    step = gap * filter_share(period, p.lag)
+    w.friction = min(max(w.friction + min(max(step, -p.slew * period), p.slew * period), 0.0), pedal)
+    return min(max(net + w.friction, -brakes), pushes)
