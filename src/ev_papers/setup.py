@@ -18,6 +18,7 @@ REPORTS = [
 STUDIES = [
     "bench_convergence = ev_papers.dissertation.studies.bench_convergence",
     "bench_difference = ev_papers.dissertation.studies.bench_difference",
+    "braking = ev_papers.dissertation.studies.braking",
     "five_methods = ev_papers.dissertation.studies.five_methods",
     "ge_ni2005_periods = ev_papers.ge_ni2005.periods",
     "urban_sensitivity = ev_papers.dissertation.studies.urban_sensitivity",

@@ -27,7 +27,7 @@ ABOUT = "Zhileykin 2018: the sweep without and with active front steering, who h
 COLUMN = "steering_column"
 HANDS, ADDED = "hands", "added"
 STEERINGS = (HANDS, ADDED)
-GAIN = 1.0  # [s], the default of the column
+GAIN, ACCELERATION = 1.0, 3.0  # [s] and [m/s^2], the defaults of the column
 QUANTITIES = {  # of the cases in which the car holds -> heading and digits
     "peak_sideslip": ("mean largest sideslip [deg]", 1),
     "turned": ("mean turn in 12 s [deg]", 0),
@@ -38,15 +38,26 @@ SUMS = ("holds_",)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """How firmly the front wheels are steered; the grid is that of the page docs/zhileykin2018.md."""
+    """How the front wheels are steered; the grid is that of the page docs/zhileykin2018.md."""
     parser.add_argument(
         "--gain", type=float, default=GAIN, metavar="S", help="of active_front [s]; default: %(default)s"
+    )
+    parser.add_argument(
+        "--acceleration",
+        type=float,
+        default=ACCELERATION,
+        metavar="M/S2",
+        help="across, that active_front takes the road to give; default: %(default)s",
     )
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every control of the scenario with both steerings, at every force and angle."""
-    added = ((COLUMN, "method", "active_front"), (COLUMN, "gain", getattr(given, "gain", GAIN)))
+    added = (
+        (COLUMN, "method", "active_front"),
+        (COLUMN, "gain", getattr(given, "gain", GAIN)),
+        (COLUMN, "largest_acceleration", getattr(given, "acceleration", ACCELERATION)),
+    )
     return [*grid.cases_of(CONTROLS, (), HANDS), *grid.cases_of(CONTROLS, added, ADDED)]
 
 

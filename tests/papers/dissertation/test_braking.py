@@ -6,7 +6,7 @@ import argparse
 
 import pytest
 
-from ev_sim.study import braking
+from ev_papers.dissertation.studies import braking
 from ev_sim.study.case import CaseResult, drive_case
 
 pytestmark = pytest.mark.slow
