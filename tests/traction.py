@@ -30,7 +30,7 @@ from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 
 ROLE = "asr"
 PERIOD = 0.005
-_ALL = tuple(name for name in methods_of(ROLE) if name not in ("off", "limp_home", "limit"))
+_ALL = tuple(name for name in methods_of(ROLE) if name not in ("off", "limp_home", "limit", "blended_brakes"))
 SPEED_MODE = tuple(name for name in _ALL if find_method(ROLE, name).requires)  # they command the speeds of wheels
 METHODS = tuple(name for name in _ALL if name not in SPEED_MODE)
 LITERAL = ("held_torque", "least_squares_literal")

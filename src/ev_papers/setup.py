@@ -20,11 +20,13 @@ REPORTS = [
 STUDIES = [
     "bench_convergence = ev_papers.dissertation.studies.bench_convergence",
     "bench_difference = ev_papers.dissertation.studies.bench_difference",
+    "braking = ev_papers.dissertation.studies.braking",
     "five_methods = ev_papers.dissertation.studies.five_methods",
     "ge_ni2005_periods = ev_papers.ge_ni2005.periods",
     "ge_ni2005_wheel_speeds = ev_papers.ge_ni2005.wheel_speeds",
     "shchur2019_course = ev_papers.shchur2019.course",
     "urban_sensitivity = ev_papers.dissertation.studies.urban_sensitivity",
+    "zhileykin2018_steering = ev_papers.zhileykin2018.steering",
     "zhileykin2018_sweep = ev_papers.zhileykin2018.sweep",
     "zhileykin2018_variants = ev_papers.zhileykin2018.variants",
 ]

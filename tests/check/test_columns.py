@@ -26,6 +26,14 @@ CHOICES = {
         "sine_with_dwell.amplitude": 3.0,
         "max_rate": 5.0,
     },
+    "front angle added": {
+        "method": "active_front",
+        "profile.time": [0.0, 1.0],
+        "profile.angle": [0.0, 2.0],
+        "gain": 2.0,
+        "largest_angle": 0.1,
+        "largest_rate": 1.0,
+    },
     "angles in steps": {
         "method": "steering_robot",
         "profile.time": [0.0, 1.0, 2.0],

@@ -12,7 +12,7 @@ import pytest
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_papers.shchur2019 import paper
-from ev_papers.shchur2019.measures import step_response
+from ev_papers.shchur2019.step_response import step_response
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, NotMeasured, Reference, metric, within
 from ev_sim.measures.samples import mean_between

@@ -93,7 +93,7 @@ SCENARIO_PAGES = {
         "zhileykin2018",
         (("rear_drive", "k05", "k1", "k1_estimated", "equality", "fixed_split"),),
         ("fig3_fig4", "fig5"),
-        studies=("zhileykin2018_sweep", "zhileykin2018_variants"),
+        studies=("zhileykin2018_sweep", "zhileykin2018_variants", "zhileykin2018_steering"),
         tables={"neutral steer": neutral_steer_table, "engine sweep": engine_sweep_table},
         images=(save_bode_plot,),
     ),
@@ -102,6 +102,7 @@ SCENARIO_PAGES = {
 STUDY_PAGES = {  # pages that show studies alone
     "docs/asr.md": ("asr_shootout",),
     "docs/beyond.md": ("shchur2019_course", "ge_ni2005_wheel_speeds"),
+    "docs/braking.md": ("braking",),
     "docs/faults.md": ("faults",),
     "docs/dissertation.md": ("five_methods", "urban_sensitivity"),
 }

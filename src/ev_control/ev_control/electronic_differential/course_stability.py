@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ev_control.electronic_differential.steering_by_drives import (
-    AssistanceParameters,
-    assistance,
-    torque_difference_per_steering_moment,
-)
 from ev_control.estimation.plausible import is_plausible
 from ev_control.estimation.wheel_dynamics import wheel_load
 from ev_control.law import BrakeSplitParameters, split
 from ev_control.shared.allocation import motor_range
+from ev_control.shared.assistance import (
+    AssistanceParameters,
+    assistance,
+    torque_difference_per_steering_moment,
+)
 from ev_core.law import (
     FRONT_WHEELS_DRIVEN,
     GRAVITY,

@@ -3,6 +3,7 @@
 from ev_control.asr import (  # noqa: F401
     accelerations,
     adhesion_limit,
+    blended_brakes,
     feedback_linearisation,
     least_squares,
     off,

@@ -99,7 +99,7 @@ ROLES = {
         Role(
             "steering_column",
             RoleKind.INTEGRATES,
-            reads=(DriverCommand, WheelStates, TireForces),
+            reads=(DriverCommand, WheelStates, TireForces, BodyVelocity),
             writes=(SteeringColumnState,),
             default_method="powered",
         ),

@@ -1,84 +1,21 @@
 """What Shchur (2019) is judged by: steps of the hand torque (fig 1), the cycle (fig 4), angles and radii (fig 2).
 
-Each public function from `steady` on measures one number of published.csv; the words behind its name there are its last
+Each public function measures one number of published.csv; the words behind its name there are its last
 arguments, such as the name of a run or of a window of the cycle.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ev_papers.shchur2019 import paper
+from ev_papers.shchur2019.step_response import StepResponse, first_peaks, step_response
 from ev_sim.measures import handling, motion
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.samples import channel, last, mean_between, run_named
 from ev_sim.plant.ackermann import front_wheel_angles, path_curvature, wheel_speed_ratios
 from ev_sim.recording.recording import Recording
 from ev_sim.verdicts.need import ScenarioRuns
-
-
-@dataclass(frozen=True, slots=True)
-class StepResponse:
-    """What a step response is judged by.
-
-    steady_value: mean over the last second, in the unit of the response.
-    overshoot: how far the extreme in the direction of the step lies beyond the steady value, as a percentage of the
-        change from the value at the step to the steady value; zero if it never does.
-    settling_time: from the step to the last crossing into the band around the steady value [s]; the crossing is
-        interpolated linearly between two samples; zero if the response never leaves the band.
-    """
-
-    steady_value: float
-    overshoot: float
-    settling_time: float
-
-
-def step_response(
-    time: np.ndarray, response: np.ndarray, step_time: float, band: float = 0.05, window: float = 1.0
-) -> StepResponse:
-    """Judge the response to a step at `step_time`, sampled as (n,) over time (n,) [s].
-
-    `band` is the half width of the settling band as a fraction of the change. NotMeasured if fewer than two windows
-    were recorded after the step, if the response does not change, or if it has not settled into the band by the
-    beginning of the last window (its mean would not be the steady value then).
-    """
-    after = time >= step_time
-    time, response = time[after], response[after]
-    if len(time) < 2 or time[-1] - time[0] < 2 * window:
-        raise NotMeasured(f"less than {2 * window:g} s were recorded after the step")
-    steady_value = float(response[time >= time[-1] - window].mean())
-    change = steady_value - response[0]
-    if change == 0.0:
-        raise NotMeasured("there is no change after the step")
-    deviation = (response - steady_value) / change
-    settling_time = _settling_time(time, deviation, band)
-    if settling_time > time[-1] - window - step_time:
-        raise NotMeasured(f"the response has not settled to {100 * band:g} % before the last {window:g} s of the run")
-    return StepResponse(steady_value, 100 * max(0.0, float(deviation.max())), settling_time)
-
-
-def first_peaks(time: np.ndarray, response: np.ndarray) -> list[tuple[float, float]]:
-    """Time [s] and value of the local maxima of a response (n,), in their order; NotMeasured if there are not two."""
-    inner = response[1:-1]
-    peaks = np.flatnonzero((inner > response[:-2]) & (inner >= response[2:])) + 1
-    if len(peaks) < 2:
-        raise NotMeasured("the response has less than two peaks")
-    return [(float(time[at]), float(response[at])) for at in peaks]
-
-
-def _settling_time(time: np.ndarray, deviation: np.ndarray, band: float) -> float:
-    outside = np.flatnonzero(np.abs(deviation) > band)
-    if not len(outside):
-        return 0.0
-    last = outside[-1]
-    if last == len(time) - 1:
-        return float("inf")
-    edge = np.copysign(band, deviation[last])
-    fraction = (deviation[last] - edge) / (deviation[last] - deviation[last + 1])
-    return float(time[last] + fraction * (time[last + 1] - time[last]) - time[0])
-
 
 SETTLING_BAND = 0.05
 WINDOW = 1.0  # mean values are taken over the last second [s]

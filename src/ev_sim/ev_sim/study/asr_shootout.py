@@ -33,6 +33,7 @@ def controls() -> list[str]:
     """All traction controls of the package that brings the node, and the variants, none first."""
     names = [name for name, method in methods_of("asr").items() if method.package == node_package("asr")]
     names.remove("limp_home")  # does nothing about slip
+    names.remove("blended_brakes")  # of the study `braking`
     return sorted((*names, *VARIANTS), key=lambda name: (name != "off", name))
 
 

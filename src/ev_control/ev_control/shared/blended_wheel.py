@@ -1,0 +1,152 @@
+"""A wheel that its drive and its friction brake brake together: what its slip allows, and who gives it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import NamedTuple
+
+from ev_control.estimation.wheel_dynamics import Filtered, filter_share, follow, forget_filtered, slowest_wheel
+from ev_control.shared.allocation import motor_range
+from ev_core.law import Car, compilable, copysign, entry, parameter, part
+
+BLENDINGS = ("drives", "friction")
+DRIVES, FRICTION = range(len(BLENDINGS))
+
+
+@dataclass(frozen=True, slots=True)
+class SlipLimitParameters:
+    """The slip that is kept, and how fast; all assumptions."""
+
+    target: float = parameter(
+        0.1, unit="1", low=0.01, high=0.5, about="largest slip; the peaks of snow and wet asphalt lie at 0.09 and 0.13"
+    )
+    rate: float = parameter(25.0, unit="1/s", low=1.0, high=1000.0, about="decay of what the speed is beyond the slip")
+    filter_time: float = parameter(0.02, unit="s", low=0.0, high=1.0, about="time constant of the torque of the road")
+    release: float = parameter(
+        0.1, unit="s", low=0.0, high=100.0, about="time for which the limit has to be above what is wanted to end"
+    )
+    slowest: float = slowest_wheel()
+
+
+@dataclass(slots=True)
+class SlipLimitedWheel:
+    """What is known of a wheel."""
+
+    limit: float = entry(inf, unit="N m", about="largest torque, in the direction that is limited")
+    side: float = entry(unit="1", about="direction that is watched along the travel: 1 drives, -1 brakes")
+    served: float = entry(unit="s", about="since when the limit is above what is wanted")
+    road: Filtered = part(Filtered)  # torque of the road, driving positive [N m]
+
+
+@dataclass(frozen=True, slots=True)
+class BlendingParameters:
+    """Who brakes, and how fast a friction brake is; all assumptions."""
+
+    blending: str = parameter(
+        "drives",
+        choices=BLENDINGS,
+        about="drives: they brake as far as they can, and fast; friction: they only do what is asked of them, and the "
+        "friction brakes alone keep the slip, as in a car with an ABS of its brakes",
+    )
+    use: float = parameter(
+        0.8,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="share of what a drive can brake that it does on the mean while its wheel is limited; the rest is to "
+        "brake more at once",
+    )
+    lag: float = parameter(0.05, unit="s", low=0.0, high=1.0, about="time constant of a friction brake")
+    slew: float = parameter(15e3, unit="N m/s", low=100.0, high=1e7, about="fastest change of a friction brake")
+
+
+@dataclass(slots=True)
+class BlendedWheel:
+    """What is known of a wheel."""
+
+    slip: SlipLimitedWheel = part(SlipLimitedWheel)
+    friction: float = entry(unit="N m", about="torque of its friction brake")
+
+
+class WheelAlong(NamedTuple):
+    """What is measured of a wheel, positive along the travel of the car."""
+
+    speed: float  # [rad/s]
+    rolling: float  # speed at which it would roll [rad/s]
+    acceleration: float  # mean over the last period [rad/s^2]
+    rolling_acceleration: float  # [rad/s^2]
+    torque: float  # of drive and brake, mean over the last period [N m]
+    place: int  # of the wheel, in the order of Wheels
+
+
+@compilable
+def forget_slip_limit(w: SlipLimitedWheel) -> None:
+    """Put a wheel back to the start."""
+    w.limit = inf
+    w.side = w.served = 0.0
+    forget_filtered(w.road)
+
+
+@compilable
+def slip_limited(
+    p: SlipLimitParameters,
+    car: Car,
+    w: SlipLimitedWheel,
+    period: float,
+    motion: WheelAlong,
+    wanted: float,
+    share: float,
+) -> float:
+    """The wanted torque [N m], along the travel, or the one that holds the wheel at a share [1] of the target slip.
+
+    |M| <= |M_road + J (w_free' + k (w* - w))| with w* = (1 - S*) w_free braking and w_free/(1 - S*) driving, so that
+    w - w* decays with k; M_road = M - J w' is filtered. A wheel is limited from the first slip beyond S* until the
+    limit has been above what is wanted for `release`. Slip counts against at least `slowest`. An assumption; with the
+    torque of the road in it the limit rises and falls with the friction, as in `least_squares`.
+    """
+    side = 0.0 if wanted == 0.0 else copysign(1.0, wanted)
+    if side != w.side:
+        forget_slip_limit(w)
+        w.side = side
+    if side == 0.0:
+        return wanted
+    inertia = car.driven_wheel_inertia[motion.place]
+    road = follow(w.road, motion.torque - inertia * motion.acceleration, filter_share(period, p.filter_time))
+    slip = share * p.target
+    room = slip * max(motion.rolling, p.slowest) / (1.0 if side < 0.0 else 1.0 - slip)
+    excess = side * (motion.speed - motion.rolling) - room
+    if w.limit == inf and excess <= 0.0:
+        return wanted
+    limit = side * road + inertia * (side * motion.rolling_acceleration - p.rate * excess)
+    w.served = w.served + period if limit >= abs(wanted) else 0.0
+    w.limit = inf if w.served > p.release else max(limit, 0.0)
+    return side * min(w.limit, abs(wanted))
+
+
+@compilable
+def blended(
+    p: BlendingParameters,
+    car: Car,
+    w: BlendedWheel,
+    period: float,
+    net: float,
+    asked: float,
+    pedal: float,
+    ahead: float,
+    velocity: float,
+    place: int,
+) -> float:
+    """The drive's part of a torque along the travel [N m]; the friction brake's part is moved on in the state."""
+    can = motor_range(car, place, velocity)
+    brakes, pushes = (-can.least, can.most) if ahead > 0.0 else (can.most, -can.least)
+    turns = abs(velocity)
+    charged = car.battery.charge_power / max(car.number_driven * turns, 1.0)
+    brakes = min(brakes, charged) * min(turns / car.blend_fade_speed, 1.0)
+    if p.blending == FRICTION:
+        brakes, pushes = min(max(-asked, 0.0), brakes), max(min(net, pushes), 0.0)
+    used = brakes if w.slip.limit == inf or p.blending == FRICTION else p.use * brakes
+    gap = min(max(-net - used, 0.0), pedal) - w.friction
+    step = gap * filter_share(period, p.lag)
+    w.friction = min(max(w.friction + min(max(step, -p.slew * period), p.slew * period), 0.0), pedal)
+    return min(max(net + w.friction, -brakes), pushes)

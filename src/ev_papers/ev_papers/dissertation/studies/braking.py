@@ -1,0 +1,150 @@
+"""Full braking without ABS, with the friction brakes' and with drives and brakes blended, on every kind of road."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_sim.figures.figure import Figure
+from ev_sim.measures import motion
+from ev_sim.measures.metric import Metric, metric
+from ev_sim.measures.samples import channel
+from ev_sim.recording.recording import Recording
+from ev_sim.report.tables import text_table
+from ev_sim.scenarios.scenario import Run
+from ev_sim.study.study import Case, Results
+
+ABOUT = "Full braking without ABS, with one of the friction brakes, and with drives and brakes blended, on all roads"
+SCENARIO = "blended_brakes"
+CONTROLS = {  # name -> run of the scenario, and what it is told
+    "off": ("off", ()),
+    "least_squares": ("off", (("asr", "method", "least_squares"),)),
+    "friction": ("friction", ()),
+    "drives": ("drives", ()),
+    "stability": ("stability", ()),
+}
+NOISE = {"wheel_speed": 0.03, "wheel_torque": 0.5, "imu_acceleration": 0.05, "imu_yaw_rate": 0.002}
+BEGIN, STANDING, ROLLING = 1.0, 0.3, 2.0  # of the pedal [s]; as good as stopped, and fast enough for a slip [m/s]
+DURATION = 20.0  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """A road, a speed [m/s] and the brake torque of all wheels that is asked for within 0.2 s [N m]."""
+
+    speed: float
+    torque: float
+    left: tuple[str, ...]
+    right: tuple[str, ...] = ()  # as left
+    length: tuple[float, ...] = ()  # of the segments [m]
+
+    def values(self) -> tuple[tuple[str, str, Any], ...]:
+        """What differs from the scenario's own file."""
+        return (
+            ("plant", "initial_speed", self.speed),
+            ("driver", "speed_profile.speed", [self.speed]),
+            ("driver", "pedals.brake_torque", [0.0, self.torque]),
+            ("plant", "road.left", list(self.left)),
+            ("plant", "road.right", list(self.right or self.left)),
+            *((("plant", "road.pattern", "segments"), ("plant", "road.length", list(self.length))) * bool(self.length)),
+        )
+
+
+FAST = 80 / 3.6
+SITUATIONS = {
+    "dry": Situation(FAST, 12000.0, ("dry_asphalt",)),
+    "wet": Situation(FAST, 9000.0, ("wet_asphalt_1",)),
+    "snow": Situation(FAST, 6000.0, ("packed_snow_1",)),
+    "snow 2": Situation(FAST, 6000.0, ("packed_snow_2",)),
+    "ice": Situation(5.0, 4000.0, ("ice",)),
+    "dry, then snow": Situation(FAST, 9000.0, ("dry_asphalt", "packed_snow_1"), length=(35.0,)),
+    "snow left, dry right": Situation(FAST, 9000.0, ("packed_snow_1",), ("dry_asphalt",)),
+    "ice left, dry right": Situation(FAST, 9000.0, ("ice",), ("dry_asphalt",)),
+}
+QUANTITIES = {  # what is measured -> heading of its column and digits
+    "distance": ("distance [m]", 1),
+    "mean_slip": ("mean slip", 3),
+    "peak_slip": ("peak slip", 2),
+    "heading": ("heading [deg]", 1),
+    "aside": ("aside [m]", 2),
+    "recovered": ("recovered [kJ]", 1),
+    "share": ("of the kinetic energy", 2),
+}
+COLUMNS = ("road", "brakes", *(heading for heading, _ in QUANTITIES.values()))
+SUMS = ("distance_", "recovered_")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """A part of the roads instead of all."""
+    parser.add_argument("--roads", nargs="+", choices=list(SITUATIONS), metavar="ROAD", help="these only; default: all")
+
+
+def cases(given: argparse.Namespace) -> Sequence[Case]:
+    """Every control on every road."""
+    noise = tuple(("plant", f"sensors.{sensor}.noise", deviation) for sensor, deviation in NOISE.items())
+    return [
+        Case(f"{road}: {name}", SCENARIO, (*noise, *SITUATIONS[road].values(), *told), run, duration=DURATION)
+        for road in getattr(given, "roads", None) or SITUATIONS
+        for name, (run, told) in CONTROLS.items()
+    ]
+
+
+def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
+    """QUANTITIES from the pedal until the car stops; no distance where it does not."""
+    speed, begin = motion.path_speed(recording), int(np.searchsorted(recording.time, BEGIN))
+    still = np.flatnonzero(np.abs(speed[begin:]) < STANDING)
+    part = slice(begin, begin + int(still[0]) + 1 if len(still) else len(speed))
+    slips = np.abs([channel(recording, f"tire_forces.slip_ratio.{name}")[part] for name in WHEEL_NAMES])
+    slips = slips[:, speed[part] > ROLLING]
+    power = (channel(recording, "battery.voltage") * channel(recording, "battery.current"))[part]
+    recovered = float(np.trapezoid(power, recording.time[part]))
+    kinetic = run.configurations["asr"].common.vehicle.mass * float(speed[begin]) ** 2 / 2.0
+    return {
+        "distance": float(np.ptp(motion.distance_on_path(recording)[part])) if len(still) else None,
+        "mean_slip": float(slips.mean()),
+        "peak_slip": float(slips.max()),
+        "heading": math.degrees(float(np.abs(motion.heading(recording)[part]).max())),
+        "aside": float(np.abs(channel(recording, "pose.y")[part]).max()),
+        "recovered": recovered / 1e3,
+        "share": recovered / kinetic,
+    }
+
+
+def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
+    """Distance and recovered energy of each case that stops."""
+    return {
+        f"{quantity}_{name.replace(': ', '_')}": metric(
+            lambda of=result.measured, quantity=quantity, scale=scale: of[quantity] * scale, unit
+        )
+        for name, result in results.items()
+        if not result.refused and result.measured["distance"] is not None
+        for quantity, unit, scale in (("distance", "m", 1.0), ("recovered", "J", 1e3))
+    }
+
+
+def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
+    """Road, control and what was measured; a dash where the car does not stop in time."""
+
+    def shown(value: float | None, digits: int) -> str:
+        return "–" if value is None else f"{value:.{digits}f}"
+
+    return [
+        (*name.split(": "), *(shown(result.measured.get(key), digits) for key, (_, digits) in QUANTITIES.items()))
+        for name, result in results.items()
+    ]
+
+
+def tables(given: argparse.Namespace, results: Results) -> str:
+    """The rows as aligned text."""
+    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
+
+
+def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+    """None: the table says it."""
+    return {}
