@@ -50,7 +50,7 @@ def test_a_class_needs_parameters():
 
 
 def test_a_law_that_integrates_needs_outputs():
-    def lacking(s: object, driver: DriverCommand) -> None: ...
+    def lacking(driver: DriverCommand) -> None: ...
 
     with pytest.raises(
         TypeError, match="steering_column method lacking: a steering_column integrates, so its law needs"

@@ -127,7 +127,8 @@ def save_study_images(name: str, results: Results, folder: Path) -> None:
     """The figures of a study as STUDY_FIGURE.png."""
     from documentation.images import save_small
 
-    figures = study_named(name).figures(arguments(name, ()), results)
+    study = study_named(name)
+    figures = study.figures(arguments(name, ()), results) if hasattr(study, "figures") else {}
     save_small({f"{name}_{key}": figure for key, figure in figures.items()}, folder)
 
 

@@ -13,9 +13,13 @@ from ev_sim.verdicts.sources import published
 EXPECTED = {"reproduced", "follows from the inputs", "not judgeable", "no verdict"}
 
 
+# The law slips more than equal torques, and what is neglected damps as much as what is kept.
+NOT_REPRODUCED = {"shchur.minimal_slip", "shchur.eq3.last_term"}
+
+
 @pytest.mark.parametrize("id", published("shchur2019"))
-def test_everything_that_can_be_judged_is_reproduced(id: str):
-    assert verdict_on(id).judgement in EXPECTED
+def test_everything_else_that_can_be_judged_is_reproduced(id: str):
+    assert verdict_on(id).judgement in ({"not reproduced"} if id in NOT_REPRODUCED else EXPECTED)
 
 
 @pytest.mark.parametrize(
@@ -95,5 +99,5 @@ def test_values_that_follow_are_those_of_the_equations():
         "angles30": [turn.left_angle, turn.right_angle, turn.left_radius, turn.right_radius, turn.radius],
     }
     for id, values in follows.items():
-        written = [check.value for check in published("shchur2019")[f"shchur.{id}"].checks]
+        written = [check.value for check in published("shchur2019")[f"shchur.{id}"].checks if check.value]
         assert written == pytest.approx(values, rel=1e-6), id

@@ -7,8 +7,10 @@ from judging import verdict_on
 
 from ev_sim.verdicts.sources import published
 
-NOT_REPRODUCED = {"tatar.fig14.FR"}  # it rises in the axes of the car
+# It rises in the axes of the car; and so does the sum of the magnitudes.
+NOT_REPRODUCED = {"tatar.fig14.FR", "tatar.aim"}
 SIGNS = [id for id in published("tatar_chudzik") if id.startswith(("tatar.fig12.", "tatar.fig13.", "tatar.fig14."))]
+NOT_CLAIMED = {"tatar.fig12.FR"}
 
 
 @pytest.mark.parametrize("id", published("tatar_chudzik"))
@@ -18,7 +20,7 @@ def test_verdict_is_the_expected_one(id: str):
     assert judgement != "not measured"
 
 
-@pytest.mark.parametrize("id", [id for id in SIGNS if id not in NOT_REPRODUCED])
+@pytest.mark.parametrize("id", [id for id in SIGNS if id not in NOT_REPRODUCED | NOT_CLAIMED])
 def test_a_correction_without_gain_changes_nothing_beyond_the_margin(id: str):
     assert verdict_on(id, ("electronic_differential", "gain", 0.0)).judgement in ("not reproduced", "not measured")
 

@@ -29,12 +29,28 @@ def on_sweep(id: str, changed=(), **peaks: float) -> Verdict:
     }
     runs = driven(ScenarioNeed(SOURCE, values=changed))
     sweep = StudyCases(results, arguments("zhileykin2018_sweep", ()))
-    return verdict(published(SOURCE)[id], [runs, sweep])
+    needs = published(SOURCE)[id].needs  # with an engine the same is held against the shown numbers
+    return verdict(published(SOURCE)[id], [runs if isinstance(need, ScenarioNeed) else sweep for need in needs])
 
 
-@pytest.mark.parametrize("id", [id for id in QUICK if id != "zhil.eq5.derivation"])
+# Eq 5 does not follow; with the engine braking rear drive spins in a bend, and straight ahead it is not the calmest.
+NOT_REPRODUCED = {"zhil.eq5.derivation", "zhil.engine_braking.bend", "zhil.engine_braking.ahead"}
+
+
+@pytest.mark.parametrize("id", [id for id in QUICK if id not in NOT_REPRODUCED])
 def test_what_can_be_judged_without_the_sweep_is_reproduced(id: str):
     assert verdict_on(id).judgement in EXPECTED
+
+
+@pytest.mark.parametrize("place", ["bend", "ahead"])
+def test_rear_drive_is_not_the_most_stable_under_braking_by_the_engine(place: str):
+    """In a bend it spins; straight ahead both stay below 0.1 deg. Without any braking torque the bend is harmless."""
+    found = verdict_on(f"zhil.engine_braking.{place}")
+    assert found.judgement == "not reproduced"
+    peaks = [found.metrics[name].value for name in ("rear drive", "half and half")]
+    assert peaks[0] > peaks[1]
+    assert (peaks[0] > 3.0) == (place == "bend")
+    assert peaks[1] < (0.05 if place == "bend" else 0.00175)
 
 
 def test_eq_5_does_not_follow_from_the_line_above_it():
@@ -58,6 +74,7 @@ def test_eq_5_does_not_follow_from_the_line_above_it():
         ("zhil.eq4.values", (LAW, "k", 0.4)),
         ("zhil.eq5.values", (LAW, "second_branch", "derived")),
         ("zhil.braking", (LAW, "braking", "command")),
+        ("zhil.compensated", ("driver", "speed_profile.speed", (6.9, 6.9, 14.0))),  # beyond what the friction allows
         ("zhil.eq7.neutral", (LAW, "speed_deadband", 5.0)),
         ("zhil.eq7.shares", (LAW, "largest_front_share", 0.4)),
     ],
