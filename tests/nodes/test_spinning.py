@@ -5,7 +5,9 @@ from __future__ import annotations
 from rclpy.node import Node
 from ros_graph import ros_domain
 
+from ev_core.node_loop import ordinary_steps
 from ev_core.nodes.spinning import spin
+from ev_msgs_py.refusal import ParameterError
 
 
 class Besieged(Node):
@@ -41,3 +43,10 @@ def test_a_node_for_which_something_always_comes_hears_the_rest_too():
         spin([node], lambda: node.swept > 2 or next(turns) > 900_000)
         assert node.swept > 2
         node.destroy_node()
+
+
+@pytest.mark.parametrize("given", ["2", "", "off"])
+def test_only_0_and_1_say_whether_nodes_have_their_loop(given: str, monkeypatch):
+    monkeypatch.setenv(ordinary_steps.VARIABLE, given)
+    with pytest.raises(ParameterError, match=f"^EV_STACK_NODE_LOOP='{given}' is refused, allowed is 1, or 0 "):
+        ordinary_steps.is_switched_on()
