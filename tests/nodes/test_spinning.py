@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from rclpy.node import Node
 from ros_graph import ros_domain
 

@@ -125,7 +125,7 @@ def test_the_cases_of_a_study_are_driven_as_they_say(name):
 
 
 def is_accepted(case: Case) -> bool:
-    """Whether the car can be driven by it: `compare` offers laws of other driven wheels as well, and lists them so."""
+    """Whether the car can be driven by it: `compare` offers laws of other cars as well, and lists them as refused."""
     try:
         return bool(run_of(case))
     except ParameterError:
@@ -159,3 +159,27 @@ def test_a_row_stands_under_what_was_driven_or_is_refused(data):
     try:
         for case in cases_of("sweep", scenario, "--vary", f"{role}.{entry.name}={value}", *more):
             assert_driven_as_it_says(case)
+    except ParameterError as error:
+        assert "\n" not in str(error)
+
+
+def test_an_angle_that_a_study_sets_stays_with_another_car():
+    """The slow ramp took its place: rows of 1.0 and 2.0 were both driven with 1.612."""
+    words = ("step_steer", "--vehicle", "compact_ev")
+    varied = cases_of("sweep", *words, "--vary", "steering_column.scale=1.0,2.0")
+    varied += cases_of("sweep", *words, "--set", "steering_column.scale=3.0")
+    assert [run_of(case).configurations["steering_column"].parameters.scale for case in varied] == [1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize("words", [("--cycle", "nedc"), ()])
+def test_points_under_a_file_are_refused(words, tmp_path):
+    """They did nothing: all rows were the cycle. The scenario names the file, or the command line."""
+    scenario = "urban_mixed" if words else str(tmp_path / "own.yaml")
+    (tmp_path / "p.csv").write_text("t_s,v_mps\n0,1\n10,2\n")
+    text = f"/**/driver: {{ros__parameters: {{speed_profile: {{file: {tmp_path / 'p.csv'}}}}}}}\n"
+    (tmp_path / "own.yaml").write_text(f"/**/scenario: {{ros__parameters: {{about: a}}}}\n{text}")
+    with pytest.raises(ParameterError, match=r"speed_profile\.(file|speed) is refused"):
+        for case in cases_of(
+            "sweep", scenario, "--vary", "driver.speed_profile.speed=[1.0,2.0,3.0,4.0],[4.0,3.0,2.0,1.0]", *words
+        ):
+            run_of(case)

@@ -116,7 +116,7 @@ def test_every_variant_is_a_row_of_the_page():
 
 @pytest.mark.parametrize("name", [each.name for each in variants.VARIANTS])
 def test_a_variant_changes_what_it_says(name):
-    """At 3000 N and 6 deg k = 0.5 moves otherwise than in the base; it never slows down, so the rule on braking changes nothing."""
+    """At 3000 N and 6 deg k = 0.5 moves otherwise than in the base; it never slows down, so no rule on that counts."""
     (variant,) = (each for each in variants.VARIANTS if each.name == name)
     driven = {}
     for each in (variant, variants.BASE):

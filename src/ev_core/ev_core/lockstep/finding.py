@@ -10,10 +10,10 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
+from ev_core.methods.playback import playback_method
 from ev_core.methods.register import RECORDINGS, Method, load_installed_methods, methods_of, registered_by
 from ev_core.native.method import library_method
 from ev_core.parameters.data_file import TEXT, TextOfFile, find_file, read_data, tell
-from ev_core.methods.playback import playback_method
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 LIBRARIES = (".so", ".dylib")  # what the path of a shared library ends with
