@@ -319,7 +319,7 @@ def import_module(name):
     signal.raise_signal(signal.{kind})
     print("went on")
 
-atexit.register(print, "cleaned up")
+atexit.register(print, "cleaned up", flush=True)
 ev_stack.import_module = import_module
 sys.argv = ["ev-stack", "run", "shchur2019"]
 ev_stack.main()

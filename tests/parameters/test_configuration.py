@@ -180,7 +180,7 @@ def test_a_signal_that_no_chosen_method_writes_is_refused():
     method = dataclasses.replace(plant.method, factory=Blind)
     configurations["plant"] = dataclasses.replace(plant, method=method)
     text = refused_graph({**configurations, "asr": toy("asr", ()), DIFFERENTIAL: toy(DIFFERENTIAL, ())})
-    assert text.startswith("driver method toy reads BodyVelocity, which none of the chosen methods writes (")
+    assert text.startswith("steering_column method toy reads BodyVelocity, which none of the chosen methods writes (")
 
 
 def test_a_law_that_requires_a_column_is_refused_with_another():

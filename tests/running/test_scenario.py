@@ -236,7 +236,7 @@ ASR, LAW = "asr", "electronic_differential"
         (
             [(LAW, "gamma", 3.0)],
             "electronic_differential: parameter gamma is refused: electronic_differential method equal_torque does not "
-            "have it, allowed with power_steering",
+            "have it, allowed with course_stability, power_steering",
         ),
         (
             [("plant", "sensors.tire_load.noise", 1.0)],

@@ -107,15 +107,22 @@ def test_arithmetic_of_the_tables_is_called_so(id: str):
 @pytest.mark.slow
 @pytest.mark.parametrize(("id", "changed"), STUDIES, ids=[id for id, _ in STUDIES])
 def test_another_parameter_of_the_five_methods_is_noticed(id: str, changed: str):
-    assert studied(id).judgement == "reproduced"
+    assert studied(id).judgement == ("reproduced" if id == "diss.t3.6.gap" else "in part")
     assert studied(id, "--set", changed).judgement == "not reproduced"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("id", ["diss.t3.6.order", "diss.t3.5.right", "diss.t5.6.drive.m1", "diss.t5.6.drive.order"])
+@pytest.mark.parametrize("id", ["diss.t5.6.drive.m1", "diss.t5.6.drive.order"])
 def test_what_is_not_reproduced(id: str):
-    """Method 5 knows the friction and never slips; no sensible losses give drive efficiencies of 0.6."""
+    """No sensible losses give drive efficiencies of 0.6."""
     assert studied(id).judgement == "not reproduced"
+
+
+@pytest.mark.slow
+def test_with_a_limit_method_5_is_better_than_all_others():
+    """Who knows the friction and limits by it never slips; without the limit the order is the printed one."""
+    assert studied("diss.t3.6.order").judgement == "reproduced"
+    assert studied("diss.t3.6.order", "--set", "electronic_differential.limit=true").judgement == "not reproduced"
 
 
 def studied(id: str, *options: str) -> Verdict:

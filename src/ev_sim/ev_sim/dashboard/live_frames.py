@@ -73,7 +73,7 @@ class Reported:
             status.name.endswith((HEALTH, runner_line.TIMING)) or status.hardware_id
         ):  # of a device: its node notes what is latched
             return
-        text, about_time = shown(f"{status.name}: {status.message}"), status.name.endswith(runner_line.TIME)
+        text, about_time = shown(f"{status.name}: {status.message}"), status.name.endswith(runner_line.TIME_SERVICE)
         what = next((shown(value.value) for value in status.values if value.key == NOTED), text)
         if about_time or (what not in self._said and len(self._said) < _MOST):
             self._said.add(what)

@@ -122,14 +122,17 @@ def look_ahead(
         rate += gain * _turn(along_x, along_y, then_x, then_y)
         along_x, along_y, next_x, next_y = then_x, then_y, ahead_x, ahead_y
     angle = s.arms  # of this instant: that of the next one would make him quicker by a control period
-    s.intended = min(max(s.intended + period * rate, -p.max_angle), p.max_angle)
+    if rate - rate == 0.0:  # else inputs overflow, which tell the hands nothing
+        s.intended = min(max(s.intended + period * rate, -p.max_angle), p.max_angle)
     s.arms += c.share * (s.intended - s.arms)
     return angle
 
 
 @compilable
 def _learnt(p: PreviewParameters, before: float, share: float, seen: float) -> float:
-    """Angle [rad] that is learnt after a share of the way to what is seen [rad]."""
+    """Angle [rad] that is learnt after a share of the way to what is seen [rad]; nothing of what overflows."""
+    if seen - seen != 0.0:
+        return before
     return min(max(before + share * (seen - before), -p.learnt_angle), p.learnt_angle)
 
 

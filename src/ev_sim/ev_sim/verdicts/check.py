@@ -187,9 +187,14 @@ class Check:
     than: Call | None = None
     is_larger: bool = False
 
+    @property
+    def is_judged(self) -> bool:
+        """Whether it is held against a published number, and not only shown beside."""
+        return bool(self.tolerance.parts)
+
     def metric(self, reference: Callable[[float, Band, str], Reference], driven: Sequence[Any]) -> Metric:
         """The number with its reference; of a claim in words the ratio [1], with both numbers in its source."""
-        if not self.tolerance.parts:
+        if not self.is_judged:
             return metric(lambda: self.measure(driven), self.unit)
         band = self._tolerance(driven).band(1.0 if self.value is None else self.value)
         if self.value is not None:
@@ -204,7 +209,7 @@ class Check:
 
     def allowed(self, driven: Sequence[Any]) -> str:
         """Width and reason of the tolerance, for a table."""
-        if not self.tolerance.parts:
+        if not self.is_judged:
             return "shown, not judged"
         return self._tolerance(driven).text("1" if self.than else self.unit)
 
@@ -223,7 +228,7 @@ class Check:
         """A value with its unit, a judged angle in degrees as well; a ratio as a change."""
         if self.than:
             return f"{100 * (value - 1):+.3g} %" if math.isfinite(value) else "from nothing"
-        degrees = f" ({math.degrees(value):.2f} deg)" if self.unit == "rad" and self.tolerance.parts else ""
+        degrees = f" ({math.degrees(value):.2f} deg)" if self.unit == "rad" and self.is_judged else ""
         return f"{value:.5g} {self.unit}{degrees}".removesuffix(" 1")
 
     def renamed(self, words: Mapping[str | float, str | float]) -> Check:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -136,8 +136,9 @@ def metrics_at_hand(source: str, scenario: str, driven: ScenarioRuns) -> dict[st
     """
     found: dict[str, Metric] = {}
     for id, each in published(source).items():
-        if each.needs and all(_is_plain(need, scenario) for need in each.needs):
-            for name, metric in each.metrics(dict.fromkeys(each.needs, driven)).items():
+        at_hand = tuple(check for check in each.checks if all(_is_plain(need, scenario) for need in check.needs))
+        if each.needs and all(check in at_hand for check in each.checks if check.is_judged):
+            for name, metric in replace(each, checks=at_hand).metrics(dict.fromkeys(each.needs, driven)).items():
                 found[f"{id}.{name.replace(' ', '_')}" if name else id] = metric
     return found
 
