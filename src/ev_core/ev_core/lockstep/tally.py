@@ -10,7 +10,7 @@ from __future__ import annotations
 import ctypes
 import hashlib
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -94,15 +94,13 @@ class Tally:
         for i, signal in enumerate(self._signals):
             self.block[_TOPICS + 2 * i : _TOPICS + 2 * i + 2] = PLACES[signal].start, PLACES[signal].stop
         self._sums = self.block[_SUMS:].reshape(_MOST, KEPT)
-        self._call, self._at = _FUNCTION(address()), self.block.ctypes.data
+        # add(step, taken, said): the inputs of a step and the outputs that follow, in the frames at two addresses.
+        # It is called in each step and not wrapped, as that would take as long as the sums.
+        self.add = partial(_FUNCTION(address()), self.block.ctypes.data)
 
     def begin(self, step: int, said: int) -> None:
         """Add the outputs of a step before which there was no input, in the frame at an address."""
-        self._call(self._at, -1 - step, said, said)
-
-    def add(self, step: int, taken: int, said: int) -> None:
-        """Add the inputs of a step and the outputs that follow from them, in the frames at two addresses."""
-        self._call(self._at, step, taken, said)
+        self.add(-1 - step, said, said)
 
     def forget(self) -> None:
         """A new run begins."""
