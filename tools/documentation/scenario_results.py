@@ -13,7 +13,7 @@ from documentation.neutral_steer import neutral_steer_table, save_bode_plot
 from documentation.results import Driven
 from ev_papers.ge_ni2005.report import CASES
 from ev_sim.measures.metric import Metric
-from ev_sim.study.run_study import arguments
+from ev_sim.study.run_study import arguments, figures_of
 from ev_sim.study.study import Results, study_named
 from ev_sim.verdicts.driving import drive, kept_by_user
 from ev_sim.verdicts.need import StudyNeed
@@ -127,8 +127,7 @@ def save_study_images(name: str, results: Results, folder: Path) -> None:
     """The figures of a study as STUDY_FIGURE.png."""
     from documentation.images import save_small
 
-    study = study_named(name)
-    figures = study.figures(arguments(name, ()), results) if hasattr(study, "figures") else {}
+    figures = figures_of(study_named(name), arguments(name, ()), results)
     save_small({f"{name}_{key}": figure for key, figure in figures.items()}, folder)
 
 

@@ -87,10 +87,10 @@ class Tally:
 
     def __init__(self, key: bytes, takes: Sequence[type], says: Sequence[type] = (), ahead: int = 0) -> None:
         taken, said = ([signal for signal in signals if signal in PLACES] for signals in (takes, says))
-        self._signals, self.taken, self.count = (*taken, *said), len(taken), len(taken) + len(said)
+        self._signals, self._taken = (*taken, *said), len(taken)
         self.block = np.zeros(BLOCK, np.int64)
         self.block[:_KEYS] = np.frombuffer(hashlib.shake_256(key).digest(8 * _KEYS), np.int64) | 1
-        self.block[_TAKEN], self.block[_COUNT], self.block[_AHEAD] = self.taken, self.count, ahead
+        self.block[_TAKEN], self.block[_COUNT], self.block[_AHEAD] = self._taken, len(self._signals), ahead
         for i, signal in enumerate(self._signals):
             self.block[_TOPICS + 2 * i : _TOPICS + 2 * i + 2] = PLACES[signal].start, PLACES[signal].stop
         self._sums = self.block[_SUMS:].reshape(_MOST, KEPT)
@@ -110,7 +110,7 @@ class Tally:
         """The last sums by "taken" and "said", topic and step, which count from these steps backwards."""
         found: dict[str, dict[str, dict[str, int]]] = {"taken": {}, "said": {}}
         for i, signal in enumerate(self._signals):
-            kind, last = ("taken", last_taken) if i < self.taken else ("said", last_said)
+            kind, last = ("taken", last_taken) if i < self._taken else ("said", last_said)
             steps = range(max(last - KEPT + 1, 0), last + 1)
             found[kind][TOPICS[signal].name] = {str(step): int(self._sums[i, step % KEPT]) for step in steps}
         return found

@@ -28,7 +28,7 @@ from ev_core.lockstep.inbox import (
     row_of,
     row_of_answer,
 )
-from ev_core.lockstep.tally import BLOCK, add_up
+from ev_core.lockstep.tally import BLOCK, add_up_step
 from ev_core.node_loop.message_memory import (
     RUN,
     TOPIC,
@@ -138,8 +138,7 @@ def _step(head: Any, steps: Any, frames: Any, tally: Any) -> int:
         if frames[said, n] - frames[said, n] != 0.0:
             return NOT_FINITE
     if head.tallied:
-        add_up(tally, 0, head.taken_topics, number, frames[row])
-        add_up(tally, head.taken_topics, head.tallied, answered // steps.period, frames[said])
+        add_up_step(tally, number, frames[row], frames[said])
     steps.done[LAST] = due
     note_answer(steps, answered)
     head.taken += 1
@@ -190,7 +189,7 @@ LOOP = np.dtype(
         *integers("rcl_wait", "clock_gettime", "memcpy", "wait_set", "guard"),
         *integers("message", "info", "clock", "count"),  # words of the memory which these functions fill in
         *integers("heard"),  # byte of the memory to which the message is copied
-        *integers("tallied", "taken_topics"),  # topics whose numbers are added up, and how many of them are inputs
+        *integers("tallied"),  # 1 if inputs and outputs are added up
     ]
 )
 INPUT = np.dtype([*TOPIC, *integers("subscription", "refused")])

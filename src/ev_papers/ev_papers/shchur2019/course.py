@@ -9,20 +9,19 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_sim.figures.figure import Figure
 from ev_sim.measures import handling, motion
-from ev_sim.measures.metric import Metric, metric
+from ev_sim.measures.metric import Metric
 from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
-from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
-from ev_sim.study.study import Case, Results
+from ev_sim.study.study import Case, Results, metrics_of_cases, rows_of_cases
 
 ABOUT = "Shchur 2019, further work: power steering and a yaw moment share the front difference on packed snow"
 SCENARIO = "course_stability"
 UNITS = {"peak_hand_torque": "N m", "hand_torque": "N m", "yaw_rate_error": "rad/s", "peak_sideslip": "rad"}
 UNITS |= {"peak_angle": "rad", "peak_difference": "N m"}  # of the road wheels; of the torque requests, right minus left
 COLUMNS = ("manoeuvre", "control", *(f"{name} [{unit}]" for name, unit in UNITS.items()))
+LEFT = 2
 SUMS = ()
 
 _LAW, _HANDS = "electronic_differential", "driver"
@@ -118,26 +117,9 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """Each quantity of each case."""
-    return {
-        f"{quantity} {name}": metric(lambda r=result, q=quantity: r.measured[q], unit)
-        for name, result in results.items()
-        for quantity, unit in UNITS.items()
-    }
+    return metrics_of_cases(results, UNITS)
 
 
 def rows(given: argparse.Namespace, results: Results) -> Sequence[tuple[str, ...]]:
     """One row for each case."""
-    return [
-        (*name.split(": "), *(f"{result.measured[quantity]:.3g}" for quantity in UNITS))
-        for name, result in results.items()
-    ]
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The same as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
-
-
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-    """None: the table says it all."""
-    return {}
+    return rows_of_cases(results, UNITS)

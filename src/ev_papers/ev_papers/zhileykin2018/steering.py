@@ -12,13 +12,11 @@ import numpy as np
 from ev_papers.zhileykin2018 import grid
 from ev_papers.zhileykin2018.grid import CONTROLS
 from ev_papers.zhileykin2018.quantities import LIMIT as LIMIT
-from ev_sim.figures.figure import Figure
 from ev_sim.measures import motion
 from ev_sim.measures.handling import peak_sideslip
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
-from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results
 
@@ -33,6 +31,7 @@ QUANTITIES = {  # of the cases in which the car holds -> heading and digits
     "added": ("mean largest added angle [deg]", 1),
 }
 COLUMNS = ("torque", "front wheels", "holds of 40", *(heading for heading, _ in QUANTITIES.values()))
+LEFT = 2
 SUMS = ("holds_",)
 
 
@@ -94,13 +93,3 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
             ]
             found.append((control, steering, str(held.sum()), *means))
     return found
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
-
-
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-    """None: the table says it."""
-    return {}

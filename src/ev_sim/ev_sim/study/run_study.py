@@ -206,7 +206,7 @@ def _summed_up(
 ) -> tuple[dict[str, Metric], dict[str, Figure], str, Any]:
     """Metrics, figures, tables and, if the study has it, the table for files; RunFailed if a case lacks for them."""
     try:
-        figures = study.figures(given, results) if hasattr(study, "figures") else {}
+        figures = figures_of(study, given, results)
         table = study.table(given, results) if hasattr(study, "table") else None
         return study.metrics(given, results), figures, printed(study, given, results), table
     except Exception as error:
@@ -214,6 +214,11 @@ def _summed_up(
         if lacking is None or isinstance(error, ParameterError):
             raise
         raise RunFailed(f"this study needs all of its cases; {lacking.name}: {lacking.refused}") from error
+
+
+def figures_of(study: Study, given: argparse.Namespace, results: Results) -> dict[str, Figure]:
+    """The figures of a study, none if it draws none."""
+    return study.figures(given, results) if hasattr(study, "figures") else {}
 
 
 def printed(study: Study, given: argparse.Namespace, results: Results) -> str:

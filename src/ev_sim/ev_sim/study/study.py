@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 import time
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 from ev_core.methods.offered import offered, offered_module
 from ev_msgs_py.refusal import unknown_name
-from ev_sim.measures.metric import Metric, NotMeasured
+from ev_sim.measures.metric import Metric, NotMeasured, metric
 from ev_sim.recording.recording import Recording, signal_hash
 from ev_sim.recording.truth import true_motion
 from ev_sim.scenarios.scenario import Overrides, Run, load_scenario
@@ -130,6 +130,23 @@ class Study(Protocol):
     # - `table(given, results)`, whose columns and rows of values are kept as files,
     # - `variations(given)`, by NODE.PARAM the values that it varies itself,
     # - `SHORTEST`, the least simulated time with which there is anything to measure [s].
+
+
+def metrics_of_cases(results: Results, units: Mapping[str, str]) -> dict[str, Metric]:
+    """Each of some quantities, by unit, that were measured on each case."""
+    return {
+        f"{quantity} {name}": metric(lambda measured=result.measured, quantity=quantity: measured[quantity], unit)
+        for name, result in results.items()
+        for quantity, unit in units.items()
+    }
+
+
+def rows_of_cases(results: Results, quantities: Iterable[str]) -> list[tuple[str, ...]]:
+    """A row for each case: the parts of its name, which `: ` separates, and some quantities."""
+    return [
+        (*name.split(": "), *(f"{result.measured[quantity]:.3g}" for quantity in quantities))
+        for name, result in results.items()
+    ]
 
 
 def study_names() -> list[str]:

@@ -11,12 +11,10 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_sim.figures.figure import Figure
 from ev_sim.measures import motion
 from ev_sim.measures.metric import Metric, metric
 from ev_sim.measures.samples import channel
 from ev_sim.recording.recording import Recording
-from ev_sim.report.tables import text_table
 from ev_sim.scenarios.scenario import Run
 from ev_sim.study.study import Case, Results
 
@@ -77,6 +75,7 @@ QUANTITIES = {  # what is measured -> heading of its column and digits
     "share": ("of the kinetic energy", 2),
 }
 COLUMNS = ("road", "brakes", *(heading for heading, _ in QUANTITIES.values()))
+LEFT = 2
 SUMS = ("distance_", "recovered_")
 
 
@@ -138,13 +137,3 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
         (*name.split(": "), *(shown(result.measured.get(key), digits) for key, (_, digits) in QUANTITIES.items()))
         for name, result in results.items()
     ]
-
-
-def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text."""
-    return text_table(COLUMNS, rows(given, results), left=COLUMNS[:2])
-
-
-def figures(given: argparse.Namespace, results: Results) -> dict[str, Figure]:
-    """None: the table says it."""
-    return {}
