@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ev_core.check.bits import differing_bits
-from ev_core.check.exact import inexact
-from ev_core.check.finite import not_finite, not_refused
 from ev_core.check.inputs import RandomInputs
 from ev_core.check.mirror import asymmetry
-from ev_core.check.reached import Reached, reached
-from ev_core.check.state import impurity, lost_by_live_change, lost_state, unnamed_state
+from ev_core.check.reached import Reached, inexact, reached
+from ev_core.check.state import (
+    differing_bits,
+    impurity,
+    lost_by_live_change,
+    lost_state,
+    not_finite,
+    not_refused,
+    unnamed_state,
+)
 from ev_core.check.stepping import MakesInputs, Subject
 from ev_core.lockstep.configuration import Configuration, configure, refuse_unused
 
