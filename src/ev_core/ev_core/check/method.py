@@ -45,7 +45,7 @@ def check_method(
 ) -> Reached:
     """Hold a registered method, with these parameter values, against the contract; ContractError lists the findings.
 
-    It has to be exact (`check.exact`), pure and deterministic, finite or refused, and the same to the bit after it was
+    It has to be exact (`inexact`), pure and deterministic, finite or refused, and the same to the bit after it was
     saved and loaded, after a parameter was set to its own value, and compiled if it is marked so. If it claims mirror
     symmetry it is held to that, unless `mirrored` is false, for values that are an exception. For each seed it is
     stepped so many times with what `inputs` makes: random numbers and launches, by default. The answer says how often
