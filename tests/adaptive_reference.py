@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ev_core.compiled.function import bound, one_record
-from ev_core.compiled.loop import CompiledObject
+from ev_core.compiled.loop import CompiledObject, bound, one_record
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.law import Given
 from ev_msgs_py.compilable import compilable

@@ -23,7 +23,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ev_core.compiled.function import compiled
+from ev_core.compiled.loop import compiled
 from ev_core.compiling.inside_numba import TOUCHES, VARIABLE
 from ev_core.compiling.user_cache import VARIABLE as CACHE
 from ev_core.law import compilable, entry, memory_type, working_memory

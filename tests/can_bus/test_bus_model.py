@@ -23,7 +23,7 @@ from ev_core.bus.model import (
     release,
     take,
 )
-from ev_core.compiled.function import compiled, in_memory
+from ev_core.compiled.loop import compiled, in_memory
 from ev_core.parameters.declaration import number_tree
 from ev_core.parameters.record import numbers
 from ev_msgs_py.can.frame_length import wire_bits

@@ -12,7 +12,7 @@ from can_bus.databases import ours
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from ev_core.compiled.function import compiled, in_memory
+from ev_core.compiled.loop import compiled, in_memory
 from ev_msgs_py.can.database import _field
 from ev_msgs_py.can.payload import BitField, byte_of, extracted, inserted, quantised
 from ev_msgs_py.refusal import ParameterError

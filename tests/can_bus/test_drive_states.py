@@ -6,7 +6,7 @@ import itertools
 
 import pytest
 
-from ev_core.compiled.function import compiled
+from ev_core.compiled.loop import compiled
 from ev_msgs_py.can.drive_states import (
     DISABLE_VOLTAGE,
     ENABLE_COMMAND,

@@ -10,7 +10,7 @@ from can_bus.benches import NOTHING, SPEED, TICK, TORQUE, Bench
 from can_bus.databases import ours
 
 from ev_core.bus.channel import Frame
-from ev_core.compiled.function import compiled, in_memory
+from ev_core.compiled.loop import compiled, in_memory
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
 from ev_core.parameters.record import numbers

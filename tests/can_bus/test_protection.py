@@ -21,7 +21,7 @@ from ev_core.bus.checking import (
     is_valid,
     no_new_data,
 )
-from ev_core.compiled.function import compiled, in_memory
+from ev_core.compiled.loop import compiled, in_memory
 from ev_core.parameters.record import numbers
 from ev_msgs_py.can.payload import checksum, counter_of, next_counter, protected
 

@@ -11,7 +11,7 @@ from column.columns import B, J, K
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ev_core.compiled.function import compiled
+from ev_core.compiled.loop import compiled
 from ev_sim.steering.friction_oscillator import oscillated, oscillator
 
 FAR = 1e6  # an end stop that is never reached [rad]

@@ -97,7 +97,7 @@ def test_a_constant_of_another_module_acts_in_the_next_process(tmp_path):
         "import consts\nfrom ev_msgs_py.compilable import compilable\n\n\n"
         "@compilable\ndef limiting(x):\n    return x * consts.LIMIT\n"
     )
-    imports = "from limiting import limiting\nfrom ev_core.compiled.function import compiled"
+    imports = "from limiting import limiting\nfrom ev_core.compiled.loop import compiled"
     call = f"{imports}\nprint(compiled(limiting)(2.0))"
     for limit in (0.25, 0.75):
         (tmp_path / "consts.py").write_text(f"LIMIT = {limit}\n")

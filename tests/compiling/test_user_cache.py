@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 from numba import cfunc, float64, njit, vectorize
 from numba.experimental import jitclass
 
-from ev_core.compiled.function import compiled
+from ev_core.compiled.loop import compiled
 from ev_core.compiling import user_cache
 from ev_core.compiling.fingerprint import fingerprint
 from ev_core.compiling.user_cache import cache_folder, read_checked, write_checked

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ev_core.compiled.function import compiled, in_memory
+from ev_core.compiled.loop import compiled, in_memory
 from ev_core.parameters.declaration import number_tree
 from ev_core.parameters.values import build
 from ev_sim.drives import drive

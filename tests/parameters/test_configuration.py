@@ -11,8 +11,7 @@ from toy_methods import toy, toy_graph
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.finding import find_method
 from ev_core.lockstep.graph import check_graph
-from ev_core.methods.common_parameters import CommonParameters
-from ev_core.methods.register import all_methods, method, methods_of, refuse_taken
+from ev_core.methods.register import CommonParameters, all_methods, method, methods_of, refuse_taken
 from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.declaration import flatten, parameter
 from ev_core.parameters.values import entries_by_name

@@ -7,7 +7,7 @@ from typing import Any
 from documentation.markdown import code, codes, table
 from documentation.own_methods import own_methods
 from ev_control.inverter_gateway.gateway import GatewayParameters
-from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.register import CommonParameters
 from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.declaration import Entry, entries
 from ev_core.sensors.row import QUANTITIES

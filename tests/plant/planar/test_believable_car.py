@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from plant.planar.car import outputs, plant, steered
 
-from ev_core.vehicle.suspension import Suspension
+from ev_core.vehicle.description import Suspension
 from ev_msgs_py.contract.signals import TireForces, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError

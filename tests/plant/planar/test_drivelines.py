@@ -15,9 +15,8 @@ from ev_core.methods.law import namespace
 from ev_core.methods.register import all_methods
 from ev_core.vehicle.car import car_numbers
 from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.drive_train import single_wheels
-from ev_core.vehicle.driveline import LOCK_COEFFICIENTS, Driveline
-from ev_core.vehicle.engine import Engine, Gearbox
+from ev_core.vehicle.driveline import LOCK_COEFFICIENTS, Driveline, single_wheels
+from ev_core.vehicle.motor import Engine, Gearbox
 from ev_msgs_py.contract.signals import MotorStates, WheelStates
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError

@@ -14,7 +14,7 @@ from plant.planar.car import FOUR_MOTORS, STRAIGHT, command, plant
 from ev_core.vehicle.car import car_numbers
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import Driveline
-from ev_core.vehicle.engine import Engine, Gearbox
+from ev_core.vehicle.motor import Engine, Gearbox
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.drives.combustion_engine import EngineState, advance_engine
 from ev_sim.plant.planar.planar_state import VX, WHEEL_SPEED, index

@@ -9,7 +9,7 @@ from ev_control.estimation.wheel_dynamics import Filtered, WheelMotion, filter_s
 from ev_control.law import LimitedWheel, LimpModeParameters, ReferenceSpeedParameters, traction_control
 from ev_control.shared import acceleration_criterion as criterion
 from ev_core.law import Car, Vehicle, compilable, entry, group, parameter, part
-from ev_core.vehicle.drive_train import has_own_motors
+from ev_core.vehicle.driveline import has_own_motors
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from ev_core.elementary import copysign, isfinite
 from ev_core.law import NO_WHEELS, Car, Vehicle, Wheels, WheelStates, WheelTorqueRequest, compilable, parameter
-from ev_core.vehicle.drive_train import has_own_motors
+from ev_core.vehicle.driveline import has_own_motors
 from ev_core.vehicle.motor import driving_torque, generating_torque
 
 KEEPS = ("asked", "sum", "difference")

@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ev_core.check.bits import differing_bits
-from ev_core.check.exact import inexact
-from ev_core.check.finite import not_finite, not_refused
 from ev_core.check.inputs import RandomInputs
 from ev_core.check.mirror import asymmetry
-from ev_core.check.reached import Reached, reached
-from ev_core.check.state import impurity, lost_by_live_change, lost_state, unnamed_state
+from ev_core.check.reached import Reached, inexact, reached
+from ev_core.check.state import (
+    differing_bits,
+    impurity,
+    lost_by_live_change,
+    lost_state,
+    not_finite,
+    not_refused,
+    unnamed_state,
+)
 from ev_core.check.stepping import MakesInputs, Subject
 from ev_core.lockstep.configuration import Configuration, configure, refuse_unused
 
@@ -40,7 +45,7 @@ def check_method(
 ) -> Reached:
     """Hold a registered method, with these parameter values, against the contract; ContractError lists the findings.
 
-    It has to be exact (`check.exact`), pure and deterministic, finite or refused, and the same to the bit after it was
+    It has to be exact (`inexact`), pure and deterministic, finite or refused, and the same to the bit after it was
     saved and loaded, after a parameter was set to its own value, and compiled if it is marked so. If it claims mirror
     symmetry it is held to that, unless `mirrored` is false, for values that are an exception. For each seed it is
     stepped so many times with what `inputs` makes: random numbers and launches, by default. The answer says how often

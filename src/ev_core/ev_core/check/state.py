@@ -1,4 +1,9 @@
-"""Pure, and with a complete declared state: the same inputs give the same outputs, also stopped, saved and loaded."""
+"""Pure, finite, with a complete declared state, and the same bits compiled and interpreted.
+
+The same inputs give the same outputs, also stopped, saved and loaded. A step gives numbers, or is refused; NaN neither
+leaves a method nor stays in it, and what has no direction has no sign. A law stepped twice with the same signals,
+compiled and in plain Python, gives every number with the same bits.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +12,21 @@ import random
 from collections import Counter
 from typing import Any
 
-from ev_core.check.stepping import Subject, difference, said, stepped
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ev_core.check.inputs import ExtremeInputs, RandomInputs
+from ev_core.check.stepping import MakesInputs, Subject, difference, frame_of, numbers_in, said, stepped
+from ev_core.compiled.loop import call_part
+from ev_core.compiled.part import CompiledPart
+from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.parts import hand_over
+from ev_core.methods.part import Part
+from ev_core.methods.register import create
 from ev_core.parameters.declaration import entries
+from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.fields import SignalError, shape_of
+from ev_msgs_py.contract.roles import ROLES, RoleKind
 
 
 def impurity(subject: Subject, seed: int) -> str:
@@ -86,3 +103,98 @@ def _not_numbers(state: Any) -> str:
     except (TypeError, ValueError):
         return f"the state is {type(state).__name__}, it has to be None or a row of numbers"
     return ""
+
+
+def not_finite(subject: Subject, seed: int) -> str:
+    """What goes wrong with plausible inputs; empty if every step gives finite numbers."""
+    part = subject.part()
+    for step, here in enumerate(subject.frames(seed)):
+        try:
+            raw = stepped(part, here)
+        except Exception as error:  # whatever a stranger's law raises is a finding
+            return f"plausible inputs, step {step}: {_said(error)}"
+        if negative := _negative(subject, numbers_in(raw)):
+            return f"plausible inputs, step {step}: {negative}"
+    return "plausible inputs leave NaN in the state" if _holds_nan(part) else ""
+
+
+def not_refused(subject: Subject, seed: int) -> str:
+    """What goes wrong with absurd inputs, up to the largest floats; empty if each step is finite or refused.
+
+    What is refused ends a run, so the next step is that of a new object, which has not seen them.
+    """
+    extreme = Subject(subject.configuration, subject.compiled, subject.steps, ExtremeInputs)
+    part = subject.part()
+    for step, here in enumerate(extreme.frames(seed)):
+        try:
+            stepped(part, here)
+        except ValueError:
+            part = subject.part()
+        except Exception as error:  # as above
+            return f"absurd inputs, step {step}: {_said(error)}; a refusal is a ValueError"
+    return "absurd inputs leave NaN in the state, though none was refused" if _holds_nan(part) else ""
+
+
+def _negative(subject: Subject, numbers: np.ndarray) -> str:
+    """The first number that is negative and must not be, such as a brake torque; empty if there is none."""
+    for kind in subject.configuration.method.writes:
+        shape = shape_of(kind)
+        for channel, value in zip(shape.channels, numbers[frame.PLACES[kind]], strict=True):
+            if value < 0.0 and shape.fields[channel.partition(".")[0]].never_negative:
+                return f"{kind.__name__}.{channel} is {value}, allowed is never below zero"
+    return ""
+
+
+def _holds_nan(part: Part) -> bool:
+    try:
+        return part.state is not None and bool(np.isnan(np.asarray(part.state, dtype=float)).any())
+    except (TypeError, ValueError):  # no row of numbers, which `check.state` finds
+        return False
+
+
+def _said(error: Exception) -> str:
+    return str(error) if isinstance(error, SignalError) else f"{type(error).__name__}: {error}"
+
+
+def differing_bits(configuration: Configuration, steps: int, seed: int, inputs: MakesInputs = RandomInputs) -> str:
+    """What differs first between the compiled and the interpreted form of a configured law; empty if nothing does."""
+    method = configuration.method
+    settings = (configuration.parameters, configuration.common.vehicle, configuration.common.control_period)
+    compiled, plain = CompiledPart(method, *settings), create(method, *settings)
+    integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
+    given = inputs(method.reads, seed, configuration.common.control_period)
+    for step in range(steps):
+        signals = given.next()
+        here, there = np.array(frame_of(method.reads, signals).numbers), np.zeros(frame.SIZE)
+        function, state, constants = compiled.addresses()
+        if integrates:
+            call_part(function, here.ctypes.data, there.ctypes.data, state, constants)
+            plain.advance(*signals)
+            said = plain.outputs()
+        else:
+            there = here
+            call_part(function, here.ctypes.data, here.ctypes.data, state, constants)
+            answer = plain.step(*signals)
+            said = (answer,) if len(method.writes) == 1 else answer
+        for signal, kind in zip(said, method.writes, strict=True):
+            expected = shape_of(kind).carried(shape_of(kind).flat(signal))
+            differing = _differing(there[frame.PLACES[kind]], expected)
+            if differing:
+                place, values = differing
+                return f"step {step}: {kind.__name__}.{shape_of(kind).channels[place]} is {values}"
+        # Compiled, a law without a state has one number in its memory.
+        differing = _differing(compiled.state[: len(plain.state)], plain.state)
+        if differing:
+            place, values = differing
+            return f"step {step}: number {place} of the state is {values}"
+    return ""
+
+
+def _differing(compiled: ArrayLike, interpreted: ArrayLike) -> tuple[int, str] | None:
+    """The first place where the bits differ, and both values there; None if all are the same."""
+    pair = [np.asarray(numbers, dtype=float) for numbers in (compiled, interpreted)]
+    one, other = (numbers.view(np.int64) for numbers in pair)
+    if np.array_equal(one, other):
+        return None
+    place = int(np.flatnonzero(one != other)[0])
+    return place, f"{float(pair[0][place])!r} compiled, {float(pair[1][place])!r} interpreted"

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.compiled.constants import constants_row
-from ev_core.compiled.part_source import part_source
+from ev_core.compiled.part_source import constants_row, part_source
 from ev_core.compiling import machine_code
 from ev_core.compiling.fingerprint import Reach
 from ev_core.compiling.machine_code import FUNCTION, function_address

@@ -11,9 +11,8 @@ finite raise, while compiled they do not: ask before.
 
 from math import copysign, fabs, floor, isfinite, sqrt
 
-from ev_core.elementary.exponential import cosh, exp, expm1, sinh, tanh
+from ev_core.elementary.exponential import atanh, cosh, exp, expm1, log, log1p, sinh, tanh
 from ev_core.elementary.inverse_trigonometric import acos, asin, atan, atan2
-from ev_core.elementary.logarithm import atanh, log, log1p
 from ev_core.elementary.parts import fmod, hypot, remainder
 from ev_core.elementary.trigonometric import cos, sin, sin_cos, tan
 

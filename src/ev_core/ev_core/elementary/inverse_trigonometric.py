@@ -71,12 +71,6 @@ def acos(x: float) -> float:
     return 0.0 if x == 1.0 else nan
 
 
-# Follows fdlibm, whose notice this is:
-# Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
-# Developed at SunSoft, a Sun Microsystems, Inc. business.
-# Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
-# preserved.
-
 ATAN_HALF, ATAN_HALF_TAIL = 4.63647609000806093515e-01, 2.26987774529616870924e-17
 ATAN_3_HALVES, ATAN_3_HALVES_TAIL = 9.82793723247329054082e-01, 1.39033110312309984516e-17
 A0 = 3.33333333333329318027e-01

@@ -1,4 +1,8 @@
-"""The register of methods: every law, plant, column and driver, by role and name, also of installed packages."""
+"""The register of methods: every law, plant, column and driver, by role and name, also of installed packages.
+
+With it stand the parameters that every node has besides those of its method, and what packages offer besides methods by
+entry points: reports, studies, sources.
+"""
 
 from __future__ import annotations
 
@@ -7,19 +11,68 @@ import typing
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from importlib.metadata import entry_points
+from types import ModuleType
 from typing import Any, TypeVar
 
 from ev_core.faults.fault import FaultParameters
-from ev_core.methods.common_parameters import CommonParameters
 from ev_core.methods.hooks import refuse_lacking
 from ev_core.methods.law import Law, declared_law, given_names
-from ev_core.parameters.declaration import entries
+from ev_core.parameters.declaration import entries, group, setting
 from ev_core.parameters.values import entries_by_name, refuse_undeclared
+from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.layout import refusal
 from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
-from ev_msgs_py.refusal import ParameterError, quoted
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+
+
+@dataclass(frozen=True, slots=True)
+class CommonParameters:
+    """Parameters that every node of the graph has."""
+
+    control_period: float = setting(
+        0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
+    )
+    mode: str = setting(
+        "lockstep",
+        choices=("lockstep", "realtime"),
+        about="lockstep: a step when all inputs are there; realtime: a step when the wall clock says so",
+        read_only=True,
+    )
+    seed: int = setting(0, low=0, high=2**31 - 1, about="seed of everything random in the node", read_only=True)
+    scheduling_priority: int = setting(
+        0, low=0, high=99, about="SCHED_FIFO for all threads of the process; 0: not asked for", read_only=True
+    )
+    lock_memory: bool = setting(False, about="keep the memory of the node's process from being paged", read_only=True)
+    vehicle: Vehicle = group(Vehicle)
+
+
+@cache
+def offered(group: str) -> dict[str, str]:
+    """The modules of a group of entry points by name; ParameterError if two packages offer something by one name."""
+    found: dict[str, str] = {}
+    for point in entry_points(group=group):
+        if found.setdefault(point.name, point.value) != point.value:
+            raise ParameterError(
+                f"{group} {quoted(point.name)} is offered by {found[point.name]} and by {point.value}, allowed is one"
+            )
+    return found
+
+
+def offered_module(group: str, kind: str, name: str) -> ModuleType:
+    """The module of a name; ParameterError that lists the known ones if there is none, or says why it is not loaded."""
+    modules = offered(group)
+    if name not in modules:
+        raise unknown_name(kind, name, modules)
+    try:
+        return import_module(modules[name])
+    except Exception as error:  # whatever somebody's module raises
+        raise ParameterError(
+            f"{kind} {name}: {modules[name]} is not loaded: {type(error).__name__}: {error}"
+        ) from error
+
 
 _GROUP = "ev_stack.methods"
 

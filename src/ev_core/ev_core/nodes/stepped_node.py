@@ -18,8 +18,8 @@ from ev_core.lockstep.configuration import Configuration, configure
 from ev_core.lockstep.graph import polling_order
 from ev_core.lockstep.parts import hand_over, is_compiled, part_of
 from ev_core.lockstep.stepper import WRITERS, Answer, Stepper, arrival_place
-from ev_core.methods.common_parameters import CommonParameters
 from ev_core.methods.part import Part
+from ev_core.methods.register import CommonParameters
 from ev_core.node_loop.message_memory import End
 from ev_core.node_loop.ordinary_steps import OrdinarySteps, can_be_taken
 from ev_core.nodes import ros_parameters

@@ -7,7 +7,7 @@ from typing import Any
 from ev_core.elementary import copysign, hypot
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.drive_train import drive_train_numbers, wheel_inertias
+from ev_core.vehicle.driveline import drive_train_numbers, wheel_inertias
 from ev_msgs_py.compilable import compilable, inlined
 from ev_msgs_py.contract.signals import BodyVelocity
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
@@ -44,7 +44,7 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
     - `front_roll_share`: of the front axle in the lateral load transfer [1], by roll stiffness where that is given,
     - `pitch_height`, `roll_height`: height of the centre of mass [m] by which longitudinal and lateral acceleration
       move the wheel loads, 0 for what `load_transfer` leaves out,
-    - those of its drives, `drive_train.drive_train_numbers`.
+    - those of its drives, `driveline.drive_train_numbers`.
     """
     driven = [float(name in vehicle.driven_wheels) for name in WHEEL_NAMES]
     return {

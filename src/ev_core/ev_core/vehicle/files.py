@@ -60,25 +60,11 @@ _FIT_TYPES = {6.0: False, 21.0: False, 52.0: False, 60.0: True, 61.0: True, 62.0
 _FORMATS = {"PAC2002": False, "MF_05": False}
 
 # The scale factors that multiply a coefficient.
-_SCALES = {
-    "fnomin": "LFZO",
-    "pcx1": "LCX",
-    "pdx1": "LMUX",
-    "pdx2": "LMUX",
-    "pex1": "LEX",
-    "pex2": "LEX",
-    "pex3": "LEX",
-    "pkx1": "LKX",
-    "pkx2": "LKX",
-    "pcy1": "LCY",
-    "pdy1": "LMUY",
-    "pdy2": "LMUY",
-    "pey1": "LEY",
-    "pey2": "LEY",
-    "pky1": "LKY",
-    "rbx1": "LXAL",
-    "rby1": "LYKA",
+_SCALED = {
+    **{"LFZO": "fnomin", "LCX": "pcx1", "LMUX": "pdx1 pdx2", "LEX": "pex1 pex2 pex3", "LKX": "pkx1 pkx2"},
+    **{"LCY": "pcy1", "LMUY": "pdy1 pdy2", "LEY": "pey1 pey2", "LKY": "pky1", "LXAL": "rbx1", "LYKA": "rby1"},
 }
+_SCALES = {name: scale for scale, names in _SCALED.items() for name in names.split()}
 _UNITS = {"LENGTH": "meter", "FORCE": "newton", "ANGLE": "radians"}
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.drive_train import couplings, has_equal_motors, single_wheels
+from ev_core.vehicle.driveline import couplings, has_equal_motors, single_wheels
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 # Says what a method with these parameters needs and this vehicle lacks; an empty text if there is nothing.

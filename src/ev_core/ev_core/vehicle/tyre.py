@@ -10,25 +10,8 @@ from ev_core.parameters.record import per_wheel
 from ev_msgs_py.refusal import ParameterError
 
 # What a file may leave out, and what it then is; the others have to be there.
-OPTIONAL = {
-    "pdx2": 0.0,
-    "pex1": 0.0,
-    "pex2": 0.0,
-    "pex3": 0.0,
-    "pex4": 0.0,
-    "pkx2": 0.0,
-    "pkx3": 0.0,
-    "pdy2": 0.0,
-    "pey1": 0.0,
-    "pey2": 0.0,
-    "pky4": 2.0,
-    "rex1": 0.0,
-    "rex2": 0.0,
-    "rey1": 0.0,
-    "rey2": 0.0,
-    "rhy1": 0.0,
-    "rhy2": 0.0,
-}
+_ZERO = "pdx2 pex1 pex2 pex3 pex4 pkx2 pkx3 pdy2 pey1 pey2 rex1 rex2 rey1 rey2 rhy1 rhy2"
+OPTIONAL = {**dict.fromkeys(_ZERO.split(), 0.0), "pky4": 2.0}
 
 
 @dataclass(slots=True)

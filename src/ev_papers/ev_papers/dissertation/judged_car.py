@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from ev_core.vehicle.car import GRAVITY
-from ev_core.vehicle.drive_train import wheel_inertia
+from ev_core.vehicle.driveline import wheel_inertia
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.samples import channel, run_named

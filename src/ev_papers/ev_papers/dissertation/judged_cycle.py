@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ev_core.parameters.data_file import find_file
-from ev_core.vehicle.drive_train import wheel_inertia
+from ev_core.vehicle.driveline import wheel_inertia
 from ev_msgs_py.contract.optional_signals import BenchTemperatures
 from ev_papers.dissertation.measures.circuits import CircuitSums, circuits
 from ev_papers.dissertation.measures.slip_curve import LARGEST_ERROR, SlipCurve, first_passed_peak, slip_and_road_torque

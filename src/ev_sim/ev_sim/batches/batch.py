@@ -17,7 +17,7 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph
 from ev_core.lockstep.parts import method_part, row_parts
 from ev_core.lockstep.run import refuse_not_finite, roles_in_order
-from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.register import CommonParameters
 from ev_core.parameters.values import check, entries_by_name, plain
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.fields import SignalError

@@ -8,8 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ev_core.methods.common_parameters import CommonParameters
-from ev_core.methods.register import methods_of
+from ev_core.methods.register import CommonParameters, methods_of
 from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.data_file import config_folders
 from ev_core.parameters.declaration import Entry, Spec, entries
@@ -26,7 +25,7 @@ from ev_sim.scenarios.about import ScenarioParameters, vehicle_of
 
 def print_header(argv: list[str]) -> None:
     """ev-stack header"""
-    from ev_core.native.header import header
+    from ev_core.native.interface import header
 
     print(header(), end="")
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ev_core.law import compilable, entry
-from ev_core.vehicle.engine import Engine
-from ev_core.vehicle.motor import speed_fade
+from ev_core.vehicle.motor import Engine, speed_fade
 
 # Speed ratio at which the stator runs free: there the converter's two torques meet, and those of the coupling begin.
 COUPLING_POINT = 0.8831

@@ -12,7 +12,7 @@ import numpy as np
 
 from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.drive_train import wheel_inertias
+from ev_core.vehicle.driveline import wheel_inertias
 from ev_msgs_py.contract.roles import MASTER
 from ev_sim.figures.drawing import sheet
 from ev_sim.figures.figure import Figure

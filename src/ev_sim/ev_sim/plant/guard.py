@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from ev_core.law import WHEEL_NAMES, SteeringColumnState, Vehicle, Wheels, WheelTorqueCommand, compilable, isfinite
 from ev_core.parameters.record import entry, per_wheel
-from ev_core.vehicle.drive_train import drive_train_numbers, motors_behind
+from ev_core.vehicle.driveline import drive_train_numbers, motors_behind
 
 
 class GuardLimits(NamedTuple):

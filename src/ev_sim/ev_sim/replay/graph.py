@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ev_core.lockstep.configuration import Configuration, configure, refuse_unused
-from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.register import CommonParameters
 from ev_core.nodes.master.real_time import MasterParameters
 from ev_core.parameters.values import entries_by_name
 from ev_msgs_py.contract import stamps

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ev_core.methods.offered import offered, offered_module
+from ev_core.methods.register import offered, offered_module
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.figures.drawing import sheet

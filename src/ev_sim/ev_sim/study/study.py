@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from ev_core.methods.offered import offered, offered_module
+from ev_core.methods.register import offered, offered_module
 from ev_msgs_py.refusal import unknown_name
 from ev_sim.measures.metric import Metric, NotMeasured, metric
 from ev_sim.recording.recording import Recording, signal_hash

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.drive_train import wheel_inertia
+from ev_core.vehicle.driveline import wheel_inertia
 from ev_papers.dissertation.measures.circuits import free_wheel_beside
 from ev_sim.measures.metric import NotMeasured
 from ev_sim.measures.samples import channel

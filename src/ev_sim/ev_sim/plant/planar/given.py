@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ev_core.faults.fault import faults_parameter
 from ev_core.law import GRAVITY, ParameterError, Vehicle, entry, group, parameter, part, per_wheel, setting
-from ev_core.vehicle.drive_train import wheel_inertias
+from ev_core.vehicle.driveline import wheel_inertias
 from ev_core.vehicle.tyre import MfTyres, mf_tyres
 from ev_sim.drives.drive import DRIVES, DriveParameters
 from ev_sim.profiles.profile import SpeedProfileParameters, with_profile_from_file

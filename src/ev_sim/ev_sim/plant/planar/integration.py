@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ev_core.compiled.function import compiled, one_record
+from ev_core.compiled.loop import compiled, one_record
 from ev_core.law import NO_WHEELS, Car, Vehicle, inlined
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import car_numbers

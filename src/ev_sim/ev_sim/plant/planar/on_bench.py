@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from ev_core.law import BenchElectrical, BenchShafts, Car, LoadCommand, Vehicle, compilable, inlined, method, parameter
 from ev_core.parameters.record import entry, per_wheel, working_memory
-from ev_core.vehicle.drive_train import has_equal_motors, has_own_motors
+from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
 from ev_msgs_py.can.frames import SPEED_MODE
 from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelTorqueCommand
 from ev_sim.drives.electrical_side import current_at_power

@@ -8,7 +8,7 @@ from typing import Any
 
 from ev_core.law import Car, SteeringColumnState, Vehicle, WheelTorqueCommand, cos, group, inlined, method, sin
 from ev_core.parameters.record import per_wheel, working_memory
-from ev_core.vehicle.drive_train import has_own_motors
+from ev_core.vehicle.driveline import has_own_motors
 from ev_msgs_py.contract.optional_signals import RearSteeringState, WheelSpeedCommand
 from ev_sim.drives.synchronous_motor import SpeedModeParameters, speed_control_without_windup
 from ev_sim.plant.guard import accepted, guarded_steering, guarded_torques

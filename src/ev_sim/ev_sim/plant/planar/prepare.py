@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from ev_core.law import WHEEL_NAMES, ParameterError, Vehicle, expm1, sqrt
-from ev_core.vehicle.drive_train import has_equal_motors, has_own_motors
+from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
 from ev_sim.drives.brushless_motor import MotorParameters, torque_constant
 from ev_sim.drives.drive import DRIVES
 from ev_sim.plant.guard import GuardLimits, guard_limits
