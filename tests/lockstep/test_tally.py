@@ -6,15 +6,20 @@ import hashlib
 import struct
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ev_core.lockstep.inbox import Inbox, note_answer, row_of_answer
 from ev_core.lockstep.tally import KEPT, Tally
+from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.frame import PLACES, SIZE, Frame
-from ev_msgs_py.contract.signals import WheelTorqueCommand
+from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueCommand
+from ev_msgs_py.contract.stamps import RUN
 from ev_msgs_py.contract.topics import TOPICS
 
 KEY = b"a key"
+PERIOD = 10_000_000
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 COMMAND = PLACES[WheelTorqueCommand]
 WIDTH = COMMAND.stop - COMMAND.start
@@ -93,6 +98,26 @@ def test_a_node_that_integrates_outputs_the_step_ahead_of_its_inputs():
         else:
             tally.add(step - 1, frame.address, frame.address)
     assert tally.newest(-1, 99)["said"][NAME]["99"] == tallied(steps) == by_definition(steps)
+
+
+@pytest.mark.parametrize("lead", [0, PERIOD], ids=["answers", "integrates"])
+@pytest.mark.parametrize("run", [0, 3 * RUN])
+def test_the_newest_step_of_an_inbox_is_added_where_it_stands(lead, run):
+    """Over more steps than the inbox has rows, in a later run too, and of an output of the next instant."""
+    inbox = Inbox((DriverCommand,), frozenset(), PERIOD, lead=lead)
+    at_once, one_by_one = (Tally(KEY, (DriverCommand,), (WheelTorqueCommand,), lead // PERIOD) for _ in range(2))
+    add = at_once.adder(inbox)
+    for step in range(20):
+        stamp = run + step * PERIOD
+        inbox.offer(DriverCommand, stamp, [step + 0.1] * shape_of(DriverCommand).size)
+        here = inbox.take(inbox.complete())
+        there = inbox.frames[row_of_answer(inbox.steps, stamp + lead)]
+        there.numbers[COMMAND] = memoryview(np.full(WIDTH, step + 0.2))
+        note_answer(inbox.steps, stamp + lead)
+        add()
+        one_by_one.add(step, here.address, there.address)
+    assert at_once.newest(19, 20) == one_by_one.newest(19, 20)
+    assert at_once.newest(19, 20)["taken"] != Tally(KEY, (DriverCommand,)).newest(19, 20)["taken"]
 
 
 def test_another_key_gives_another_sum():

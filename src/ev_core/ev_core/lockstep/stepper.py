@@ -85,6 +85,7 @@ class Stepper:
             self.inbox = Inbox(self.reads, heralds, period, followed=followed, lead=lead)
         self.period = period
         self.tally = Tally(key, self.reads, method.writes, self.integrates) if key and not may_skip else None
+        self._add_up = self.tally.adder(self.inbox) if self.tally is not None else None
         self._make = make
         self._at_rest = True
         self.part = make()
@@ -181,8 +182,8 @@ class Stepper:
             there.numbers[TIME] = self._instant(said)
         self.part.step(here, there)
         note_answer(self.inbox.steps, said)
-        if self.tally is not None:
-            self.tally.add(stamp // self.period, here.address, there.address)
+        if self._add_up is not None:
+            self._add_up()
         return Answer(said, there)
 
     def _instant(self, stamp: int) -> float:

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from ev_core.compiling.machine_code import function_address
+from ev_core.lockstep.inbox import ANSWER, LAST, ROWS, Inbox, Steps, row_of, row_of_answer
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.frame import PLACES, SIZE
 from ev_msgs_py.contract.topics import TOPICS
@@ -25,7 +26,8 @@ _MOST = 64  # topics of a node
 _KEYS = 2 + 2 * SIZE
 # Where in the block of a node begin, behind the keys: the first and last place of each topic in the frame, its sums.
 _TAKEN, _COUNT, _AHEAD = range(_KEYS, _KEYS + 3)  # topics that are taken, all topics, steps from an input to its output
-_TOPICS = _KEYS + 3
+_PERIOD, _LEAD = _KEYS + 3, _KEYS + 4  # of the inbox whose steps are added
+_TOPICS = _KEYS + 5
 _SUMS = _TOPICS + 2 * _MOST
 BLOCK = _SUMS + KEPT * _MOST
 _WORD, _LOW = 32, 0xFFFFFFFF
@@ -55,6 +57,13 @@ def add_up_step(block: Any, step: int, taken: Any, said: Any) -> None:
         add_up(block, block[_TAKEN], block[_COUNT], -1 - step, said)
 
 
+@compilable
+def add_up_newest(block: Any, steps: Any, frames: Any) -> None:
+    """Add the inputs and outputs of the newest step of an inbox, whose `frames` these are."""
+    here, there = steps.done[LAST], steps.done[ANSWER]
+    add_up_step(block, here // steps.period, frames[row_of(steps, here)], frames[row_of_answer(steps, there)])
+
+
 _TEXT = f'''"""Inputs and outputs of nodes, added up: generated, do not edit."""
 
 import numpy as np
@@ -69,14 +78,37 @@ def step(block, at, taken, said):
     add_up_step(carray(block, {BLOCK}, np.int64), at, frames[0], frames[1])
     return 0
 '''
+_NEWEST = f'''"""The newest inputs and outputs of nodes, added up: generated, do not edit."""
+
+import numpy as np
+from numba import carray, cfunc, types
+
+P = types.voidptr
+
+
+@cfunc(types.int32(P, P, P), error_model="numpy")
+def step(block, steps, frames):
+    b, s = carray(block, {BLOCK}, np.int64), carray(steps, {3 + 2 * ROWS}, np.int64)
+    kept = Steps(s[:3], s[3:{3 + ROWS}], s[{3 + ROWS}:], 0, 0, 0, b[{_PERIOD}], b[{_LEAD}], 0)
+    add_up_newest(b, kept, carray(frames, ({ROWS + 2}, {SIZE}), np.float64))
+    return 0
+'''
 _P, _N = ctypes.c_void_p, ctypes.c_int64
-_FUNCTION = ctypes.PYFUNCTYPE(ctypes.c_int32, _P, _N, _P, _P)  # it takes less time than to let others run meanwhile
+# What takes less time than to let others run meanwhile.
+_FUNCTION = ctypes.PYFUNCTYPE(ctypes.c_int32, _P, _N, _P, _P)
+_NEWEST_FUNCTION = ctypes.PYFUNCTYPE(ctypes.c_int32, _P, _P, _P)
 
 
 @cache
 def address() -> int:
-    """Of the function as one of C."""
+    """Of the function that adds any step, as one of C."""
     return function_address("tally", _TEXT, {"add_up_step": add_up_step})
+
+
+@cache
+def newest_address() -> int:
+    """Of the function that adds the newest step of an inbox, as one of C."""
+    return function_address("newest_tally", _NEWEST, {"add_up_newest": add_up_newest, "Steps": Steps})
 
 
 class Tally:
@@ -95,8 +127,15 @@ class Tally:
             self.block[_TOPICS + 2 * i : _TOPICS + 2 * i + 2] = PLACES[signal].start, PLACES[signal].stop
         self._sums = self.block[_SUMS:].reshape(_MOST, KEPT)
         # add(step, taken, said): the inputs of a step and the outputs that follow, in the frames at two addresses.
-        # It is called in each step and not wrapped, as that would take as long as the sums.
         self.add = partial(_FUNCTION(address()), self.block.ctypes.data)
+
+    def adder(self, inbox: Inbox) -> Callable[[], int]:
+        """A function that adds the newest step of an inbox, as often as it is called.
+
+        It is not wrapped and takes no arguments from Python: both would take as long as the sums.
+        """
+        self.block[_PERIOD], self.block[_LEAD] = inbox.steps.period, inbox.steps.lead
+        return partial(_NEWEST_FUNCTION(newest_address()), self.block.ctypes.data, *inbox.addresses)
 
     def begin(self, step: int, said: int) -> None:
         """Add the outputs of a step before which there was no input, in the frame at an address."""

@@ -46,6 +46,7 @@ def keep_code() -> None:
     if is_switched_on() and not steps.is_kept():
         steps.address()
     tally.address()
+    tally.newest_address()
 
 
 # `rcutils_uint8_array_t`, and room for more than `rmw_message_info_t`, in words of 8 bytes.
