@@ -245,7 +245,7 @@ def test_random_frames_end_no_node_and_move_no_motor():
         (InverterNode, {"inject.drive_11": ["fire"]}, "'fire' is refused, allowed is one of trip"),
         (InverterGatewayNode, {"bus.interface": "virtual", "bus.log": "x.txt"}, "'x.txt' is refused"),
         (InverterGatewayNode, {"torque_limit": -1.0}, "torque_limit: -1.0 is refused, allowed is 0 to 1000 N m"),
-        (InverterGatewayNode, {"speed": 1.0}, "unknown parameter 'speed'; known: "),
+        (InverterGatewayNode, {"speed": 1.0}, "unknown parameter 'speed'; did you mean speed_limit?"),
     ],
 )
 def test_bad_parameters_are_one_clear_line(kind: type, values: dict[str, Any], said: str):

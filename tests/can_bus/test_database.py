@@ -60,7 +60,7 @@ def test_binary_rubbish(tmp_path: Path):
 
 
 def test_an_unknown_frame_is_named_with_the_known_ones():
-    with pytest.raises(ParameterError, match="unknown CAN frame 'Drive13_Motion'; known: Drive1"):
+    with pytest.raises(ParameterError, match="unknown CAN frame 'Drive13_Motion'; did you mean Drive1"):
         ours()["Drive13_Motion"]
 
 

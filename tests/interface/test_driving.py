@@ -85,7 +85,7 @@ def test_a_batch_is_the_runs_one_by_one():
     [
         ({"set": {"gamma": 1.0}}, "set: 'gamma' is refused, allowed is NODE.PARAMETER"),
         ({"method": {"asr": "on"}}, "asr: unknown asr method 'on'; known: "),
-        ({"vehicle": "audi_a3"}, "unknown vehicle 'audi_a3'; known: audi_a2"),
+        ({"vehicle": "audi_a3"}, "unknown vehicle 'audi_a3'; did you mean audi_a2?"),
         ({"runs": ("first",)}, "unknown run of shchur2019 'first'; known: shchur2019"),
     ],
 )

@@ -111,7 +111,7 @@ def test_what_an_action_means():
     ("told", "said"),
     [
         ({"action": "brakes"}, "unknown action 'brakes'; known: steering, torque_split, traction_control"),
-        ({"observe": ("imu.yaw",)}, "unknown channel 'imu.yaw'; known: imu.yaw_rate"),
+        ({"observe": ("imu.yaw",)}, "unknown channel 'imu.yaw'; did you mean imu.yaw_rate"),
     ],
 )
 def test_wrong_words_get_one_line(told, said):

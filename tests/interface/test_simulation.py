@@ -201,7 +201,10 @@ def test_reset_begins_anew():
 @pytest.mark.parametrize(
     ("inputs", "said"),
     [
-        ({"torque_request.drive.left": 1.0}, "unknown input 'torque_request.drive.left'; known: torque_request.drive."),
+        (
+            {"torque_request.drive.left": 1.0},
+            "unknown input 'torque_request.drive.left'; did you mean torque_request.drive.",
+        ),
         ({"imu.yaw_rate": 1.0}, "unknown input 'imu.yaw_rate'; known: "),
         ({"torque_request.drive.front_left": float("nan")}, "input torque_request.drive.front_left: nan is refused"),
     ],

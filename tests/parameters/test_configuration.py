@@ -69,9 +69,10 @@ def test_values_of_a_sibling_method_are_checked_and_named_as_unused():
     assert refused(DIFFERENTIAL, {"method": "equal_torque", "gamma": "much"}).startswith("parameter gamma: 'much'")
 
 
-def test_an_unknown_name_lists_the_similar_ones_first_and_not_all_of_very_many():
+def test_an_unknown_name_asks_for_the_similar_one_and_lists_not_all_of_very_many():
     text = refused(DIFFERENTIAL, {"method": "power_steering", "gama": 3.0}, MasterParameters)
-    assert text.startswith(f"unknown parameter of {DIFFERENTIAL} 'gama'; known: gamma, ")
+    assert text == f"unknown parameter of {DIFFERENTIAL} 'gama'; did you mean gamma?"
+    text = refused(DIFFERENTIAL, {"method": "power_steering", "?": 3.0}, MasterParameters)
     known = text.partition("known: ")[2].split(", ")
     assert len(known) == len({*known}) == 12
     assert text.endswith(" more")

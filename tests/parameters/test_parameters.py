@@ -201,15 +201,20 @@ def test_a_relation_is_checked_after_all_values_and_names_the_full_parameter():
 @pytest.mark.parametrize("name", ["gian", "middle", "middle.inner", "middle.inner.low.x", "", "Gain"])
 def test_an_unknown_name_is_refused_and_the_known_ones_are_listed(name):
     text = refused({name: 1.0})
-    assert text.startswith(f"unknown parameter {name!r}; known: ")
+    assert text.startswith(f"unknown parameter {name!r}; ")
     assert set(text.partition("known: ")[2].split(", ")) == set(ENTRIES)
 
 
-def test_the_most_similar_names_come_first():
-    assert "known: gain, " in refused({"gian": 1.0})
+def test_the_most_similar_names_are_asked_for():
+    assert "did you mean gain? known: " in refused({"gian": 1.0})
     assert str(unknown_name("node", "drivr", ["asr", "plant", "driver"])) == (
-        "unknown node 'drivr'; known: driver, asr, plant"
+        "unknown node 'drivr'; did you mean driver? known: asr, driver, plant"
     )
+    many = [f"front_{i}" for i in range(30)]
+    assert str(unknown_name("wheel", "front7", many)) == (
+        "unknown wheel 'front7'; did you mean front_7, front_27, front_17?"
+    )
+    assert str(unknown_name("wheel", "rear", many)).endswith("front_19 and 18 more")
     assert str(unknown_name("node", 5, [])) == "unknown node 5; known: "
 
 

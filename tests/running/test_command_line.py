@@ -92,7 +92,7 @@ def test_a_value_is_read_as_a_parameter_file_would_read_it(text, value):
         (["--set", "plant.x=[1, 2"], "--set: '[1, 2' is no YAML value"),
         (["--set", "plant.x=2026-99-99"], "--set: '2026-99-99' is no YAML value"),
         (["--node", "driver"], "--node 'driver' is refused, allowed is NODE=COMMAND"),
-        (["--node", "drivr=./mine"], "unknown node 'drivr'; known: driver, "),
+        (["--node", "drivr=./mine"], "unknown node 'drivr'; did you mean driver? known: asr, driver, "),
         (["--node", "driver=./mine 'x"], '--node "driver=./mine \'x" is refused: No closing quotation'),
     ],
 )

@@ -130,10 +130,10 @@ def test_list_names_scenarios_and_methods():
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("shchur2020",), "unknown scenario or study 'shchur2020'; known: shchur2019"),
+        (("shchur2020",), "unknown scenario or study 'shchur2020'; did you mean shchur2019"),
         (("shchur2019", "--method", "driver=robot"), "unknown driver method 'robot'; known: .*speed_profile"),
         (("shchur2019", "--method", "engine=off"), "unknown node 'engine'; known: .*plant"),
-        (("shchur2019", "--set", "plant.drvie=ideal"), "unknown parameter of plant 'drvie'; known: drive"),
+        (("shchur2019", "--set", "plant.drvie=ideal"), "unknown parameter of plant 'drvie'; did you mean drive"),
         (("shchur2019", "--set", "plant.drive=steam"), "drive: 'steam' is refused, allowed is one of .*ideal"),
         (("shchur2019", "--set", "electronic_differential.gamma=-1"), "gamma: -1.0 is refused, allowed is 0 to 50"),
         (("shchur2019", "--set", "driver.speed_control.proportional_gain=nan"), "proportional_gain: 'nan' is refused"),

@@ -156,16 +156,16 @@ def test_a_bench_behind_a_real_bus_has_other_defaults():
 
 def test_unknown_scenarios_and_vehicles_list_the_known_ones(scenario):
     scenario(HEAD)
-    assert refused("tset").startswith("unknown scenario 'tset'; known: test, ")
+    assert refused("tset").startswith("unknown scenario 'tset'; did you mean test?")
     assert refused("../scenarios/gone.yaml") == "../scenarios/gone.yaml: No such file or directory"
     text = refused(scenario(HEAD.replace("about", "vehicle: audi_a3, about")))
-    assert text.startswith("unknown vehicle 'audi_a3'; known: audi_a2")
+    assert text.startswith("unknown vehicle 'audi_a3'; did you mean audi_a2?")
 
 
 def test_bad_words_of_a_scenario_about_itself_name_its_file(scenario, config):
     path = config / "scenarios" / "test.yaml"
     assert refused(scenario(HEAD.replace("2.0", "long"))).startswith(f"{path}: parameter duration: 'long'")
-    said = f"{path}: unknown parameter 'abuot'; known: about"
+    said = f"{path}: unknown parameter 'abuot'; did you mean about?"
     assert refused(scenario(HEAD.replace("about", "abuot"))).startswith(said)
     assert refused(scenario("a: [")).startswith(f"{path}: not readable as YAML")
 
@@ -210,8 +210,8 @@ def test_a_section_that_means_no_node_is_refused(scenario, more, pattern):
 @pytest.mark.parametrize(
     ("value", "said"),
     [
-        (("drivr", "seed", 1), "unknown node 'drivr'; known: driver, "),
-        (("driver", "sed", 1), "driver: unknown parameter of driver 'sed'; known: seed, "),
+        (("drivr", "seed", 1), "unknown node 'drivr'; did you mean driver? known: asr, "),
+        (("driver", "sed", 1), "driver: unknown parameter of driver 'sed'; did you mean seed?"),
         (("driver", "method", "sleep"), "driver: unknown driver method 'sleep'; known: "),
         (("driver", "seed", -1), "driver: parameter seed: -1 is refused, allowed is 0 to "),
         (("driver", "seed", "x"), "driver: parameter seed: 'x' is refused, allowed is a whole number"),
@@ -408,7 +408,9 @@ def test_a_vehicle_that_says_more_than_a_car_is_refused(scenario, tmp_path):
 def test_a_scenario_may_borrow_a_report_and_bring_metrics(scenario):
     text = HEAD.replace("about", "report: double_lane_change, metrics: ['end = last(pose.x)'], about")
     assert load_scenario(scenario(text)).parameters.report == "double_lane_change"
-    assert "unknown report 'lane_change'; known: " in refused(scenario(text.replace("double_lane", "lane")))
-    assert "unknown reduction 'lost'; known: last, " in refused(scenario(text.replace("= last", "= lost")))
-    assert "unknown channel 'pose.q'; known: pose." in refused(scenario(text.replace("pose.x", "pose.q")))
+    assert "unknown report 'lane_change'; did you mean double_lane_change?" in refused(
+        scenario(text.replace("double_lane", "lane"))
+    )
+    assert "unknown reduction 'lost'; did you mean last? known: " in refused(scenario(text.replace("= last", "= lost")))
+    assert "unknown channel 'pose.q'; did you mean pose." in refused(scenario(text.replace("pose.x", "pose.q")))
     assert "allowed is NAME = REDUCTION(CHANNEL)" in refused(scenario(text.replace("end =", "")))

@@ -104,7 +104,7 @@ def test_what_is_in_braces_is_a_text_or_a_measure(listed, tmp_path: Path):
 @pytest.mark.parametrize(
     ("changed", "line"),
     [
-        ({"measure": "lenght"}, "unknown measure 'lenght'; known: length, car, parameter, word"),
+        ({"measure": "lenght"}, "unknown measure 'lenght'; did you mean length? known: car, length, parameter, word"),
         ({"measure": "length 1 2"}, "measure 'length 1 2' is refused"),
         ({"measure": ""}, "the measure is missing, allowed is its name"),
         ({"tolerance": ""}, "the tolerance is missing, allowed is one with its reason, or 'shown' for the value"),

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 LONGEST = 200  # characters
-_MANY, _SHOWN = 40, 12  # names: of more than so many, so many are listed
+_SHOWN = 12  # names that are listed at most
 LINE = 1000  # of a line about several things, which may each have that length
 
 
@@ -49,10 +49,13 @@ class ParameterError(ValueError):
 
 
 def unknown_name(kind: str, name: Any, known: Iterable[str]) -> ParameterError:
-    """The error for a name that does not exist: it lists known ones, the most similar first, not all of very many."""
-    known = list(known)
+    """The error for a name that does not exist: it asks for the most similar ones, and lists the known if they are few.
+
+    Of many of which none is similar it lists the first.
+    """
+    known = sorted(known)
     similar = difflib.get_close_matches(str(name), known, n=3)
-    listed = [*similar, *sorted(k for k in known if k not in similar)]
-    more = f" and {len(listed) - _SHOWN} more" if len(listed) > _MANY else ""
-    listed = listed[: _SHOWN if more else None]
-    return ParameterError(f"unknown {kind} {quoted(name)}; known: {', '.join(listed)}{more}", name)
+    meant = f"did you mean {', '.join(similar)}?" if similar else ""
+    more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
+    listed = "" if similar and more else f"known: {', '.join(known[:_SHOWN])}{more}"
+    return ParameterError(f"unknown {kind} {quoted(name)}; {' '.join(filter(None, (meant, listed)))}", name)
