@@ -54,7 +54,7 @@ def test_what_does_not_load_is_one_line_and_harms_only_who_wants_it(offer):
 
 
 def test_an_unknown_name_lists_those_that_there_are():
-    with pytest.raises(ParameterError, match=r"^unknown study 'sweeps'; known: sweep, "):
+    with pytest.raises(ParameterError, match=r"^unknown study 'sweeps'; did you mean sweep?"):
         study_named("sweeps")
     with pytest.raises(ParameterError, match=r"^unknown report 'braking'; known: "):
         offered_module(GROUP, "report", "braking")

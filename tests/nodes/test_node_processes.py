@@ -254,7 +254,7 @@ def test_an_error_in_a_destructor_is_told_where_nothing_was_stopped():
 BAD = {
     "out of range": (["--ros-args", "-p", "vehicle.mass:=-3.0"], "vehicle.mass: -3.0 is refused"),
     "of a wrong type": (["--ros-args", "-p", "vehicle.mass:=heavy"], "vehicle.mass: 'heavy' is refused"),
-    "unknown parameter": (["--ros-args", "-p", "vehicle.mas:=3.0"], "known: vehicle.mass"),
+    "unknown parameter": (["--ros-args", "-p", "vehicle.mas:=3.0"], "did you mean vehicle.mass"),
     "unknown method": (["--ros-args", "-p", "method:=flying"], "known: "),
     "no YAML": (["--ros-args", "-p", "vehicle.mass:=[1, two]"], "vehicle.mass"),
     "missing file": (["--ros-args", "--params-file", "/no/such/file.yaml"], "/no/such/file.yaml"),

@@ -84,9 +84,10 @@ def missing(steps: Any) -> Any:
 @compilable
 def judged(steps: Any, stamp: int, i: int) -> Any:
     """What a message of an input is: NEW, REPEATED, OLD, GAP or RESTART."""
-    last, period, is_herald = steps.done[LAST], steps.period, steps.heralds >> i & 1 != 0
+    last, period = steps.done[LAST], steps.period
     ahead = stamp - last
-    if last != NEVER and ahead != period:
+    if ahead != period and last != NEVER:
+        is_herald = steps.heralds >> i & 1 != 0
         if is_herald and ahead != 0 and (stamp == 0 or (last % period < stamp < RUNS and stamp % RUN == 0)):
             return RESTART  # of a later run, or of a master that is another one and counts from zero
         if ahead % period != 0:
@@ -156,12 +157,12 @@ class Inbox:
 
     def offer(self, kind: type, stamp: int, numbers: Sequence[float]) -> Arrival:
         """Judge a message, and keep its numbers if it is new or begins a new run."""
-        i = self._place[kind]
-        arrival: int = judged(self.steps, stamp, i)
+        i, steps = self._place[kind], self.steps
+        arrival: int = judged(steps, stamp, i)
         if arrival == RESTART:
             self.expect(stamp)
-        if arrival in (NEW, RESTART):
-            self.frames[keep(self.steps, stamp, i)].numbers[PLACES[kind]] = array("d", numbers)
+        if arrival == NEW or arrival == RESTART:
+            self.frames[keep(steps, stamp, i)].numbers[PLACES[kind]] = array("d", numbers)
         return _ARRIVALS[arrival]
 
     @property
@@ -195,10 +196,11 @@ class Inbox:
 
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, None if there is none."""
-        last = self.steps.done[LAST]
-        if last == NEVER or self.steps.may_skip:
-            return max((stamp for stamp, came in self.waiting.items() if came == self.steps.inputs), default=None)
-        return None if missing(self.steps) else last + self.period
+        steps = self.steps
+        last = steps.done[LAST]
+        if last == NEVER or steps.may_skip:
+            return max((stamp for stamp, came in self.waiting.items() if came == steps.inputs), default=None)
+        return None if missing(steps) else last + self.period
 
     def take(self, stamp: int) -> Frame:
         """The inputs of a complete step; older ones are forgotten."""

@@ -83,6 +83,8 @@ class Stepper:
             self.inbox: Inbox = HoldingInbox(self.reads, heralds, period, self._pacing, self.integrates, lead)
         else:
             self.inbox = Inbox(self.reads, heralds, period, followed=followed, lead=lead)
+        self._steps = self.inbox.steps
+        self._done, self._frames = self._steps.done, self.inbox.frames
         self.period = period
         self.tally = Tally(key, self.reads, method.writes, self.integrates) if key and not may_skip else None
         self._add_up = self.tally.adder(self.inbox) if self.tally is not None else None
@@ -95,8 +97,14 @@ class Stepper:
         """The last answer of this run; its frame is that of a later one after some steps."""
         return self._answer(ANSWER)
 
+    @property
+    def answered(self) -> int:
+        """The stamp of that answer, NEVER if there is none: it takes a third of the time."""
+        stamp: int = self._done[ANSWER]
+        return stamp
+
     def _answer(self, which: int) -> Answer | None:
-        stamp = self.inbox.steps.done[which]
+        stamp = self._done[which]
         return None if stamp == NEVER else Answer(stamp, self.frame_of(stamp))
 
     @property
@@ -115,7 +123,7 @@ class Stepper:
         if arrival is Arrival.REPEATED and kind in self.upstream:
             answers += self._recent_answers()
         if self.integrates and self._at_rest and kind in self._pacing and self._must_begin(stamp):
-            if self.answer is not None:
+            if self.answered != NEVER:
                 self._begin_anew()  # of another run it may begin with other values
             answers.append(self._start(stamp))
         answer = self.step()
@@ -125,8 +133,8 @@ class Stepper:
 
     def _must_begin(self, stamp: int) -> bool:
         """Whether others still need the initial state, or that of an instant at which it cannot step any more."""
-        answer = self.answer
-        return answer is None or (self.inbox.last is None and stamp > answer.stamp)
+        answered = self.answered
+        return answered == NEVER or (self.inbox.last is None and stamp > answered)
 
     def _recent_answers(self) -> tuple[Answer, ...]:
         """What somebody may have missed: the last answer, and of an integrating object the one before.
@@ -140,14 +148,14 @@ class Stepper:
         there = self.frame_of(stamp)
         there.numbers[TIME] = self._instant(stamp)
         self.part.start(there)
-        note_answer(self.inbox.steps, stamp)
+        note_answer(self._steps, stamp)
         if self.tally is not None:
             self.tally.begin(stamp // self.period, there.address)
         return Answer(stamp, there)
 
     def _begin_anew(self) -> None:
         self.part = self._make()
-        self.inbox.steps.done[ANSWER] = self.inbox.steps.done[BEFORE] = NEVER
+        self._done[ANSWER] = self._done[BEFORE] = NEVER
         self._at_rest = True
         if self.tally is not None:
             self.tally.forget()
@@ -164,24 +172,24 @@ class Stepper:
         stamp = self.inbox.complete()
         if stamp is None:
             return None
-        last = self.inbox.last
+        skipped = 0
+        if self.integrates and (last := self.inbox.last) is not None:
+            skipped = (stamp - last) // self.period - 1
         inputs = self.inbox.take(stamp)
-        if self.integrates and last is not None:
-            # More than one period only where steps may be skipped: the inputs are held, so that time does not slip.
-            for _ in range((stamp - last) // self.period - 1):
-                self.step_with(stamp, inputs)
+        for _ in range(skipped):  # where steps may be skipped the inputs are held, so that time does not slip
+            self.step_with(stamp, inputs)
         return self.step_with(stamp, inputs)
 
     def step_with(self, stamp: int, here: Frame) -> Answer:
         """One step with the inputs in a frame: that of the inbox, but for who integrates."""
         here.numbers[TIME] = self._instant(stamp)
         self._at_rest = False
-        said = stamp + self.inbox.steps.lead
+        said = stamp + self._steps.lead
         there = self.frame_of(said)
         if self.integrates:
             there.numbers[TIME] = self._instant(said)
         self.part.step(here, there)
-        note_answer(self.inbox.steps, said)
+        note_answer(self._steps, said)
         if self._add_up is not None:
             self._add_up()
         return Answer(said, there)
@@ -192,4 +200,4 @@ class Stepper:
 
     def frame_of(self, stamp: int) -> Frame:
         """The frame of the answer for an instant."""
-        return self.inbox.frames[row_of_answer(self.inbox.steps, stamp)]
+        return self._frames[row_of_answer(self._steps, stamp)]

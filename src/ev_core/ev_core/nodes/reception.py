@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from ev_core.lockstep.inbox import Arrival
+from ev_core.lockstep.inbox import NEVER, Arrival
 from ev_core.lockstep.stepper import Answer, Stepper
 from ev_core.nodes.reports import Reports
 from ev_msgs_py.contract import stamps
@@ -38,7 +38,7 @@ class Reception:
             except MessageError as error:
                 self.refuse(topic, message, error)
                 return
-            fresh = stepper.answer is None
+            fresh = stepper.answered == NEVER
             arrival = inbox.offer(kind, stamp, numbers)
             if arrival is not new:
                 self._note(topic, stamp, arrival)

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 
+from ev_core.lockstep.inbox import NEVER
 from ev_core.lockstep.stepper import Stepper
 from ev_core.nodes.master.real_time import RECORDER_LAG, FadingInputs, MasterParameters, Timing
 from ev_msgs_py.contract import stamps
@@ -78,8 +79,8 @@ class Schedule:
     @property
     def now(self) -> int:
         """The present instant, in nanoseconds since the run began."""
-        answer = self._stepper.answer
-        return 0 if answer is None else answer.stamp - self._stepper.inbox.run
+        answered = self._stepper.answered
+        return 0 if answered == NEVER else answered - self._stepper.inbox.run
 
     def begin(self) -> None:
         """A new run begins."""
