@@ -167,7 +167,7 @@ def test_an_unknown_method_is_asked_for_or_the_known_ones_are_listed(name):
         find_method("electronic_differential", name)
     text = str(error.value)
     assert text.startswith(f"unknown electronic_differential method {name!r}; ")
-    assert "; known: " in text and "equal_torque" in text or "; did you mean power_steering" in text
+    assert ("; known: " in text and "equal_torque" in text) or "; did you mean power_steering" in text
 
 
 def test_every_role_has_the_method_that_it_plays_by_default():

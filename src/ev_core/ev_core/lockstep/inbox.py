@@ -161,7 +161,7 @@ class Inbox:
         arrival: int = judged(steps, stamp, i)
         if arrival == RESTART:
             self.expect(stamp)
-        if arrival == NEW or arrival == RESTART:
+        if arrival in (NEW, RESTART):
             self.frames[keep(steps, stamp, i)].numbers[PLACES[kind]] = array("d", numbers)
         return _ARRIVALS[arrival]
 
