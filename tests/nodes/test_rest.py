@@ -70,3 +70,15 @@ def test_a_car_drives_on_behind_a_rest_and_in_single_steps(monkeypatch):
         plant.schedule.hold(WheelTorqueCommand, stale, [TORQUE, TORQUE, *[0.0] * 6])
         assert plant.schedule.held.stamp_of(WheelTorqueCommand) == -1, "a command of the run before"
         plant.destroy_node()
+
+
+def test_a_recorder_that_is_ahead_of_the_present_is_not_believed():
+    """It still holds what a master before has sent: to be believed it has to see that another one counts from zero."""
+    with ros_domain() as context:
+        plant = node_of(context, "plant", {"method": "kinematic", "await_recorder": True})
+        schedule, period = plant.schedule, plant.stepper.period
+        for stale in (20 * period, period):
+            schedule.note_recorded(stale)
+            assert schedule.recorder_is_behind and not schedule.recorder_keeps_up
+        schedule.note_recorded(0)
+        assert schedule.recorder_keeps_up

@@ -108,11 +108,15 @@ class Schedule:
         self._pace.go_on(self.now)
 
     def note_recorded(self, stamp: int) -> None:
-        """The recorder holds everything up to a stamp, if it is one of this run."""
-        if stamp % self._stepper.period == self._stepper.inbox.run:
+        """The recorder holds everything up to a stamp, if it is one of this run.
+
+        One ahead of the present is not: the recorder has yet to see that another master counts from zero again.
+        """
+        instant = stamp - self._stepper.inbox.run
+        if instant % self._stepper.period == 0 and instant <= self.now:
             if self._recorded < 0:
                 self._begin_here()
-            self._recorded = max(self._recorded, stamp - self._stepper.inbox.run)
+            self._recorded = max(self._recorded, instant)
 
     def held_inputs(self, now: int) -> Frame:
         """What realtime integrates with at a stamp."""
