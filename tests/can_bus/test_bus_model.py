@@ -9,6 +9,7 @@ from can_bus.databases import ours
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from documentation.response_times import of_layouts
 from ev_core.bus.model import (
     PLACES,
     SENT,
@@ -19,7 +20,6 @@ from ev_core.bus.model import (
     channel_frames,
     next_period,
     next_tick,
-    of_layouts,
     release,
     take,
 )
