@@ -120,8 +120,6 @@ class CompiledObject:
         self._here, self._there = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
         self._function, *self._memory = self._part.addresses()
         self._now, self._next = self._here.ctypes.data, self._there.ctypes.data
-        self._is_shown = False  # whether `_there` is what the state shows
-        self._is_lent = False  # whether others have the row, who may change it at any time
         self._reads = [(_place(kind), shape_of(kind).per_wheel) for kind in method.reads]
         self._writes = [(frame.PLACES[kind], shape_of(kind)) for kind in method.writes]
 
@@ -136,12 +134,10 @@ class CompiledObject:
         for (place, per_wheel), signal in zip(self._reads, signals, strict=True):
             self._here[place] = sum(signal, ()) if per_wheel else signal
         call_part(self._function, self._now, self._next, *self._memory)
-        self._is_shown = True
 
     def outputs(self) -> tuple[Any, ...]:
         """Everything that it writes, at the instant of its state."""
-        if self._is_lent or not self._is_shown:
-            call_part(self._function, 0, self._next, *self._memory)
+        call_part(self._function, 0, self._next, *self._memory)
         return self._said()
 
     def reports(self) -> tuple[str, ...]:
@@ -151,7 +147,6 @@ class CompiledObject:
     @property
     def state(self) -> np.ndarray:
         """All that lasts between steps, the row itself; may be set to that of another object of the law."""
-        self._is_lent = True
         return self._part.state
 
     @state.setter
@@ -191,20 +186,15 @@ def step(constants, row, states, {rest}):
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function, compiled and kept on disk; it takes numbers, arrays, named tuples and `in_memory` records."""
+    """The function, compiled and kept on disk; it takes numbers, arrays, named tuples and what `one_record` makes."""
     arguments = ", ".join(inspect.signature(function).parameters)
     text = _TEXT.format(function=function.__qualname__, arguments=arguments)
     step: Callable[..., Any] = compiled_function(function.__name__, text, {"function": function})
     return step
 
 
-def in_memory(values: Any) -> Any:
-    """A record or a tree of numbers as compiled functions take it; its entries are read by name in brackets."""
-    return one_record(values)[0]
-
-
 def one_record(values: Any) -> np.ndarray:
-    """The same as an array of shape (1,), which a call finds the type of in a tenth of the time."""
+    """A record or a tree of numbers as compiled functions take it, in an array of shape (1,)."""
     return np.array(numbers(values)).view(record_type(values))
 
 
