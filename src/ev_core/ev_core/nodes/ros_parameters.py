@@ -19,15 +19,11 @@ from ev_core.parameters.data_file import TextOfFile
 from ev_core.parameters.declaration import Entry
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
 
+_KINDS = {float: "DOUBLE", int: "INTEGER", bool: "BOOL", str: "STRING"}
 _TYPES = {
-    (float, False): ParameterType.PARAMETER_DOUBLE,
-    (float, True): ParameterType.PARAMETER_DOUBLE_ARRAY,
-    (int, False): ParameterType.PARAMETER_INTEGER,
-    (int, True): ParameterType.PARAMETER_INTEGER_ARRAY,
-    (bool, False): ParameterType.PARAMETER_BOOL,
-    (bool, True): ParameterType.PARAMETER_BOOL_ARRAY,
-    (str, False): ParameterType.PARAMETER_STRING,
-    (str, True): ParameterType.PARAMETER_STRING_ARRAY,
+    (kind, is_array): getattr(ParameterType, f"PARAMETER_{name}{'_ARRAY' * is_array}")
+    for kind, name in _KINDS.items()
+    for is_array in (False, True)
 }
 _NO_LIMIT = {float: 1e300, int: 2**62}
 _METHOD, _LOG, _ADDRESS = "method", "bus.log", "bus.address"

@@ -139,7 +139,7 @@ class SignalWriter:
     @property
     def end(self) -> End:
         """The publisher, as compiled code takes it."""
-        return End.of(self.publisher.handle.pointer, self._format)
+        return End(self.publisher.handle.pointer, self._format)
 
 
 class PolledGroup(MutuallyExclusiveCallbackGroup):
@@ -225,4 +225,4 @@ class SignalReader(Reader):
     @property
     def end(self) -> End:
         """The subscription, as compiled code takes it."""
-        return End.of(self.handle.pointer, self._format)
+        return End(self.handle.pointer, self._format)

@@ -9,6 +9,7 @@ import json
 import time
 from collections.abc import Callable
 from functools import cached_property
+from types import SimpleNamespace
 from typing import Any
 
 from rclpy.clock import Clock as RosClock
@@ -63,6 +64,7 @@ class Silence:
             self._node.get_logger().error(f"waiting for {waits} at {at} s for {wall - self._since:.1f} s; {where}")
 
 
+_CLOCK = SimpleNamespace(template=stamp_alone(0), mask=b"", runs=(), code="d")  # messages without numbers
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 # It doubles up to this where that does not help: each repetition is answered by all, and publishers keep 256 messages,
 # which a recorder that is held up for seconds has still to receive.
@@ -152,7 +154,7 @@ class MasterNode(SteppedNode):
 
     def ends(self) -> list[End]:
         """The publishers of the state, and that of the clock."""
-        return [*super().ends(), End(self._clock_topic.pointer, stamp_alone(0))]
+        return [*super().ends(), End(self._clock_topic.pointer, _CLOCK)]
 
     def publish(self, answer: Answer) -> None:
         """Publish the state, and then its stamp as /clock."""
