@@ -23,9 +23,11 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from ev_core.compiled.loop import CompiledObject
+from ev_core.compiled.part import CompiledPart
 from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.plant.planar.given import PlanarParameters
@@ -63,9 +65,24 @@ def best_time(make: Callable[[], Callable[[], Any]], repeats: int) -> float:
     return best
 
 
-def planar_plant(period: float, method: str = "planar", vehicle: Vehicle = AUDI) -> CompiledObject:
-    """A car at 15 m/s on dry asphalt, with drives, losses and battery."""
-    return CompiledObject(find_method("plant", method), PARAMETERS, vehicle, period)
+class PlanarPlant:
+    """A car at 15 m/s on dry asphalt, with drives, losses and battery, between two frames."""
+
+    def __init__(self, period: float, method: str = "planar", vehicle: Vehicle = AUDI) -> None:
+        self._method = find_method("plant", method)
+        self.part = CompiledPart(self._method, PARAMETERS, vehicle, period)
+        self._here, self._there = Frame(), Frame()
+        for signal in (COMMAND, COLUMN):
+            self._here.numbers[PLACES[type(signal)]] = numbers_of(shape_of(type(signal)).flat(signal))
+
+    def advance(self) -> None:
+        """One step."""
+        self.part.step(self._here, self._there)
+
+    def outputs(self) -> list[Any]:
+        """All signals behind it."""
+        numbers = self._there.numbers
+        return [shape_of(kind).signal_of(numbers[PLACES[kind]].tolist()) for kind in self._method.writes]
 
 
 @njit
@@ -89,19 +106,19 @@ def bare_loop(steps: int) -> float:
 def own_rows(repeats: int) -> Iterator[Row]:
     """The planar plant in its ways of use."""
     steps = 3000
-    planar_plant(STEP).advance(COMMAND, COLUMN)  # compiles
+    PlanarPlant(STEP).advance()  # compiles
 
     def fused(method: str = "planar", vehicle: Vehicle = AUDI) -> Callable[[], Any]:
-        car = planar_plant(steps * STEP, method, vehicle)
-        return lambda: car.advance(COMMAND, COLUMN)
+        car = PlanarPlant(steps * STEP, method, vehicle)
+        return lambda: car.advance()
 
     def one_call_per_step() -> Callable[[], Any]:
-        car = planar_plant(STEP)
-        return lambda: [car.advance(COMMAND, COLUMN) for _ in range(steps)]
+        car = PlanarPlant(STEP)
+        return lambda: [car.advance() for _ in range(steps)]
 
     def control_period() -> Callable[[], Any]:
-        car = planar_plant(10 * STEP)
-        return lambda: [(car.advance(COMMAND, COLUMN), car.outputs()) for _ in range(steps // 10)]
+        car = PlanarPlant(10 * STEP)
+        return lambda: [(car.advance(), car.outputs()) for _ in range(steps // 10)]
 
     yield Row(REFERENCE, best_time(fused, repeats) / steps)
     fused("planar_electrical")()  # compiles
@@ -117,9 +134,9 @@ def own_rows(repeats: int) -> Iterator[Row]:
 
 def scipy_row(repeats: int) -> Row:
     """The body and the wheels of the planar plant (no drives) by solve_ivp, as most scripts would call it."""
-    car = planar_plant(STEP)
-    car.advance(COMMAND, COLUMN)
-    start = car.state[:INTEGRATED_SIZE].copy()
+    car = PlanarPlant(STEP)
+    car.advance()
+    start = car.part.state[:INTEGRATED_SIZE].copy()
     equations = Equations(PARAMETERS, Vehicle())
     equations.look(start)
     equations.hold(COLUMN.road_wheel_angle, COMMAND.drive)

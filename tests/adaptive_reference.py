@@ -9,14 +9,20 @@ the run are its commands, which are held over a control period, and the road-whe
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import inspect
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
+from compiled_object import CompiledObject
 from scipy.integrate import solve_ivp
 
-from ev_core.compiled.loop import CompiledObject, bound, one_record
+from ev_core.compiled.loop import one_record
+from ev_core.compiled.part_source import Unpacking, constants_row, constants_type
+from ev_core.compiling.machine_code import compiled_function
 from ev_core.lockstep.configuration import Configuration
-from ev_core.methods.law import Given
+from ev_core.methods.law import Given, given_names
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
@@ -204,3 +210,29 @@ def slopes_of(p, car, c, s, state, slope, margins, angle, steps):
     cosine, sine = np.cos(state[HEADING]), np.sin(state[HEADING])
     slope[X] = state[VX] * cosine - state[VY] * sine
     slope[Y] = state[VY] * cosine + state[VX] * sine
+
+
+_BOUND = '''"""{function}: generated, do not edit."""
+
+from numba import njit
+
+
+@njit(error_model="numpy")
+def step(constants, row, states, {rest}):
+    k, s = constants[0], states[0]
+    p, car, period = k.p, k.car, k.period
+    c = {c}
+    return function({given}, {rest})
+'''
+
+
+def bound(function: Callable[..., Any], given: Given) -> Callable[..., Any]:
+    """The function, compiled, with what it asks for of p, car, c, s and period; the rest is still to be given."""
+    names = given_names(function)
+    rest = list(inspect.signature(function).parameters)[len(names) :]
+    c, states = given.values["c"], one_record(given.values["s"])
+    layout, row = constants_type(given.trees, c), constants_row(given.trees, c, given.values["period"])
+    unpacking = Unpacking(c, layout.itemsize // row.itemsize)
+    text = _BOUND.format(function=function.__qualname__, given=", ".join(names), rest=", ".join(rest), c=unpacking.text)
+    step = compiled_function(function.__name__, text, {"function": function, **unpacking.names})
+    return partial(step, row[: layout.itemsize // row.itemsize].view(layout), row, states)

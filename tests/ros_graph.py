@@ -20,8 +20,8 @@ from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
 from ev_core.lockstep.stepper import WRITERS
-from ev_core.nodes.master.advance import TIME_SERVICE
 from ev_core.nodes.reports import HEALTH
+from ev_core.nodes.runner_line import TIME_SERVICE
 from ev_core.nodes.signal_io import QUALITY
 from ev_core.nodes.spinning import spin
 from ev_core.run_role import make_node

@@ -8,11 +8,11 @@ import warnings
 
 import numpy as np
 import pytest
+from compiled_object import CompiledObject
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lsim
 
-from ev_core.compiled.loop import CompiledObject
 from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.description import Vehicle

@@ -9,6 +9,7 @@ from can_bus.databases import ours
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from documentation.response_times import of_layouts
 from ev_core.bus.model import (
     PLACES,
     SENT,
@@ -19,11 +20,10 @@ from ev_core.bus.model import (
     channel_frames,
     next_period,
     next_tick,
-    of_layouts,
     release,
     take,
 )
-from ev_core.compiled.loop import compiled, in_memory
+from ev_core.compiled.loop import compiled, one_record
 from ev_core.parameters.declaration import number_tree
 from ev_core.parameters.record import numbers
 from ev_msgs_py.can.frame_length import wire_bits
@@ -156,9 +156,9 @@ def test_what_is_lost_hangs_on_the_seed_alone(seed: int):
 
 def test_compiled_code_gives_the_same_bits():
     p = BusModelParameters(loss=0.05, other_load=0.2, seed=7)
-    s, memory, tree = ChannelState(), in_memory(ChannelState()), in_memory(number_tree(p))
+    s, memory, tree = ChannelState(), one_record(ChannelState())[0], one_record(number_tree(p))[0]
     put, go, shift, anew = map(compiled, (release, advance_channel, next_tick, next_period))
-    chance, frames = random.Random(5), in_memory(FRAMES)
+    chance, frames = random.Random(5), one_record(FRAMES)[0]
     for _ in range(100):
         for place in range(PLACES):
             if chance.random() < 0.6:

@@ -12,7 +12,7 @@ from can_bus.databases import ours
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from ev_core.compiled.loop import compiled, in_memory
+from ev_core.compiled.loop import compiled, one_record
 from ev_msgs_py.can.database import _field
 from ev_msgs_py.can.payload import BitField, byte_of, extracted, inserted, quantised
 from ev_msgs_py.refusal import ParameterError
@@ -116,7 +116,7 @@ def test_compiled_code_writes_and_reads_the_same_bits():
     write, read, step = compiled(inserted), compiled(extracted), compiled(quantised)
     numbers = random.Random(1)
     for field in (TORQUE, TEMPERATURE):
-        there = in_memory(field)
+        there = one_record(field)[0]
         for _ in range(200):
             value = numbers.uniform(1.1 * field.low, 1.1 * field.high)
             payload = inserted(0, field, value)

@@ -7,7 +7,7 @@ import random
 import pytest
 from can_bus.databases import by_canmatrix, by_cantools, ours
 
-from ev_core.bus.model import bus_load, of_layouts
+from documentation.response_times import bus_load, of_layouts
 from ev_msgs_py.can.frames import FAULTS, WARNINGS
 
 NAMES = sorted(frame.name for frame in ours())

@@ -10,7 +10,7 @@ from can_bus.benches import NOTHING, SPEED, TICK, TORQUE, Bench
 from can_bus.databases import ours
 
 from ev_core.bus.channel import Frame
-from ev_core.compiled.loop import compiled, in_memory
+from ev_core.compiled.loop import compiled, one_record
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
 from ev_core.parameters.record import numbers
@@ -236,8 +236,8 @@ def test_compiled_code_gives_the_same_bits():
     """Enabling, torque, a lost link, a fault and a reset; every number of the state after every cycle."""
     p = CircuitParameters()
     tree, frames = number_tree(p), bench_frames(ours())
-    layouts = in_memory(frames)
-    s, memory, constants = Circuit(), in_memory(Circuit()), in_memory(tree)
+    layouts = one_record(frames)[0]
+    s, memory, constants = Circuit(), one_record(Circuit())[0], one_record(tree)[0]
     step, receive = compiled(advance_circuit), compiled(receive_set_point)
     frame, counter = ours()["Drive11_SetPoint"], 0
     words = [0] * 5 + [SHUTDOWN] * 5 + [SWITCH_ON_COMMAND] * 800 + [ENABLE_COMMAND] * 50

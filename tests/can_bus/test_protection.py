@@ -21,7 +21,7 @@ from ev_core.bus.checking import (
     is_valid,
     no_new_data,
 )
-from ev_core.compiled.loop import compiled, in_memory
+from ev_core.compiled.loop import compiled, one_record
 from ev_core.parameters.record import numbers
 from ev_msgs_py.can.payload import checksum, counter_of, next_counter, protected
 
@@ -128,7 +128,7 @@ def test_of_random_frames_one_in_256_has_the_right_crc_and_hardly_any_is_in_sequ
 def test_compiled_code_says_the_same():
     """A long mixture of right, lost, repeated, wrong and missing frames."""
     compiled_check, compiled_silence, compiled_protect = compiled(check), compiled(no_new_data), compiled(protected)
-    s, memory, numbers_, counter = CheckState(), in_memory(CheckState()), random.Random(2), 0
+    s, memory, numbers_, counter = CheckState(), one_record(CheckState())[0], random.Random(2), 0
     for _ in range(2000):
         event = numbers_.random()
         if event < 0.2:

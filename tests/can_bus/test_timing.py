@@ -8,7 +8,7 @@ import pytest
 from can_bus.databases import ours
 from can_bus.exact_bits import exact_frame, stuff_bits
 
-from ev_core.bus.model import Cyclic, bus_load, response_times
+from documentation.response_times import Cyclic, bus_load, response_times
 from ev_msgs_py.can.frame_length import crc15, frame_bits, header, longest_frame, wire_bits
 
 

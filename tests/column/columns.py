@@ -5,7 +5,8 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from ev_core.compiled.loop import CompiledObject
+from compiled_object import CompiledObject
+
 from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates

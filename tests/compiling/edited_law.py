@@ -6,7 +6,8 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from ev_core.compiled.loop import CompiledObject
+from compiled_object import CompiledObject
+
 from ev_core.methods.law import Law
 from ev_core.methods.register import Method, create
 from ev_core.vehicle.description import Vehicle

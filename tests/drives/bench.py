@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ev_core.compiled.loop import compiled, in_memory
+from ev_core.compiled.loop import compiled, one_record
 from ev_core.parameters.declaration import number_tree
 from ev_core.parameters.values import build
 from ev_sim.drives import drive
@@ -27,7 +27,7 @@ def name_of(changes):
 
 def drive_with(changes):
     """A drive at rest and its parameters."""
-    return in_memory(DriveState()), in_memory(number_tree(build(DriveParameters, changes)))
+    return one_record(DriveState())[0], one_record(number_tree(build(DriveParameters, changes)))[0]
 
 
 def run(changes, torque, speed, *, duration, step=1e-3, bus_voltage=BUS_VOLTAGE, settled=0.0):

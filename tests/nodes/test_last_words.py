@@ -8,6 +8,7 @@ from ros_graph import ros_domain
 
 from ev_core.nodes.ending import wait_until_heard
 from ev_core.nodes.master.node import MasterNode
+from ev_msgs_py.contract.signals import BodyVelocity
 from ev_sim.running.in_process import parameter_overrides
 
 
@@ -43,7 +44,7 @@ def test_at_the_end_of_real_time_the_master_stays_until_the_recorder_has_everyth
         heard: list[bytes] = []
         monkeypatch.setattr(type(master.schedule), "recorder_is_behind", property(lambda _: heard[-1] == b"behind"))
         monkeypatch.setattr(master, "readers", dict.fromkeys(master.readers, progress))
-        master._state._writers = [SimpleNamespace(publisher=publisher)]
+        master.writers = {BodyVelocity: SimpleNamespace(publisher=publisher)}
         master._wait_for_the_recorder()
         assert heard[-1] == b"everything" and publisher.asked == 3
         master.destroy_node()

@@ -188,9 +188,7 @@ def test_no_request_of_any_service_ends_a_node_or_is_done_by_half(law):
 
 def test_a_service_that_raises_says_why(context):
     plant = node_of(context, "plant", {"method": "kinematic"})
-    plant._granted._begin = lambda: {}["nothing"]
-    (reset,) = [each for each in plant.services if each.srv_name.endswith("/reset")]
-    reset.callback = plant._granted._reset
+    plant.stepper.begin_run = lambda: {}["nothing"]
     answer = asked(plant, "reset", Trigger.Request())
     assert (answer.success, answer.message) == (False, "refused: 'nothing'")
     plant.destroy_node()

@@ -10,7 +10,7 @@ from ev_core.nodes.master import node as node_module
 from ev_core.nodes.master.node import MasterNode
 
 
-def repetitions(seconds: float, now: int) -> int:
+def repetitions(monkeypatch, seconds: float, now: int) -> int:
     """So many of an instant that nobody answers, looked at every millisecond of wall time."""
     said = [0.0]
     node = object.__new__(MasterNode)
@@ -18,24 +18,24 @@ def repetitions(seconds: float, now: int) -> int:
     node.done = False
     node._retry_period = node_module._RETRY_PERIOD
     node._go_on = lambda: None
-    node._granted = SimpleNamespace(rests=lambda: False)
     node._silence = SimpleNamespace(name_after=lambda *_: None)
     node.health, node.stepper = (
         SimpleNamespace(late_answers=0),
         SimpleNamespace(answer=None, inbox=SimpleNamespace(last=now)),
     )
 
-    class State:
-        silent_for = property(lambda _: wall.now - said[-1])
-        repeat = staticmethod(lambda _: said.append(wall.now))
+    monkeypatch.setattr(node_module.time, "monotonic", lambda: wall.now)
+    node._spoke = 0.0
 
-    node._state = State()
+    def repeat() -> None:
+        said.append(wall.now)
+        node._spoke = wall.now
+
+    node._repeat = repeat
     node._waiting, node.wanted = SimpleNamespace(look=lambda *_: None), lambda: ()
-    node.__dict__["schedule"] = SimpleNamespace(all_are_here=False, missing=(), now=now)
-    node.live = SimpleNamespace(
-        configuration=SimpleNamespace(
-            extra=SimpleNamespace(answer_timeout=5.0), common=SimpleNamespace(mode="lockstep")
-        )
+    node.__dict__["schedule"] = SimpleNamespace(all_are_here=False, missing=(), now=now, rests=False)
+    node.configuration = SimpleNamespace(
+        extra=SimpleNamespace(answer_timeout=5.0), common=SimpleNamespace(mode="lockstep")
     )
     for _ in range(int(seconds / 0.001)):
         wall.now += 0.001
@@ -44,10 +44,10 @@ def repetitions(seconds: float, now: int) -> int:
     return len(said) - 1
 
 
-def test_a_recorder_that_is_held_up_for_ten_seconds_finds_all_that_was_said():
+def test_a_recorder_that_is_held_up_for_ten_seconds_finds_all_that_was_said(monkeypatch):
     """Publishers keep 256 messages, and the recorder may be 200 steps behind: 56 repetitions are left."""
-    assert repetitions(10.0, now=10**9) < 56
+    assert repetitions(monkeypatch, 10.0, now=10**9) < 56
 
 
-def test_while_nodes_are_coming_up_they_are_called_all_the_time():
-    assert repetitions(10.0, now=0) == pytest.approx(200, abs=5)
+def test_while_nodes_are_coming_up_they_are_called_all_the_time(monkeypatch):
+    assert repetitions(monkeypatch, 10.0, now=0) == pytest.approx(200, abs=5)

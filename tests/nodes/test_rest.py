@@ -41,7 +41,8 @@ def test_a_car_drives_on_behind_a_rest_and_in_single_steps(monkeypatch):
             plant.schedule.hold(WheelTorqueCommand, plant.stepper.answer.stamp, [TORQUE, TORQUE, *[0.0] * 6])
 
         def call(service: str) -> None:
-            getattr(plant._granted, f"_{service}")(Trigger.Request(), Trigger.Response())
+            (found,) = [each for each in plant.services if each.srv_name.endswith(f"/{service}")]
+            found.callback(Trigger.Request(), Trigger.Response())
 
         plant.schedule.note_recorded(0)
         say()

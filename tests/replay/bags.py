@@ -14,9 +14,7 @@ from ev_sim.recording.files_of_run import SIGNALS
 from ev_sim.recording.recording import Recording
 from ev_sim.recording.run_recorder import RunRecorder
 from ev_sim.recording.spool import MessageTable
-from ev_sim.replay.comparing import differences_of
-from ev_sim.replay.graph import replay_of
-from ev_sim.replay.outputs import prepared, replay_folder
+from ev_sim.replay.graph import prepared, replay_folder, replay_of
 from ev_sim.replay.recorded import Recorded
 from ev_sim.running.offline import drive_offline
 from ev_sim.scenarios.scenario import Overrides
@@ -27,7 +25,7 @@ PERIOD = 10_000_000  # ns, of shchur2019
 def differences(recorded: Recorded, out: Path, role: str, vehicle: str | None = None):
     replay = replay_of(recorded, role, "", Overrides(vehicle=vehicle))
     with replay_folder(replay, out) as folder:
-        return differences_of(replay, drive_offline(prepared(replay, folder)).recording)
+        return replay.differences(drive_offline(prepared(replay, folder)).recording)
 
 
 def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:

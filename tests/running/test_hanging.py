@@ -81,10 +81,9 @@ def test_a_plant_that_waits_for_nothing_but_its_pace_does_not_hang(monkeypatch):
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
     plant = object.__new__(MasterNode)
     plant.done, plant._go_on, plant._retry_period = False, lambda: None, 0.05
-    plant._granted = SimpleNamespace(rests=lambda: False)
-    plant.live = SimpleNamespace(configuration=SimpleNamespace(common=SimpleNamespace(mode="lockstep")))
+    plant.configuration = SimpleNamespace(common=SimpleNamespace(mode="lockstep"))
     plant.stepper = SimpleNamespace(inbox=SimpleNamespace(last=10**7, missing=lambda: ()))
-    plant.__dict__["schedule"] = SimpleNamespace(all_are_here=True, recorder_keeps_up=True)
+    plant.__dict__["schedule"] = SimpleNamespace(all_are_here=True, recorder_keeps_up=True, rests=False)
     plant._waiting = Waiting(SimpleNamespace(tell=lambda word: told._take("plant", word)))
     hanging = Hanging(told, PIDS, 2.0, realtime=False)
     told.time = 0.01

@@ -10,7 +10,7 @@ import pytest
 from sensors.rows import EVERYTHING, sensors, shown
 
 from ev_core.compiled.loop import call_part
-from ev_core.compiled.part import SensorPart
+from ev_core.compiled.part import RowPart
 from ev_core.sensors.random_numbers import philox
 from ev_core.sensors.row import QUANTITIES, SensorRow
 from ev_msgs_py.contract import frame
@@ -147,7 +147,7 @@ def test_compiled_sensors_show_the_same_bits(seed):
         }
         for quantity in QUANTITIES
     }
-    plain, part = SensorRow(sensors(errors), seed), SensorPart(sensors(errors), seed)
+    plain, part = SensorRow(sensors(errors), seed), RowPart(SensorRow(sensors(errors), seed))
     function, state, constants = part.addresses()
     for _ in range(50):
         true = random.normal(size=frame.SIZE)

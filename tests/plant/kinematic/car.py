@@ -3,7 +3,8 @@
 import math
 from dataclasses import replace
 
-from ev_core.compiled.loop import CompiledObject
+from compiled_object import CompiledObject
+
 from ev_core.lockstep.finding import find_method
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle

@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+from compiled_object import CompiledObject
 
-from ev_core.compiled.loop import CompiledObject
 from ev_core.lockstep.finding import find_method
 from ev_core.parameters.values import build
 from ev_core.vehicle.battery import Battery

@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
+from compiled_object import CompiledObject
 from plant.planar.car import STRAIGHT, command, drive, outputs, parameters_of
 
-from ev_core.compiled.loop import CompiledObject
 from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.battery import Battery, Cells
 from ev_core.vehicle.description import Vehicle

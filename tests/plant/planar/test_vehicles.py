@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from compiled_object import CompiledObject
 from plant.planar.car import PLANAR, STRAIGHT, outputs, plant, steered
 
-from ev_core.compiled.loop import CompiledObject
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.files import with_files

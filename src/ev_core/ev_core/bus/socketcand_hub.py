@@ -6,14 +6,14 @@ client, and `frame ID SECONDS DATA` to all others with the same name.
 
 from __future__ import annotations
 
-import math
+import asyncio
 import os
 import re
-import selectors
 import socket
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from typing import Any
 
 from ev_msgs_py.refusal import quoted
 
@@ -26,17 +26,74 @@ _MOST_WAITING = 1 << 20  # bytes for a client that does not take them, some seco
 _SEND = re.compile(r"send ([0-7][0-9A-Fa-f]{2}|[01][0-9A-Fa-f]{7}) ([0-8])((?: [0-9A-Fa-f]{1,2})*)")
 
 
-class _Client:
-    def __init__(self, connection: socket.socket) -> None:
-        self.connection = connection
-        self.bus = ""
-        self.settled = math.inf  # when frames may come
-        self.text = ""
-        self.waiting = bytearray()
+class _Client(asyncio.Protocol):
+    """A connection; what its end does not take at once waits for it, so that others do not."""
 
-    @property
-    def is_settled(self) -> bool:
-        return time.monotonic() >= self.settled
+    def __init__(self, hub: SocketcandHub) -> None:
+        self._hub = hub
+        self._bus = self._text = ""
+        self._takes_frames = False  # whether it has asked for them
+        self._early: bytearray | None = bytearray()  # frames that have come before it has settled
+
+    def connection_made(self, transport: Any) -> None:
+        """Greet, unless there are too many."""
+        self.transport = transport
+        if len(self._hub.clients) == _MOST_CLIENTS:
+            self._hub.warn_once("many", f"a client is sent away: there are {_MOST_CLIENTS}, which is the most")
+            transport.abort()
+            return
+        self._hub.clients.add(self)
+        transport.write(b"< hi >")
+
+    def connection_lost(self, error: Exception | None) -> None:
+        """It has gone, or was sent away."""
+        self._hub.clients.discard(self)
+
+    def data_received(self, data: bytes) -> None:
+        """Obey the commands that are complete."""
+        *commands, self._text = (self._text + data.decode("ascii", errors="replace")).split(">")
+        for command in commands:
+            if self.transport.is_closing():
+                return
+            self._obey(command)
+        if len(self._text) > _LONGEST_TEXT:
+            self._refuse(self._text)
+
+    def _obey(self, command: str) -> None:
+        begin, _, text = command.partition("<")
+        words = "" if begin.strip() else " ".join(text.split())
+        if words.startswith("open ") and words.count(" ") == 1:
+            self._bus = words.removeprefix("open ")
+            self.transport.write(b"< ok >")
+        elif words == "rawmode" and self._bus:
+            self.transport.write(b"< ok >")
+            self._takes_frames = True
+            asyncio.get_running_loop().call_later(_SETTLES, self.settle)
+        elif self._bus and (frame := _frame(words)):
+            for other in self._hub.clients - {self}:
+                other.take(self._bus, frame.encode())
+        else:
+            self._refuse(command)
+
+    def settle(self) -> None:
+        """From now on it is sent frames."""
+        early, self._early = self._early, None
+        if early and not self.transport.is_closing():
+            self.transport.write(early)
+
+    def take(self, bus: str, frame: bytes) -> None:
+        """A frame on a bus, which may be another one."""
+        if bus == self._bus and self._takes_frames and not self.transport.is_closing():
+            put, waiting = self.transport.write, self.transport.get_write_buffer_size()
+            if self._early is not None:
+                put, waiting = self._early.extend, len(self._early)
+            if waiting < _MOST_WAITING:
+                put(frame)
+
+    def _refuse(self, command: str) -> None:
+        self._hub.warn_once("refused", f"a client is sent away: {quoted(command)} is no command or no frame")
+        self.transport.write(b"< error unknown command >")
+        self.transport.close()
 
 
 class SocketcandHub:
@@ -47,130 +104,46 @@ class SocketcandHub:
 
     def __init__(self, port: int, warn: Callable[[str], None] = lambda text: None) -> None:
         self._listener = socket.create_server((HOST, port))
-        self._listener.setblocking(False)
         self.port: int = self._listener.getsockname()[1]
-        self._selector = selectors.DefaultSelector()
-        self._selector.register(self._listener, selectors.EVENT_READ, None)
-        self._clients: set[_Client] = set()
-        self._warn, self._said = warn, set[str]()
-        self._spare = os.open(os.devnull, os.O_RDONLY)  # by it one is sent away where none is left
+        self.clients: set[_Client] = set()
+        self._warn, self._warned = warn, set[str]()
+        self._spare = os.open(os.devnull, os.O_RDONLY)  # by it clients are sent away where none is left
+        self._loop = asyncio.new_event_loop()
+        self._loop.set_exception_handler(self._on_error)
+        serving = self._loop.create_server(lambda: _Client(self), sock=self._listener)
+        self._server = self._loop.run_until_complete(serving)
 
-    def serve(self, timeout: float) -> None:
-        """Deal with what comes within `timeout` [s]."""
-        settling = [client for client in self._clients if client.waiting and not client.is_settled]
-        for key, events in self._selector.select(min(timeout, _SETTLES / 10) if settling else timeout):
-            if key.data is None:
-                self._accept()
-                continue
-            if events & selectors.EVENT_WRITE:
-                self._write(key.data)
-            if events & selectors.EVENT_READ and key.data in self._clients:
-                self._read(key.data)
-        for client in settling:
-            if client in self._clients and client.is_settled:
-                self._write(client)
+    def serve(self, duration: float) -> None:
+        """Deal with what comes in the next seconds."""
+        self._loop.run_until_complete(asyncio.sleep(duration))
 
     def close(self) -> None:
         """Send everybody away."""
-        for client in list(self._clients):
-            self._drop(client)
-        self._selector.close()
-        self._listener.close()
+        self._server.close()
+        for client in self.clients:
+            client.transport.abort()
+        self.serve(0.0)
+        self._loop.close()
         os.close(self._spare)
 
-    def _accept(self) -> None:
-        try:
-            connection, _ = self._listener.accept()
-        except (BlockingIOError, ConnectionAbortedError):  # it has gone already
-            return
-        except OSError as error:
-            self._say_once("accept", f"a client is sent away: {error.strerror}")
-            os.close(self._spare)
-            with suppress(OSError):
-                self._listener.accept()[0].close()
-            self._spare = os.open(os.devnull, os.O_RDONLY)
-            return
-        if len(self._clients) == _MOST_CLIENTS:
-            self._say_once("many", f"a client is sent away: there are {_MOST_CLIENTS}, which is the most")
-            connection.close()
-            return
-        connection.setblocking(False)
-        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        client = _Client(connection)
-        self._clients.add(client)
-        self._selector.register(connection, selectors.EVENT_READ, client)
-        self._say(client, "< hi >")
-
-    def _read(self, client: _Client) -> None:
-        try:
-            came = client.connection.recv(65536)
-        except BlockingIOError:
-            return
-        except OSError:
-            came = b""
-        if not came:
-            self._drop(client)
-            return
-        *commands, client.text = (client.text + came.decode("ascii", errors="replace")).split(">")
-        for command in commands:
-            if client not in self._clients:
-                return
-            self._obey(client, command)
-        if len(client.text) > _LONGEST_TEXT:
-            self._refuse(client, client.text)
-
-    def _obey(self, client: _Client, command: str) -> None:
-        begin, _, text = command.partition("<")
-        words = "" if begin.strip() else " ".join(text.split())
-        if words.startswith("open ") and words.count(" ") == 1:
-            client.bus = words.removeprefix("open ")
-            self._say(client, "< ok >")
-        elif words == "rawmode" and client.bus:
-            self._say(client, "< ok >")
-            client.settled = time.monotonic() + _SETTLES
-        elif client.bus and (frame := _frame(words)):
-            for other in [c for c in self._clients if c is not client and c.bus == client.bus and c.settled < math.inf]:
-                self._say(other, frame)
-        else:
-            self._refuse(client, command)
-
-    def _refuse(self, client: _Client, command: str) -> None:
-        self._say_once("refused", f"a client is sent away: {quoted(command)} is no command or no frame")
-        client.settled = 0.0
-        self._say(client, "< error unknown command >")
-        self._drop(client)
-
-    def _say_once(self, kind: str, text: str) -> None:
-        if kind not in self._said:
-            self._said.add(kind)
+    def warn_once(self, kind: str, text: str) -> None:
+        """Warn of the first trouble of its kind."""
+        if kind not in self._warned:
+            self._warned.add(kind)
             self._warn(text)
 
-    def _say(self, client: _Client, text: str) -> None:
-        """What a client does not take at once waits for it, so that others do not."""
-        if client in self._clients and len(client.waiting) < _MOST_WAITING:
-            client.waiting += text.encode()
-            # Else it is full, or has yet to settle, and is written to as soon as that is over.
-            if len(client.waiting) == len(text) and (client.is_settled or client.settled == math.inf):
-                self._write(client)
-
-    def _write(self, client: _Client) -> None:
-        try:
-            sent = client.connection.send(client.waiting)
-        except BlockingIOError:
-            sent = 0
-        except OSError:
-            self._drop(client)
+    def _on_error(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """For the clients that wait there is no descriptor left; asyncio looks again after a second."""
+        error = context.get("exception")
+        if not isinstance(error, OSError):
+            loop.default_exception_handler(context)
             return
-        del client.waiting[:sent]
-        events = selectors.EVENT_READ | (selectors.EVENT_WRITE if client.waiting else 0)
-        self._selector.modify(client.connection, events, client)
-
-    def _drop(self, client: _Client) -> None:
-        if client in self._clients:
-            self._clients.remove(client)
-            self._selector.unregister(client.connection)
-            with suppress(OSError):
-                client.connection.close()
+        self.warn_once("accept", f"a client is sent away: {error.strerror}")
+        os.close(self._spare)
+        with suppress(OSError):
+            while True:
+                self._listener.accept()[0].close()
+        self._spare = os.open(os.devnull, os.O_RDONLY)
 
 
 def _frame(words: str) -> str | None:

@@ -1,25 +1,17 @@
-"""Compiled code as Python calls it: the instants of a run in one loop, one law as an object, single functions."""
+"""Compiled code as Python calls it: the instants of a run in one loop, and single functions."""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numba import njit, types
 
-from ev_core.compiled.part import CompiledPart
-from ev_core.compiled.part_source import Unpacking, constants_row, constants_type
 from ev_core.compiling.machine_code import OPTIONS, call, compiled_function, keep_overloads
-from ev_core.methods.law import Given, given_names
-from ev_core.methods.register import Method
 from ev_core.parameters.record import numbers, record_type
-from ev_msgs_py.contract import frame
-from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.frame import SIZE, TIME
-from ev_msgs_py.contract.signals import Instant
 
 FINISHED, NOT_FINITE, FAILED = range(3)
 
@@ -112,60 +104,6 @@ def compile_loops() -> None:
     run_through(frames, np.zeros(2), parts, 0, stopped)
 
 
-class CompiledObject:
-    """`step` of a role that answers, `advance` and `outputs` of one that integrates."""
-
-    def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
-        self._part = CompiledPart(method, parameters, vehicle, period)
-        self._here, self._there = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
-        self._function, *self._memory = self._part.addresses()
-        self._now, self._next = self._here.ctypes.data, self._there.ctypes.data
-        self._is_shown = False  # whether `_there` is what the state shows
-        self._is_lent = False  # whether others have the row, who may change it at any time
-        self._reads = [(_place(kind), shape_of(kind).per_wheel) for kind in method.reads]
-        self._writes = [(frame.PLACES[kind], shape_of(kind)) for kind in method.writes]
-
-    def step(self, *signals: Any) -> Any:
-        """The answer to the signals of an instant."""
-        self.advance(*signals)
-        said = self._said()
-        return said[0] if len(said) == 1 else said
-
-    def advance(self, *signals: Any) -> None:
-        """Integrate to the next instant; what is not finite is let through to the law, as in plain Python."""
-        for (place, per_wheel), signal in zip(self._reads, signals, strict=True):
-            self._here[place] = sum(signal, ()) if per_wheel else signal
-        call_part(self._function, self._now, self._next, *self._memory)
-        self._is_shown = True
-
-    def outputs(self) -> tuple[Any, ...]:
-        """Everything that it writes, at the instant of its state."""
-        if self._is_lent or not self._is_shown:
-            call_part(self._function, 0, self._next, *self._memory)
-        return self._said()
-
-    def reports(self) -> tuple[str, ...]:
-        """What is worth knowing about the run so far."""
-        return self._part.notes()
-
-    @property
-    def state(self) -> np.ndarray:
-        """All that lasts between steps, the row itself; may be set to that of another object of the law."""
-        self._is_lent = True
-        return self._part.state
-
-    @state.setter
-    def state(self, row: Sequence[float]) -> None:
-        self.state[:] = row
-
-    def _said(self) -> tuple[Any, ...]:
-        return tuple([shape.signal_of(self._there[place].tolist()) for place, shape in self._writes])
-
-
-def _place(kind: type) -> slice:
-    return slice(frame.TIME, frame.TIME + 1) if kind is Instant else frame.PLACES[kind]
-
-
 _TEXT = '''"""{function}: generated, do not edit."""
 
 from numba import njit
@@ -176,45 +114,15 @@ def step({arguments}):
     return function({arguments})
 '''
 
-_BOUND = '''"""{function}: generated, do not edit."""
-
-from numba import njit
-
-
-@njit(error_model="numpy")
-def step(constants, row, states, {rest}):
-    k, s = constants[0], states[0]
-    p, car, period = k.p, k.car, k.period
-    c = {c}
-    return function({given}, {rest})
-'''
-
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function, compiled and kept on disk; it takes numbers, arrays, named tuples and `in_memory` records."""
+    """The function, compiled and kept on disk; it takes numbers, arrays, named tuples and what `one_record` makes."""
     arguments = ", ".join(inspect.signature(function).parameters)
     text = _TEXT.format(function=function.__qualname__, arguments=arguments)
     step: Callable[..., Any] = compiled_function(function.__name__, text, {"function": function})
     return step
 
 
-def in_memory(values: Any) -> Any:
-    """A record or a tree of numbers as compiled functions take it; its entries are read by name in brackets."""
-    return one_record(values)[0]
-
-
 def one_record(values: Any) -> np.ndarray:
-    """The same as an array of shape (1,), which a call finds the type of in a tenth of the time."""
+    """A record or a tree of numbers as compiled functions take it, in an array of shape (1,)."""
     return np.array(numbers(values)).view(record_type(values))
-
-
-def bound(function: Callable[..., Any], given: Given) -> Callable[..., Any]:
-    """The function, compiled, with what it asks for of p, car, c, s and period; the rest is still to be given."""
-    names = given_names(function)
-    rest = list(inspect.signature(function).parameters)[len(names) :]
-    c, states = given.values["c"], one_record(given.values["s"])
-    layout, row = constants_type(given.trees, c), constants_row(given.trees, c, given.values["period"])
-    unpacking = Unpacking(c, layout.itemsize // row.itemsize)
-    text = _BOUND.format(function=function.__qualname__, given=", ".join(names), rest=", ".join(rest), c=unpacking.text)
-    step = compiled_function(function.__name__, text, {"function": function, **unpacking.names})
-    return partial(step, row[: layout.itemsize // row.itemsize].view(layout), row, states)

@@ -17,6 +17,7 @@ from pathlib import Path
 from types import FunctionType, SimpleNamespace
 from typing import Any
 
+from ev_core.compiled.part_source import law_of
 from ev_core.methods.law import GIVEN, Law, LawObject
 from ev_core.methods.register import Method
 from ev_core.parameters.record import entries_without_number
@@ -55,18 +56,16 @@ _MEANINGS = (
 
 def mistake(method: Method, parameters: Any, vehicle: Any, period: float, error: BaseException) -> str:
     """One line about a law for which the compiler has raised an error."""
-    law = method.law
-    assert law is not None
-    found = _in_python(law, method, LawObject(law, parameters, vehicle, period))
+    law = law_of(method)
+    found = _in_python(method, LawObject(law, parameters, vehicle, period))
     return _line(method, *(found or _of_compiler(law, error)))
 
 
 def wrong_answer(method: Method, parameters: Any, vehicle: Any, period: float) -> str:
     """One line about a law whose first step, in plain Python, gives something else than its role writes; else empty."""
-    law = method.law
-    assert law is not None
+    law = law_of(method)
     try:
-        found = None if law.heavy else _of_answer(law, method, LawObject(law, parameters, vehicle, period))
+        found = None if law.heavy else _of_answer(method, LawObject(law, parameters, vehicle, period))
     except Exception:  # a step with inputs out of nowhere: what it raises need not be a mistake
         return ""
     return _line(method, *found) if found else ""
@@ -74,8 +73,7 @@ def wrong_answer(method: Method, parameters: Any, vehicle: Any, period: float) -
 
 def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
     """One line about the first of these functions whose text does not mean what it says; empty if there is none."""
-    law = method.law
-    assert law is not None
+    law = law_of(method)
     marked = set(FUNCTIONS)
     for function in filter(marked.__contains__, functions):
         own = function in (law.function, law.outputs)
@@ -86,8 +84,7 @@ def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
 
 
 def _line(method: Method, file: str, line: int, what: str) -> str:
-    law = method.law.function.__name__ if method.law else method.name
-    return f"{file}, line {line}: {method.role} law {law}: {what} (docs/compiled_laws.md)"
+    return f"{file}, line {line}: {method.role} law {law_of(method).function.__name__}: {what} (docs/compiled_laws.md)"
 
 
 _WAYS_OUT, _SHARED = (ast.Break, ast.Return, ast.Raise), (ast.List, ast.Dict, ast.Set)
@@ -143,18 +140,19 @@ def _tree(function: Callable[..., Any]) -> ast.AST:
         return ast.Module([], [])
 
 
-def _in_python(law: Law, method: Method, made: LawObject) -> tuple[str, int, str] | None:
+def _in_python(method: Method, made: LawObject) -> tuple[str, int, str] | None:
     """What plain Python finds wrong with one step; None if it finds nothing."""
     try:
-        return _of_answer(law, method, made)
+        return _of_answer(method, made)
     except Exception as error:  # whatever the law raises
         frames = [each for each in traceback.extract_tb(error.__traceback__) if _is_theirs(each.filename)]
         at = frames[-1] if frames else None
         return (at.filename, at.lineno or 0, _in_words(error)) if at and at.filename != __file__ else None
 
 
-def _of_answer(law: Law, method: Method, made: LawObject) -> tuple[str, int, str] | None:
+def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
     """What is wrong with what one step gives and leaves in the state; None if nothing is."""
+    law = law_of(method)
     signals = [
         Instant(0.0) if kind is Instant else shape_of(kind).signal_of([1.0] * shape_of(kind).size)
         for kind in method.reads

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ev_core.compiled.part_source import constants_row, part_source
+from ev_core.compiled.part_source import constants_row, law_of, part_source
 from ev_core.compiling import machine_code
 from ev_core.compiling.fingerprint import Reach
 from ev_core.compiling.machine_code import FUNCTION, function_address
 from ev_core.faults import row
 from ev_core.faults.row import FaultRow
-from ev_core.methods.law import Given, Law
+from ev_core.methods.law import Given
 from ev_core.methods.register import Method
 from ev_core.parameters.record import fill, numbers
 from ev_core.sensors import measuring
@@ -29,13 +28,8 @@ from ev_msgs_py.refusal import ParameterError
 
 def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> bool:
     """Whether the machine code of a method is on disk, so that nobody has to wait for the compiler."""
-    given = Given(_law(method), parameters, vehicle, period)
+    given = Given(law_of(method), parameters, vehicle, period)
     return machine_code.is_kept(_name(method), *part_source(method, given))
-
-
-def _law(method: Method) -> Law:
-    assert method.law is not None, f"{method.role} {method.name} is not made of functions"
-    return method.law
 
 
 def _name(method: Method) -> str:
@@ -48,8 +42,7 @@ class CompiledPart:
     error: BaseException | None = None
 
     def __init__(self, method: Method, parameters: Any, vehicle: Any, period: float) -> None:
-        law = _law(method)
-        self.given = Given(law, parameters, vehicle, period)
+        self.given = Given(law_of(method), parameters, vehicle, period)
 
         def look_at(reach: Reach) -> None:
             from ev_core.compiled import mistakes
@@ -68,7 +61,8 @@ class CompiledPart:
             raise ParameterError(mistake(method, parameters, vehicle, period, error)) from error
         self.constants = constants_row(self.given.trees, self.given.values["c"], period)
         self._state = np.array(numbers(self.given.values["s"]) or [0.0])
-        self._notes = self.given.bound(law.notes) if law.notes else None
+        notes = law_of(method).notes
+        self._notes = self.given.bound(notes) if notes else None
         self._writes = [(shape_of(signal), frame.PLACES[signal]) for signal in method.writes]
         self._begin, self._end = frame.span(method.writes)
         self._call = FUNCTION(self.function)
@@ -106,11 +100,9 @@ class CompiledPart:
 
     def notes(self) -> tuple[str, ...]:
         """What the law says of its state."""
-        if self._notes is None:
-            return ()
-        fill(self.given.values["s"], self._state.tolist())
-        notes: tuple[str, ...] = self._notes()
-        return notes
+        if self._notes:
+            fill(self.given.values["s"], self._state.tolist())
+        return self._notes() if self._notes else ()
 
 
 _TEXT = '''"""Behind a part: generated, do not edit."""
@@ -129,20 +121,18 @@ def step(now, next, state, constants):
 '''
 
 
+_CHANGES = {
+    SensorRow: ("sensors", measuring.SENSORS_HEAD, measuring.measure),
+    FaultRow: ("faults", row.FAULTS_HEAD, row.strike),
+}
+
+
 @cache
-def _function(name: str, head: int, change: Callable[..., None]) -> int:
+def row_function(kind: type) -> int:
+    """The address of the one function of all sensors, or of all faults of signals, by what makes their rows."""
+    name, head, change = _CHANGES[kind]
     text = _TEXT.format(head=head, size=frame.SIZE)
     return function_address(name, text, {"FLOAT": np.float64, "change": change})
-
-
-def function() -> int:
-    """The address of the one function of all sensors."""
-    return _function("sensors", measuring.SENSORS_HEAD, measuring.measure)
-
-
-def fault_function() -> int:
-    """The address of the one function of all faults of signals."""
-    return _function("faults", row.FAULTS_HEAD, row.strike)
 
 
 class RowPart:
@@ -150,7 +140,8 @@ class RowPart:
 
     def __init__(self, row: SensorRow | FaultRow) -> None:
         self.constants, self.state = np.array(row.constants), np.array(row.state)
-        self._function = function() if isinstance(row, SensorRow) else fault_function()
+        kind: type = type(row)
+        self._function = row_function(kind)
 
     def addresses(self) -> tuple[int, int, int]:
         """Of the function, the state and the constants."""
@@ -159,10 +150,3 @@ class RowPart:
     def notes(self) -> tuple[str, ...]:
         """Nothing: what sensors and faults do stands in their parameters."""
         return ()
-
-
-class SensorPart(RowPart):
-    """The sensors of one object that integrates."""
-
-    def __init__(self, parameters: Any, seed: int) -> None:
-        super().__init__(SensorRow(parameters, seed))

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.methods.law import Given, given_names
+from ev_core.methods.law import Given, Law, given_names
 from ev_core.methods.register import Method
 from ev_core.parameters.record import numbers, record_type
 from ev_msgs_py.compilable import compilable
@@ -136,10 +136,15 @@ def step(now, next, state, constants):
 '''
 
 
+def law_of(method: Method) -> Law:
+    """The functions that a method is made of."""
+    assert method.law is not None, f"{method.role} {method.name} is not made of functions"
+    return method.law
+
+
 def part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     """The text, and the names that it uses."""
-    law = method.law
-    assert law is not None
+    law = law_of(method)
     layout = constants_type(given.trees, given.values["c"])
     unpacking = Unpacking(given.values["c"], layout.itemsize // 8)
     names: dict[str, Any] = {"CONSTANTS": layout, "FLOAT": np.float64, "law": law.function, "Wheels": Wheels}

@@ -1,10 +1,18 @@
-"""A law of a shared library as a method: `asr=build/liblimit.so`, in plain Python and in the compiled loop."""
+"""A law of a shared library as a method, `asr=build/liblimit.so`, in plain Python and in the compiled loop.
+
+The library is opened and held against the interface, and what it declares becomes parameters of the method.
+"""
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+import math
+import os
+from collections.abc import Iterator, Sequence
+from ctypes import POINTER, Structure, c_char_p, c_double, c_uint32, c_void_p
+from dataclasses import make_dataclass
 from functools import cache
+from keyword import iskeyword
 from pathlib import Path
 from typing import Any
 
@@ -12,16 +20,135 @@ import numpy as np
 
 from ev_core.compiling.machine_code import FUNCTION, call, function_address
 from ev_core.methods.part import PythonPart
-from ev_core.methods.register import Method
-from ev_core.native.interface import LAW_ROLES, car_row, reads_of, size_of
-from ev_core.native.library import GIVEN, Library, path_of
-from ev_core.parameters.declaration import number_tree
+from ev_core.methods.register import Method, refuse_taken
+from ev_core.native.interface import BY_WHEEL, CAR, LAW_ROLES, VERSION, bit, car_row, layout, reads_of, size_of
+from ev_core.parameters.data_file import find_file
+from ev_core.parameters.declaration import number_tree, setting
 from ev_core.vehicle.car import car_numbers
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import SignalError, shape_of
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.signals import Instant
-from ev_msgs_py.refusal import ParameterError
+from ev_msgs_py.refusal import ParameterError, quoted
+
+_WORD = 8  # bytes of a number, and of a pointer
+GIVEN = 2 + len(CAR) + 3 * len(BY_WHEEL)  # words of ev_given: period, parameters, car with its wheels
+_MOST = 10_000  # parameters or numbers of a state; more is a mistake
+
+
+_files: dict[Path, list[os.stat_result]] = {}  # those that were opened at a path in this process, one after the other
+
+
+def _opened(path: Path) -> ctypes.CDLL:
+    """The file that is there now: the loader gives the one that was there before for the same text of a path.
+
+    OSError if it cannot be loaded, or was written over in place, so that the law that came out of it is damaged.
+    """
+    before, found = _files.setdefault(path, []), path.stat()
+    known = [os.path.samestat(each, found) for each in before]
+    place = known.index(True) if True in known else len(before)
+    if any(known) and (before[place].st_mtime_ns, before[place].st_size) != (found.st_mtime_ns, found.st_size):
+        raise OSError("it was written over while it was in use, allowed is a new file in its place, or a new process")
+    opened = ctypes.CDLL(f"{path.parent}{'/.' * place}/{path.name}")
+    if not any(known):
+        before.append(found)
+    return opened
+
+
+class _Parameter(Structure):
+    _fields_ = (
+        *((name, c_char_p) for name in ("name", "unit", "about")),
+        *((name, c_double) for name in ("value", "low", "high")),
+    )
+
+
+class _Declared(Structure):
+    """ev_asr_law and its like."""
+
+    _fields_ = (
+        *((name, c_uint32) for name in ("version", "layout", "inputs_size", "outputs_size", "given_size")),
+        ("about", c_char_p),
+        ("reads", c_uint32),
+        ("number_of_parameters", c_uint32),
+        ("parameters", POINTER(_Parameter)),
+        ("state_size", c_uint32),
+        ("start", c_void_p),
+        ("step", c_void_p),
+    )
+
+
+class Library:
+    """What a library declares for a role, which makes objects of its law.
+
+    `start` and `step` are addresses, `state_size` is in numbers, `parameters` is a dataclass of what it declares.
+    ParameterError, in one line that names the file, if it cannot be loaded, has no law for the role, or was made with
+    another ev_laws.h.
+    """
+
+    def __init__(self, role: str, name: str, path: Path) -> None:
+        self.role, self.name = role, name
+        try:
+            self._opened = _opened(path)
+        except OSError as error:
+            raise self.refused(str(error).rpartition(f"{path.name}: ")[2]) from None
+        try:
+            declared = _Declared.in_dll(self._opened, f"ev_{role}")
+        except ValueError:
+            raise self.refused(f"it has no ev_{role}, which a law for this role is declared by (ev_laws.h)") from None
+        self._refuse_other_header(declared)
+        self.reads = tuple(signal for signal in reads_of(role) if declared.reads & bit(signal))
+        self.state_size = declared.state_size
+        self.start, self.step = declared.start or 0, declared.step or 0
+        if not self.step or not self.reads or max(self.state_size, declared.number_of_parameters) > _MOST:
+            raise self.refused("it lacks a step function, reads nothing of its role, or declares absurdly much")
+        self.__doc__ = _text(declared.about) or "A law in C."
+        self.parameters = make_dataclass("LibraryParameters", self._fields(declared), frozen=True, slots=True)
+        refuse_taken(f"{role} method {name}", self.parameters)
+
+    def __call__(self, parameters: Any, vehicle: Any, period: float) -> NativeLaw:
+        """A new object, at rest."""
+        return NativeLaw(self, parameters, car_row(car_numbers(vehicle)), period)
+
+    def part(self, method: Method, made: NativeLaw) -> NativePart:
+        """What plays a role by such an object."""
+        return NativePart(method, made)
+
+    def refused(self, why: str) -> ParameterError:
+        """The error for something wrong with the library."""
+        return ParameterError(f"{self.role} method {self.name}: {why}", "method")
+
+    def _refuse_other_header(self, declared: _Declared) -> None:
+        numbers = 1 + size_of(reads_of(self.role)), size_of(ROLES[self.role].writes), GIVEN
+        sizes = dict(zip(("inputs_size", "outputs_size", "given_size"), (_WORD * n for n in numbers), strict=True))
+        for name, other in {"version": VERSION, "layout": layout(), **sizes}.items():
+            if (one := getattr(declared, name)) != other:
+                shown = f"{one:#010x}, here it is {other:#010x}" if name == "layout" else f"{one}, here it is {other}"
+                what = f"{name.removesuffix('_size')} {shown}"
+                raise self.refused(f"compiled with another ev_laws.h: {what}; make it anew with that of here")
+
+    def _fields(self, declared: _Declared) -> Iterator[tuple[str, type, Any]]:
+        seen: set[str] = set()
+        for each in declared.parameters[: declared.number_of_parameters]:
+            name, low, high = _text(each.name), each.low, each.high
+            if name in seen or iskeyword(name) or name.startswith("_"):
+                allowed = "allowed is once" if name in seen else "allowed is a name of Python's without _ before it"
+                raise self.refused(f"parameter {quoted(name)} is refused, {allowed}")
+            seen.add(name)
+            if not name.isidentifier() or not low <= each.value <= high or not math.isfinite(each.value):
+                raise self.refused(f"parameter {quoted(name)} needs a name and a finite value between its bounds")
+            declared_as = setting(
+                each.value,
+                about=_text(each.about),
+                unit=_text(each.unit),
+                low=low if low > -math.inf else None,
+                high=high if high < math.inf else None,
+            )
+            yield name, float, declared_as
+
+
+def _text(raw: bytes | None) -> str:
+    return (raw or b"").decode("utf-8", "replace")
+
 
 STATUS = 1  # place of what the last step returned; before it stands the address of the function, behind it the inputs
 INPUTS = 2
@@ -31,7 +158,7 @@ def library_method(role: str, name: str) -> Method:
     """The method of a role that a library brings; ParameterError, in one line, if it cannot."""
     if role not in LAW_ROLES:
         raise ParameterError(f"{role} method {name}: a library plays one of {', '.join(LAW_ROLES)}", "method")
-    path = path_of(name)
+    path = find_file(name).absolute()
     try:
         found = path.stat()
     except OSError as error:
@@ -40,25 +167,10 @@ def library_method(role: str, name: str) -> Method:
 
 
 @cache
-def _made(role: str, name: str, _path: Path, _file: tuple[int, ...]) -> Method:
+def _made(role: str, name: str, path: Path, _file: tuple[int, ...]) -> Method:
     """The same for one file, as it was built once."""
-    factory = NativeMethod(Library(role, name))
-    return Method(role, name, factory, (Instant, *factory.library.reads), factory.parameters)
-
-
-class NativeMethod:
-    """Makes the objects of a law in a library."""
-
-    def __init__(self, library: Library) -> None:
-        self.library, self.parameters, self.__doc__ = library, library.parameters, library.about
-
-    def __call__(self, parameters: Any, vehicle: Any, period: float) -> NativeLaw:
-        """A new object, at rest."""
-        return NativeLaw(self.library, parameters, car_row(car_numbers(vehicle)), period)
-
-    def part(self, method: Method, made: NativeLaw) -> NativePart:
-        """What plays a role by such an object."""
-        return NativePart(method, made)
+    library = Library(role, name, path)
+    return Method(role, name, library, (Instant, *library.reads), library.parameters)
 
 
 class NativeLaw:
@@ -80,11 +192,11 @@ class NativeLaw:
         words = self.row.view(np.int64)
         words[0] = library.step
         words[self.given + 1] = self.address(self.given + GIVEN)
-        self._memory = np.zeros(max(library.state_size, 1))
+        self.memory = np.zeros(max(library.state_size, 1))
         self._step = FUNCTION(library.step)
         if library.start:
             start = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(library.start)
-            start(self._memory.ctypes.data, self.address(self.given))
+            start(self.memory.ctypes.data, self.address(self.given))
 
     def address(self, place: int) -> int:
         """Of a number of the row."""
@@ -96,7 +208,7 @@ class NativeLaw:
         for kind, signal in zip(self.library.reads, signals, strict=True):
             shape = shape_of(kind)
             self.row[self.places[kind] : self.places[kind] + shape.size] = shape.flat(signal)
-        addresses = (self.address(INPUTS), self.address(self.outputs), self._memory.ctypes.data)
+        addresses = (self.address(INPUTS), self.address(self.outputs), self.memory.ctypes.data)
         self.row[STATUS] = self._step(*addresses, self.address(self.given))
         if self.row[STATUS]:
             raise self.error
@@ -110,30 +222,22 @@ class NativeLaw:
     @property
     def state(self) -> list[float]:
         """All that lasts between steps; may be set to that of another object."""
-        numbers: list[float] = self._memory[: self.library.state_size].tolist()
+        numbers: list[float] = self.memory[: self.library.state_size].tolist()
         return numbers
 
     @state.setter
     def state(self, row: Sequence[float]) -> None:
-        self._memory[: self.library.state_size] = row
-
-    @property
-    def memory(self) -> int:
-        """The address of the state."""
-        return self._memory.ctypes.data
+        self.memory[: self.library.state_size] = row
 
 
 class NativePart(PythonPart):
     """Plays a role by a law of a library; the compiled loop calls it without Python in between."""
 
-    def __init__(self, method: Method, made: NativeLaw) -> None:
-        super().__init__(method, made)
-        self._law = made
-
     @property
     def error(self) -> BaseException | None:
         """What the compiled loop raises where a step failed."""
-        return self._law.error
+        error: SignalError = self.made.error
+        return error
 
     @error.setter
     def error(self, error: BaseException | None) -> None:
@@ -141,7 +245,10 @@ class NativePart(PythonPart):
 
     def addresses(self) -> tuple[int, int, int]:
         """Of the compiled step between frame and library, of state and row."""
-        return adapter_address(self._law), self._law.memory, self._law.address(0)
+        law: NativeLaw = self.made
+        places = tuple(law.places.items())
+        adapter = _adapter(law.library.role, law.library.reads, places, law.outputs, law.given)
+        return adapter, law.memory.ctypes.data, law.address(0)
 
 
 _TEXT = '''"""{role} in a library: generated, do not edit."""
@@ -164,15 +271,9 @@ def step(now, next, state, constants):
 '''
 
 
-def adapter_address(law: NativeLaw) -> int:
-    """Of the compiled step of a law, which is the same for all laws of a role that read the same signals."""
-    return _compiled(law.library.role, law.library.reads, tuple(law.places.items()), law.outputs, law.given)
-
-
 @cache
-def _compiled(
-    role: str, reads: tuple[type, ...], places: tuple[tuple[type, int], ...], outputs: int, given: int
-) -> int:
+def _adapter(role: str, reads: tuple[type, ...], places: tuple[tuple[type, int], ...], outputs: int, given: int) -> int:
+    """Address of the compiled step between frame and library, the same for all laws of a role that read the same."""
     row = dict(places)
     (said,) = ROLES[role].writes
     copying = [f"row[{row[Instant]}] = here[{frame.TIME}]"]

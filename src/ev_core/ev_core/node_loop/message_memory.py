@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.stamps import NANOSECONDS
-from ev_msgs_py.wire.message_format import STAMP_AT, MessageFormat, Run
+from ev_msgs_py.wire.message_format import STAMP_AT
 
 
 class End(NamedTuple):
-    """A subscription or a publisher, by its address, and how its messages look, as in `wire.message_format`."""
+    """A subscription or a publisher: its address, and how its messages look, as in `MessageFormat`."""
 
     address: int
-    template: bytes
-    mask: bytes = b""
-    runs: Sequence[Run] = ()
-    single: bool = False
-
-    @classmethod
-    def of(cls, address: int, format_: MessageFormat) -> End:
-        """Of the messages of a format."""
-        return cls(address, format_.template, format_.mask, format_.runs, format_.code == "f")
+    format: Any
 
 
 class Memory(NamedTuple):

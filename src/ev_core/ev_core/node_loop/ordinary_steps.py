@@ -135,7 +135,7 @@ class OrdinarySteps:
         self._head = np.zeros(1, LOOP)
         self._inputs, self._outputs = np.zeros(len(inputs), INPUT), np.zeros(len(outputs), OUTPUT)
         self._senders = np.full((len(inputs), _SENDERS, 2), -1)
-        self._runs = np.array([tuple(run) for end in (*inputs, *outputs) for run in end.runs], RUN)
+        self._runs = np.array([tuple(run) for end in (*inputs, *outputs) for run in end.format.runs], RUN)
         self._lay_out(inputs, outputs)
         head = self._head[0]
         begin, end = frame.span(node.configuration.method.writes)
@@ -164,12 +164,13 @@ class OrdinarySteps:
         block, head, run = Block(), self._head[0], 0
         for name, words in (("message", MESSAGE_WORDS), ("info", INFO_WORDS), ("clock", 2), ("count", 1)):
             head[name] = block.words_for(words)
-        head["heard"] = block.place_for(bytes(max(len(end.template) for end in inputs)))
+        head["heard"] = block.place_for(bytes(max(len(end.format.template) for end in inputs)))
         for row, end in zip((*self._inputs, *self._outputs), (*inputs, *outputs), strict=True):
-            row["template"], row["mask"] = block.place_for(end.template), block.place_for(end.mask)
-            row["length"], row["single"] = len(end.template), end.single
-            row["first"], row["last"] = run, run + len(end.runs)
-            run += len(end.runs)
+            form = end.format
+            row["template"], row["mask"] = block.place_for(form.template), block.place_for(form.mask)
+            row["length"], row["single"] = len(form.template), form.code == "f"
+            row["first"], row["last"] = run, run + len(form.runs)
+            run += len(form.runs)
         self._inputs["subscription"] = [end.address for end in inputs]
         self._outputs["publisher"] = [end.address for end in outputs]
         self._outputs["message"] = [block.words_for(MESSAGE_WORDS) for _ in outputs]

@@ -6,14 +6,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
-from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 
 from ev_core.bus.channel import Channels, Frame
 from ev_core.bus.parameters import BusParameters, load_database
@@ -22,12 +19,12 @@ from ev_core.lockstep.parts import bare, behind_sensors
 from ev_core.methods.part import Part, PythonPart
 from ev_core.nodes import ros_parameters
 from ev_core.nodes.reports import Reports
+from ev_core.nodes.spinning import Spinnable
 from ev_core.nodes.stepped_node import SteppedNode
 from ev_core.parameters.declaration import entries
 from ev_core.parameters.values import build, replaced
 from ev_msgs_py.can.database import Database
 from ev_msgs_py.can.frames import TICK
-from ev_msgs_py.contract.roles import ROLES
 
 
 class Ticks:
@@ -50,24 +47,27 @@ class Ticks:
 _MOST_SAID = 10  # troubles that are reported
 
 
-class SpeaksInCycles(Protocol):
-    """Says what a frame and a cycle mean."""
+class WithBus(Spinnable):
+    """Takes frames as they come and makes a cycle every millisecond, whatever else the node is.
+
+    A subclass defines what a frame and a cycle mean.
+    """
+
+    channels: Channels | None = None  # before they are open, and after they were closed
+    reports: Reports
+    _ticks: Ticks
+
+    def begin(self, channels: Channels) -> None:
+        """Frames are taken, and time counts, from now on."""
+        self.channels, self._ticks, self._said = channels, Ticks(), set[str]()
 
     def take(self, circuit: str, frame: Frame) -> None:
         """A frame has come on the channel of a circuit."""
+        raise NotImplementedError
 
     def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
         """Some ticks have passed; circuit and frame of all that is to be sent."""
-
-
-class BusCycles:
-    """Polls open channels for somebody, until it is closed."""
-
-    def __init__(self, channels: Channels, speaker: SpeaksInCycles, warn: Callable[[str], None]) -> None:
-        self.channels: Channels | None = channels
-        self._speaker, self._warn = speaker, warn
-        self._said: set[str] = set()
-        self._ticks = Ticks()
+        raise NotImplementedError
 
     def poll(self) -> bool:
         """Take all frames, and make a cycle if one is due; False if there was nothing to do."""
@@ -77,26 +77,26 @@ class BusCycles:
         if ticks > 1:  # it was held up: what waits on the bus came late, and shall not count as if it had not
             self._make(self.channels, ticks)
         for circuit, frame in self.channels.received():
-            self._speaker.take(circuit, frame)
+            self.take(circuit, frame)
             progressed = True
         if ticks == 1:
             self._make(self.channels, ticks)
         return progressed
 
     def _make(self, channels: Channels, ticks: int) -> None:
-        for circuit, frame in self._speaker.cycle(ticks):
+        for circuit, frame in self.cycle(ticks):
             channels.send(circuit, frame)
 
-    def until_next(self) -> float:
+    def wake_up_within(self) -> float:
         """Seconds until the next cycle."""
-        return self._ticks.until_next()
+        return self._ticks.until_next() if self.channels else 0.0
 
-    def tell_troubles(self) -> None:
+    def idle(self) -> None:
         """Say once what goes wrong on the bus."""
         for trouble in self.channels.troubles() if self.channels else ():
             if trouble not in self._said and len(self._said) < _MOST_SAID:
                 self._said.add(trouble)
-                self._warn(trouble)
+                self.reports.warn(trouble)
 
     def close(self) -> None:
         """Leave the bus."""
@@ -105,45 +105,21 @@ class BusCycles:
             self.channels = None
 
 
-class WithBus:
-    """What a node that has a bus does the same whatever else it is; how it is run, see `spinning`."""
-
-    _bus: BusCycles | None = None
-
-    def wake_up_within(self) -> float:
-        """Seconds until the next cycle."""
-        return self._bus.until_next() if self._bus else 0.0
-
-    def idle(self) -> None:
-        """Say once what goes wrong on the bus."""
-        if self._bus is not None:
-            self._bus.tell_troubles()
-
-    def close(self) -> None:
-        """Leave the bus."""
-        if self._bus is not None:
-            self._bus.close()
-
-
 class BusNode(WithBus, Node):
-    """Takes frames as they come and makes a cycle every millisecond; how it is run, see `spinning`.
+    """A node of a bus alone; how it is run, see `spinning`.
 
-    A subclass defines what a frame and a cycle mean. ParameterError, BusError or OSError if it cannot be made.
+    ParameterError, BusError or OSError if it cannot be made.
     """
-
-    done = False
-    polling_place = len(ROLES)
 
     def __init__(self, name: str, parameters: type, **node_arguments: Any) -> None:
         super().__init__(name, automatically_declare_parameters_from_overrides=True, **node_arguments)
         self.parameters: Any = build(parameters, ros_parameters.given(self, node_arguments))
-        ros_parameters.declare(self, entries(self.parameters))
+        ros_parameters.follow(self, entries(self.parameters), self._take_over)
         self.database: Database = load_database(self.parameters.bus.database)
         self.reports = Reports(self, name)
         self.prepare()
         bus: BusParameters = self.parameters.bus
-        self._bus = BusCycles(Channels(bus, bus.log), self, self.reports.warn)
-        self.add_on_set_parameters_callback(self._on_set)
+        self.begin(Channels(bus, bus.log))
         # For rclpy's own executors; `spinning.spin` polls by itself.
         self.create_timer(TICK, self._look, clock=RosClock(clock_type=ClockType.STEADY_TIME))
 
@@ -152,14 +128,6 @@ class BusNode(WithBus, Node):
 
     def prepare(self) -> None:
         """Make what frames and cycles need, before the bus is open."""
-        raise NotImplementedError
-
-    def take(self, circuit: str, frame: Frame) -> None:
-        """A frame has come on the channel of a circuit."""
-        raise NotImplementedError
-
-    def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
-        """Some ticks have passed; circuit and frame of all that is to be sent."""
         raise NotImplementedError
 
     def close(self) -> None:
@@ -171,35 +139,15 @@ class BusNode(WithBus, Node):
         """Other parameters were taken over."""
         raise NotImplementedError
 
-    def poll(self) -> bool:
-        """Take all frames, and make a cycle if one is due; False if there was nothing to do."""
-        return self._bus is not None and self._bus.poll()
-
-    @property
-    def channels(self) -> Channels | None:
-        """Its channels; None before they are open and after they were closed."""
-        return self._bus.channels if self._bus else None
-
-    def take_steps(self, until: float, guard: int) -> bool:
-        """Its steps are cycles by the wall clock."""
-        return False
-
-    def sweep(self) -> None:
-        """Nothing more to take: `poll` takes everything."""
-
-    def awaits(self) -> None:
-        """No message wakes it up: it looks every millisecond."""
-
-    def _on_set(self, changes: list[Parameter]) -> SetParametersResult:
+    def _take_over(self, given: dict[str, Any]) -> None:
         before = self.parameters
         try:
-            self.parameters = replaced(before, ros_parameters.asked_for(changes))
+            self.parameters = replaced(before, given)
             self.changed()
-        except Exception as error:  # by what it raises nothing shall be half changed
+        except Exception:  # by what it raises nothing shall be half changed
             self.parameters = before
             self.changed()
-            return ros_parameters.refusal(error)
-        return SetParametersResult(successful=True)
+            raise
 
 
 class RoleOnBus(WithBus, SteppedNode):
@@ -211,7 +159,7 @@ class RoleOnBus(WithBus, SteppedNode):
 
     def __init__(self, *arguments: Any, **node_arguments: Any) -> None:
         super().__init__(*arguments, **node_arguments)
-        self._bus = BusCycles(self.open_channels(), self, self.reports.warn)
+        self.begin(self.open_channels())
 
     def played_by(self, configuration: Configuration) -> Any:
         """What plays the role, at rest."""
@@ -246,5 +194,5 @@ class RoleOnBus(WithBus, SteppedNode):
 
     def poll(self) -> bool:
         """Take frames and messages; False if there was nothing to do."""
-        frames = self._bus is not None and self._bus.poll()
-        return super().poll() or frames
+        frames = WithBus.poll(self)
+        return SteppedNode.poll(self) or frames

@@ -14,21 +14,16 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ev_core.bus.parameters import LOOPBACK
-from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.finding import is_code
 from ev_core.parameters.data_file import TextOfFile
 from ev_core.parameters.declaration import Entry
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
 
+_KINDS = {float: "DOUBLE", int: "INTEGER", bool: "BOOL", str: "STRING"}
 _TYPES = {
-    (float, False): ParameterType.PARAMETER_DOUBLE,
-    (float, True): ParameterType.PARAMETER_DOUBLE_ARRAY,
-    (int, False): ParameterType.PARAMETER_INTEGER,
-    (int, True): ParameterType.PARAMETER_INTEGER_ARRAY,
-    (bool, False): ParameterType.PARAMETER_BOOL,
-    (bool, True): ParameterType.PARAMETER_BOOL_ARRAY,
-    (str, False): ParameterType.PARAMETER_STRING,
-    (str, True): ParameterType.PARAMETER_STRING_ARRAY,
+    (kind, is_array): getattr(ParameterType, f"PARAMETER_{name}{'_ARRAY' * is_array}")
+    for kind, name in _KINDS.items()
+    for is_array in (False, True)
 }
 _NO_LIMIT = {float: 1e300, int: 2**62}
 _METHOD, _LOG, _ADDRESS = "method", "bus.log", "bus.address"
@@ -73,12 +68,7 @@ def is_ros_own(name: str) -> bool:
     return name in _ROS_OWN or name.startswith("qos_overrides.")
 
 
-def refusal(error: Exception) -> SetParametersResult:
-    """The answer to a change that has raised."""
-    return SetParametersResult(successful=False, reason=shown(str(error) or repr(error), LINE))
-
-
-def asked_for(changes: Sequence[Parameter]) -> dict[str, Any]:
+def _asked_for(changes: Sequence[Parameter]) -> dict[str, Any]:
     """The values of a change that are ours; ParameterError if ROS's own are among them, for ROS might refuse these."""
     ours = {change.name: change.value for change in changes if not is_ros_own(change.name)}
     if ours and len(ours) < len(changes):
@@ -128,33 +118,16 @@ def descriptor(entry: Entry) -> ParameterDescriptor:
     return result
 
 
-class LiveParameters:
-    """The present configuration of a node; `changed(before, given)` is called when another one is taken over.
+def follow(node: Node, entries: Sequence[Entry], take_over: Callable[[dict[str, Any]], None]) -> None:
+    """Declare parameters, and give each change of them to `take_over`; whatever that raises refuses the change."""
+    declare(node, entries)
 
-    `try_out(configuration)` makes what the new configuration needs; whatever it raises refuses the change.
-    """
-
-    def __init__(
-        self,
-        node: Node,
-        configuration: Configuration,
-        try_out: Callable[[Configuration], Any],
-        changed: Callable[[Configuration, dict[str, Any], Any], None],
-    ) -> None:
-        self.configuration = configuration
-        self._try_out, self._changed = try_out, changed
-        declare(node, configuration.entries())
-        node.add_on_set_parameters_callback(self._on_set)
-
-    def _on_set(self, changes: list[Parameter]) -> SetParametersResult:
+    def on_set(changes: list[Parameter]) -> SetParametersResult:
         try:
-            given = asked_for(changes)
-            if not given:
-                return SetParametersResult(successful=True)
-            configuration = self.configuration.changed(given)
-            made = self._try_out(configuration)
+            if given := _asked_for(changes):
+                take_over(given)
         except Exception as error:  # also of a law that somebody has brought along
-            return refusal(error)
-        before, self.configuration = self.configuration, configuration
-        self._changed(before, given, made)
+            return SetParametersResult(successful=False, reason=shown(str(error) or repr(error), LINE))
         return SetParametersResult(successful=True)
+
+    node.add_on_set_parameters_callback(on_set)

@@ -50,21 +50,14 @@ class Word:
     @classmethod
     def decoded(cls, message: bytes) -> Word:
         """ValueError where it has another form."""
-        word = cls(**_object(message))
+        try:
+            word = cls(**json.loads(message))
+        except (RecursionError, TypeError) as error:
+            raise ValueError(str(error)) from None
         forms = (word.kind, str), (word.text, str), (word.what, str), (word.values, dict)
         if word.kind not in WORD_KINDS or not all(isinstance(value, kind) for value, kind in forms):
             raise ValueError(f"kind {word.kind!r}")
         return word
-
-
-def _object(message: bytes) -> dict[str, Any]:
-    try:
-        found = json.loads(message)
-    except RecursionError as error:
-        raise ValueError(str(error)) from None
-    if not isinstance(found, dict) or not found.keys() <= Word.__dataclass_fields__.keys() or "kind" not in found:
-        raise ValueError("no word")
-    return found
 
 
 class RunnerLine:

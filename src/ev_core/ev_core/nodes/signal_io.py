@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Protocol
 
@@ -12,15 +12,13 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
-from rosgraph_msgs.msg import Clock
 
-from ev_core.lockstep.stepper import WRITERS, Answer
+from ev_core.lockstep.stepper import WRITERS
 from ev_core.node_loop.message_memory import End
-from ev_core.nodes.ending import wait_until_heard
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
-from ev_msgs_py.wire.message_format import format_of, stamp_alone
+from ev_msgs_py.wire.message_format import format_of
 
 _SOON, _LATER = 0.01, 0.2  # s of wall time between looks into the graph for a sender: not known yet, refused
 _KEPT = 100  # senders of whom it is known when they were looked up
@@ -141,7 +139,7 @@ class SignalWriter:
     @property
     def end(self) -> End:
         """The publisher, as compiled code takes it."""
-        return End.of(self.publisher.handle.pointer, self._format)
+        return End(self.publisher.handle.pointer, self._format)
 
 
 class PolledGroup(MutuallyExclusiveCallbackGroup):
@@ -227,45 +225,4 @@ class SignalReader(Reader):
     @property
     def end(self) -> End:
         """The subscription, as compiled code takes it."""
-        return End.of(self.handle.pointer, self._format)
-
-
-_PATIENCE = 20.0  # s of wall time for the last states to arrive, on a machine with much other work
-
-
-class StatePublisher:
-    """Publishes the outputs of the master, and knows for how long it has published nothing."""
-
-    def __init__(self, node: Node, writers: Iterable[SignalWriter]) -> None:
-        self._writers = list(writers)
-        self._clock = node.create_publisher(Clock, "/clock", QUALITY).handle
-        self.spoke = 0.0
-
-    def publish(self, answer: Answer) -> None:
-        """Publish the signals of an answer, and then its stamp as /clock."""
-        for writer in self._writers:
-            writer.write(answer.stamp, answer.frame)
-        if self._clock.get_subscription_count():
-            self._clock.publish_raw(stamp_alone(answer.stamp))
-        self.spoke = time.monotonic()
-
-    def repeat(self, answer: Answer | None) -> None:
-        """Publish once more, first what most nodes receive: their step goes on while the rest is being published."""
-        self._writers.sort(key=lambda writer: -writer.publisher.get_subscription_count())
-        if answer is not None:
-            self.publish(answer)
-
-    def wait_until_heard(self, is_wanted: Callable[[], bool]) -> None:
-        """Wait until the last states have arrived, for as long as they are wanted; what hangs is given up."""
-        given_up = time.monotonic() + _PATIENCE
-        for writer in self._writers:
-            wait_until_heard(writer.publisher, given_up, is_wanted)
-
-    def ends(self) -> list[End]:
-        """All publishers, in the order in which they publish."""
-        return [*(writer.end for writer in self._writers), End(self._clock.pointer, stamp_alone(0))]
-
-    @property
-    def silent_for(self) -> float:
-        """Wall time since the last message [s]."""
-        return time.monotonic() - self.spoke
+        return End(self.handle.pointer, self._format)

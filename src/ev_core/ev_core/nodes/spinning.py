@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.context import Context
@@ -23,6 +23,7 @@ from rclpy.service import Service
 
 from ev_core.nodes.signal_io import PolledGroup, SubscriptionHandle
 from ev_core.nodes.time_of_day import Alarm
+from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import LINE, shown
 
 
@@ -67,31 +68,39 @@ _SERVICE_PERIOD = 0.05  # s between looks at services
 _SWEEP_PERIOD = 0.01  # s between looks at everything: at least, and twice that at most
 
 
-class Spinnable(Protocol):
-    """What `spin` asks of a node; lower polling places come first."""
+class Spinnable:
+    """What `spin` asks of a node; lower polling places come first. By default no message wakes it up."""
 
-    polling_place: int
+    polling_place = len(ROLES)  # behind the roles
+    done = False  # whether its process may end
 
     def poll(self) -> bool:
         """Take what is waited for; False if nothing was there."""
+        raise NotImplementedError
 
     def take_steps(self, until: float, guard: int) -> bool:
         """Take steps up to a time of the monotonic clock, and sleep in between; False if it cannot do so by itself.
 
         The guard condition at the address wakes it up, too.
         """
+        return False
 
     def sweep(self) -> None:
         """Take everything else too."""
 
     def awaits(self) -> SubscriptionHandle | None:
         """The subscription to wake up for, None to sleep the whole time."""
+        return None
 
     def wake_up_within(self) -> float:
         """Seconds to sleep at most."""
+        raise NotImplementedError
 
     def idle(self) -> None:
         """There was nothing to take."""
+
+    def close(self) -> None:
+        """The process ends."""
 
 
 def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:

@@ -25,9 +25,9 @@ from ev_core.node_loop.ordinary_steps import OrdinarySteps, can_be_taken
 from ev_core.nodes import ros_parameters
 from ev_core.nodes.reception import Reception
 from ev_core.nodes.reports import Health, Reports
-from ev_core.nodes.ros_parameters import LiveParameters
 from ev_core.nodes.runner_line import TALLY, Waiting, Word
 from ev_core.nodes.signal_io import SignalReader, SignalWriter, SubscriptionHandle, Succeeded
+from ev_core.nodes.spinning import Spinnable
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
@@ -35,22 +35,119 @@ from ev_msgs_py.contract.topics import TOPICS, Topic
 _LOOK_PERIOD = 0.02  # s of wall time between looks for what nobody waits for: repetitions of messages
 
 
-class Polled:
-    """Takes messages from its `readers`; `wanted` gives those that the next step waits for."""
+_CURRENT_AND_FUTURE = 1 | 2  # of mlockall
+_POLLING_ORDER = polling_order(ROLES, MASTER)
 
-    readers: dict[type, SignalReader]
-    writers: dict[type, SignalWriter]
-    reports: Reports
-    stepper: Stepper
+
+class SteppedNode(Spinnable, Node):
+    """Plays a role: steps its part once per stamp and answers with the same stamp; how it is run, see `spinning`.
+
+    ParameterError or ValueError if the parameters that it is given are refused; the node does not exist then.
+    """
+
+    extra_parameters: type | None = None
+
+    def __init__(self, role: str, **node_arguments: Any) -> None:
+        super().__init__(role, automatically_declare_parameters_from_overrides=True, **node_arguments)
+        configuration = configure(role, ros_parameters.given(self, node_arguments), self.extra_parameters)
+        self.configuration = configuration
+        self.polling_place = _POLLING_ORDER.index(role)
+        self.reports = Reports(self, role)
+        ros_parameters.follow(self, configuration.entries(), self._take_over)
+        self.stepper = Stepper(
+            configuration.method,
+            lambda: self.new_part(self.configuration),
+            configuration.period,
+            self.realtime,
+            self.reports.runner.key,
+        )
+        self.reception = Reception(self.stepper, self.reports, self.publish)
+        writes = sorted(configuration.method.writes, key=arrival_place)
+        self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in writes}
+        reads = self.also_reads(self.stepper.reads)
+        self.readers = {
+            signal: SignalReader(
+                self,
+                TOPICS[signal],
+                self.receiver(TOPICS[signal]),
+                self.reports.note,
+                succeeded=self._succeeded(signal),
+            )
+            for signal in reads
+        }
+        self.health = Health(self)
+        self._waiting = Waiting(self.reports.runner)
+        for lacking in ask_for(configuration.common):
+            self.reports.note(lacking, lacking)
+        if configuration.unused:
+            names = ", ".join(configuration.unused)
+            self.get_logger().info(f"method {configuration.method.name} does not use: {names}")
 
     @property
     def realtime(self) -> bool:
         """Whether the wall clock drives the graph, so that steps may be skipped."""
-        raise NotImplementedError
+        return self.configuration.common.mode == "realtime"
+
+    def new_part(self, configuration: Configuration) -> Part:
+        """What plays the role, at rest; ValueError if it cannot."""
+        return part_of(configuration, compiled=is_compiled(configuration))
+
+    def also_reads(self, reads: tuple[type, ...]) -> tuple[type, ...]:
+        """The signals to subscribe to, by default those that the method reads."""
+        return reads
+
+    def receiver(self, topic: Topic) -> Callable[[bytes], None]:
+        """What takes the serialized messages of a topic."""
+        return self.reception.receiver(topic)
+
+    def _succeeded(self, signal: type) -> Succeeded:
+        """What is called when the writer of a signal was started anew."""
+        return self.reception.note_new_master if WRITERS.get(signal) == MASTER else lambda _: None
+
+    def publish(self, answer: Answer) -> None:
+        """Publish an answer."""
+        for writer in self.writers.values():
+            writer.write(answer.stamp, answer.frame)
+        self.reports.pass_on_now_and_then(self.stepper.part)
+
+    def successor(self, configuration: Configuration) -> Part:
+        """What goes on with other parameters; the state lasts, of one that has published: before that there is none."""
+        part = self.new_part(configuration)
+        if self.stepper.answer is not None:
+            hand_over(self.stepper.part, part)
+        return part
+
+    def _take_over(self, given: dict[str, Any]) -> None:
+        """Go on with other parameters."""
+        before, after = self.configuration, self.configuration.changed(given)
+        part = self.successor(after)
+        self.configuration = after
+        if (after.parameters, after.sensors, after.faults) != (before.parameters, before.sensors, before.faults):
+            self.stepper.part = part
+            self.reports.warn(f"parameters changed to {given}: the run is not reproducible")
+        self.reconfigured()
+
+    def reconfigured(self) -> None:
+        """Called when new parameter values are taken over."""
+
+    def idle(self) -> None:
+        """Tell the runner for whom the next step waits, nobody if its time has not come; in real time nothing."""
+        if not self.realtime:
+            whom = [WRITERS.get(signal, RECORDER) for signal in self.wanted()]
+            self._waiting.look(self.stepper.inbox.last, whom)
+
+    def close(self) -> None:
+        """Report the sums of inputs and outputs to the runner, as far as they are added up."""
+        stepper = self.stepper
+        if stepper.tally is not None and stepper.answer is not None:
+            last = -stepper.period if stepper.inbox.last is None else stepper.inbox.last
+            newest = stepper.tally.newest(last // stepper.period, stepper.answer.stamp // stepper.period)
+            self.reports.runner.tell(Word(TALLY, values=newest))
+        self.reports.runner.close()
 
     def wanted(self) -> tuple[type, ...]:
-        """The signals that the next step waits for, in the order of their arrival."""
-        raise NotImplementedError
+        """The signals that the next step waits for; in real time all: a step that lacks one will not be taken."""
+        return self.stepper.reads if self.realtime else self.stepper.inbox.missing()
 
     def poll(self) -> bool:
         """Take what the next step waits for and step where that completes the inputs; False if nothing was there."""
@@ -101,130 +198,6 @@ class Polled:
     def wake_up_within(self) -> float:
         """Seconds after which the node wants to be polled though no message has come."""
         return _LOOK_PERIOD
-
-    def idle(self) -> None:
-        """Called when there is nothing to take."""
-
-    def close(self) -> None:
-        """Called at the end of the process."""
-
-
-_CURRENT_AND_FUTURE = 1 | 2  # of mlockall
-_POLLING_ORDER = polling_order(ROLES, MASTER)
-
-
-class SteppedNode(Node, Polled):
-    """Plays a role: steps its part once per stamp and answers with the same stamp; how it is run, see `spinning`.
-
-    ParameterError or ValueError if the parameters that it is given are refused; the node does not exist then.
-    """
-
-    extra_parameters: type | None = None
-    done = False
-
-    def __init__(self, role: str, **node_arguments: Any) -> None:
-        super().__init__(role, automatically_declare_parameters_from_overrides=True, **node_arguments)
-        configuration = configure(role, ros_parameters.given(self, node_arguments), self.extra_parameters)
-        self.polling_place = _POLLING_ORDER.index(role)
-        self.reports = Reports(self, role)
-        self.live = LiveParameters(self, configuration, self.successor, self._take_over)
-        self.stepper = Stepper(
-            configuration.method,
-            lambda: self.new_part(self.configuration),
-            configuration.period,
-            self.realtime,
-            self.reports.runner.key,
-        )
-        self.reception = Reception(self.stepper, self.reports, self.publish)
-        writes = sorted(configuration.method.writes, key=arrival_place)
-        self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in writes}
-        reads = self.also_reads(self.stepper.reads)
-        self.readers = {
-            signal: SignalReader(
-                self,
-                TOPICS[signal],
-                self.receiver(TOPICS[signal]),
-                self.reports.note,
-                succeeded=self._succeeded(signal),
-            )
-            for signal in reads
-        }
-        self.health = Health(self)
-        self._waiting = Waiting(self.reports.runner)
-        for lacking in ask_for(configuration.common):
-            self.reports.note(lacking, lacking)
-        if configuration.unused:
-            names = ", ".join(configuration.unused)
-            self.get_logger().info(f"method {configuration.method.name} does not use: {names}")
-
-    @property
-    def configuration(self) -> Configuration:
-        """The present parameters."""
-        return self.live.configuration
-
-    @property
-    def realtime(self) -> bool:
-        """Whether the wall clock drives the graph, so that steps may be skipped."""
-        return self.configuration.common.mode == "realtime"
-
-    def new_part(self, configuration: Configuration) -> Part:
-        """What plays the role, at rest; ValueError if it cannot."""
-        return part_of(configuration, compiled=is_compiled(configuration))
-
-    def also_reads(self, reads: tuple[type, ...]) -> tuple[type, ...]:
-        """The signals to subscribe to, by default those that the method reads."""
-        return reads
-
-    def receiver(self, topic: Topic) -> Callable[[bytes], None]:
-        """What takes the serialized messages of a topic."""
-        return self.reception.receiver(topic)
-
-    def _succeeded(self, signal: type) -> Succeeded:
-        """What is called when the writer of a signal was started anew."""
-        return self.reception.note_new_master if WRITERS.get(signal) == MASTER else lambda _: None
-
-    def publish(self, answer: Answer) -> None:
-        """Publish an answer."""
-        for writer in self.writers.values():
-            writer.write(answer.stamp, answer.frame)
-        self.reports.pass_on_now_and_then(self.stepper.part)
-
-    def successor(self, configuration: Configuration) -> Part:
-        """What goes on with other parameters; the state lasts, of one that has published: before that there is none."""
-        part = self.new_part(configuration)
-        if self.stepper.answer is not None:
-            hand_over(self.stepper.part, part)
-        return part
-
-    def _take_over(self, before: Configuration, given: dict[str, Any], part: Part) -> None:
-        """Go on with other parameters."""
-        after = self.configuration
-        if (after.parameters, after.sensors, after.faults) != (before.parameters, before.sensors, before.faults):
-            self.stepper.part = part
-            self.reports.warn(f"parameters changed to {given}: the run is not reproducible")
-        self.reconfigured()
-
-    def reconfigured(self) -> None:
-        """Called when new parameter values are taken over."""
-
-    def idle(self) -> None:
-        """Tell the runner for whom the next step waits, nobody if its time has not come; in real time nothing."""
-        if not self.realtime:
-            whom = [WRITERS.get(signal, RECORDER) for signal in self.wanted()]
-            self._waiting.look(self.stepper.inbox.last, whom)
-
-    def close(self) -> None:
-        """Report the sums of inputs and outputs to the runner, as far as they are added up."""
-        stepper = self.stepper
-        if stepper.tally is not None and stepper.answer is not None:
-            last = -stepper.period if stepper.inbox.last is None else stepper.inbox.last
-            newest = stepper.tally.newest(last // stepper.period, stepper.answer.stamp // stepper.period)
-            self.reports.runner.tell(Word(TALLY, values=newest))
-        self.reports.runner.close()
-
-    def wanted(self) -> tuple[type, ...]:
-        """The signals that the next step waits for; in real time all: a step that lacks one will not be taken."""
-        return self.stepper.reads if self.realtime else self.stepper.inbox.missing()
 
 
 def ask_for(p: CommonParameters) -> Iterator[str]:

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import StateSpace, bode
 
-from ev_core.compiled.loop import CompiledObject
+from ev_core.compiled.part import CompiledPart
 from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_sim.analysis.linear_models import SideSlipModel
@@ -143,16 +145,18 @@ def _parameters(point: OperatingPoint, initial_speed: float) -> PlanarParameters
 
 def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> np.ndarray:
     """The state of a plant in the motion of the point."""
-    command = WheelTorqueCommand(point.drive)
+    here, there = Frame(), Frame()
     column = SteeringColumnState(0.0, 0.0, 0.0, point.road_wheel_angle, 0.0)
+    for signal in (WheelTorqueCommand(point.drive), column):
+        here.numbers[PLACES[type(signal)]] = numbers_of(shape_of(type(signal)).flat(signal))
 
-    def plant_from(speed: float) -> CompiledObject:
-        return CompiledObject(find_method("plant", "planar"), _parameters(point, speed), vehicle, _PERIOD)
+    def plant_from(speed: float) -> CompiledPart:
+        return CompiledPart(find_method("plant", "planar"), _parameters(point, speed), vehicle, _PERIOD)
 
     if not point.accelerates:
         plant = plant_from(point.speed)
         for _ in range(round(_SETTLING / _PERIOD)):
-            plant.advance(command, column)
+            plant.step(here, there)
         return plant.state
     force = sum(point.drive) / vehicle.wheel_radius
     run_up = force / vehicle.mass  # what a second of the acceleration gains, when wheels and loads have settled [m/s]
@@ -161,7 +165,7 @@ def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> np.ndarray:
     plant = plant_from(point.speed - run_up)
     longest = round(10 * _SETTLING / _PERIOD)
     while plant.state[VX] < point.speed and longest:
-        plant.advance(command, column)
+        plant.step(here, there)
         longest -= 1
     if not longest:
         raise ValueError(f"{sum(point.drive):g} N m do not bring the car to {point.speed:g} m/s")

@@ -10,15 +10,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ev_core.compiled import part as sensors
 from ev_core.compiled.loop import FINISHED, run_through
-from ev_core.compiled.part import CompiledPart
+from ev_core.compiled.part import CompiledPart, RowPart, row_function
+from ev_core.faults.row import FaultRow
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph
 from ev_core.lockstep.parts import method_part, row_parts
 from ev_core.lockstep.run import refuse_not_finite, roles_in_order
 from ev_core.methods.register import CommonParameters
 from ev_core.parameters.values import check, entries_by_name, plain
+from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.contract.topics import TOPICS
@@ -109,7 +110,7 @@ class _Placed(NamedTuple):
 
     role: str
     writes: tuple[int, int]
-    part: CompiledPart | sensors.RowPart
+    part: CompiledPart | RowPart
     state: np.ndarray
 
     @property
@@ -146,9 +147,9 @@ class Runs:
         # What is compiled is compiled here, and not by several threads at once.
         observer.function()
         if any(variation.concerns_sensors(role) or not each.is_ideal for role, each in configurations.items()):
-            sensors.function()
+            row_function(SensorRow)
         if any("faults" in name for name in variation.names) or any(each.faults for each in configurations.values()):
-            sensors.fault_function()
+            row_function(FaultRow)
         for role, states in initial_states.items():
             _refuse_states(role, states, made[role].state.size)
 

@@ -78,15 +78,17 @@ def _compile(job: tuple[str, str]) -> str:
 
 
 def _compile_stepping() -> None:
-    from ev_core.compiled import part as sensors
     from ev_core.compiled.loop import compile_loops
+    from ev_core.compiled.part import row_function
+    from ev_core.faults.row import FaultRow
     from ev_core.node_loop import steps
+    from ev_core.sensors.row import SensorRow
     from ev_sim.batches import observer
 
     compile_loops()
     steps.address()
-    sensors.function()
-    sensors.fault_function()
+    row_function(SensorRow)
+    row_function(FaultRow)
     observer.function()
 
 

@@ -24,9 +24,7 @@ from ev_sim.command_line.refusal import Parser
 from ev_sim.recording.files_of_run import PAGE, SIGNALS, SUMMARY
 from ev_sim.recording.outcome import Outcome, bar_of_runs, progress_bar
 from ev_sim.recording.recording import load
-from ev_sim.replay.comparing import differences_of
-from ev_sim.replay.graph import Replay, replay_of
-from ev_sim.replay.outputs import Replayed, prepared, replay_folder
+from ev_sim.replay.graph import Replay, Replayed, prepared, replay_folder, replay_of
 from ev_sim.replay.recorded import find_recorded
 from ev_sim.report.page.writing import Page, Signals, write_page
 from ev_sim.report.tables import WIDTH_OF_A_PIPE
@@ -134,7 +132,7 @@ def run_replay(argv: Sequence[str]) -> None:
     with replay_folder(replay, given.out) as folders:
         run = prepared(replay, folders)
         outcome = _play(replay, run, folders.of(run), command)
-        found = differences_of(replay, outcome.recording)
+        found = replay.differences(outcome.recording)
         replayed = Replayed(replay, run, outcome, found, command, command_of(["replay", *argv]))
         print("\n".join(replayed.lines()))
         page = replayed.write(folders, not given.no_report, given.figures)

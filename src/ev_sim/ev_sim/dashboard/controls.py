@@ -18,7 +18,7 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from ev_core.nodes import ros_parameters
-from ev_core.nodes.master.advance import TIME_SERVICES
+from ev_core.nodes.master.schedule import TIME_SERVICES
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import quoted
 from ev_sim.scenarios.parameter_file import read_yaml

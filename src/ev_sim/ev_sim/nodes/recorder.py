@@ -14,11 +14,12 @@ from ev_core.nodes.ending import wait_until_heard
 from ev_core.nodes.reports import Reports
 from ev_core.nodes.runner_line import PROGRESS, Waiting, Word
 from ev_core.nodes.signal_io import SignalWriter
+from ev_core.nodes.spinning import Spinnable
 from ev_core.parameters.declaration import entries
 from ev_core.parameters.values import build
 from ev_core.run_role import run_node
 from ev_msgs_py.contract.frame import Frame
-from ev_msgs_py.contract.roles import MASTER, RECORDER, RECORDER_WRITES, ROLES
+from ev_msgs_py.contract.roles import MASTER, RECORDER, RECORDER_WRITES
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_sim.recording.recorder_input import POLL_PERIOD, RecorderInput
 from ev_sim.recording.run_recorder import OutputOfRun, RecorderParameters
@@ -28,11 +29,9 @@ _LONG = 3.0  # s for the first message of a topic
 _NOTHING = Frame()  # the progress is nothing but its stamp
 
 
-class RecorderNode(Node):
+class RecorderNode(Spinnable, Node):
     """Records all topics of the contract and reports to the master of time how far it is."""
 
-    done = False
-    polling_place = len(ROLES)  # behind all that it records
     _output: OutputOfRun | None = None  # until there is something to write
 
     def __init__(self, **node_arguments: Any) -> None:
@@ -61,16 +60,6 @@ class RecorderNode(Node):
         """Take every message that has arrived, now and then; False, so that the node rests in between."""
         self._input.take_all()
         return False
-
-    def take_steps(self, until: float, guard: int) -> bool:
-        """It only listens."""
-        return False
-
-    def sweep(self) -> None:
-        """Nothing more to take: `poll` takes everything."""
-
-    def awaits(self) -> None:
-        """No message is worth waking up for: they are taken many at a time."""
 
     def wake_up_within(self) -> float:
         """Seconds of rest between two polls."""

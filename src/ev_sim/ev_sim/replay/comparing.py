@@ -10,14 +10,11 @@ from typing import Any
 import numpy as np
 
 from ev_core.nodes.master.real_time import Histogram
-from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
-from ev_msgs_py.contract.signals import Instant
-from ev_msgs_py.contract.topics import TOPICS, Topic
+from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.figures.figure import Figure
 from ev_sim.figures.timing import histogram_sheet
 from ev_sim.recording.recording import Recording
-from ev_sim.replay.graph import Replay
 from ev_sim.replay.recorded import Recorded
 from ev_sim.report.tables import cell, text_table, write_tables
 
@@ -35,15 +32,11 @@ def latency_of(recorded: Recorded) -> dict[str, Any]:
     if not recorded.arrivals:
         return {}
     of_roles = [[TOPICS[signal] for signal in role.writes if recorded.has(signal)][:1] for role in ROLES.values()]
-    jitter = {topic.name: _counted(np.abs(_intervals(recorded, topic))) for topics in of_roles for topic in topics}
+    jitter = {}
+    for topic in (topic for topics in of_roles for topic in topics):
+        came, there = recorded.arrivals[topic], recorded.came[topic]
+        jitter[topic.name] = _counted(np.abs(np.diff(came)[there[1:] & there[:-1]] - recorded.period))
     return {_JITTER: jitter, _LATENCY: dict(_latencies(recorded))}
-
-
-def _intervals(recorded: Recorded, topic: Topic) -> np.ndarray:
-    came, there = recorded.arrivals[topic], recorded.came[topic]
-    both = there[1:] & there[:-1]
-    apart: np.ndarray = np.diff(came)[both] - recorded.period
-    return apart
 
 
 def _latencies(recorded: Recorded) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -78,11 +71,12 @@ def latencies_in_words(timing: Mapping[str, Any], topics: list[str]) -> list[str
     """A line for each of the topics."""
     lines = []
     for topic in topics:
-        parts = []
-        for what in (_LATENCY, _JITTER):
-            if topic in timing[what] and timing[what][topic]["median"] is not None:
-                times = timing[what][topic]
-                parts.append(f"{what} {1e3 * times['median']:.3g} ms of half, {1e3 * times['largest']:.3g} ms at most")
+        found = {what: timing[what].get(topic, {}) for what in (_LATENCY, _JITTER)}
+        parts = [
+            f"{what} {1e3 * times['median']:.3g} ms of half, {1e3 * times['largest']:.3g} ms at most"
+            for what, times in found.items()
+            if times.get("median") is not None
+        ]
         if parts:
             lines.append(f"{topic}: {'; '.join(parts)}")
     return lines
@@ -110,31 +104,8 @@ class Difference:
     rms: float
 
 
-def differences_of(replay: Replay, replayed: Recording) -> tuple[Difference, ...]:
-    """All channels that the role writes and that were recorded, at the instants of which both sides are known."""
-    known = compared_instants(replay)[: len(replayed.time)]
-    units = frame.units()
-    return tuple(
-        _difference(name, units[name], replay.recorded.recording.channels[name], replayed, known & came)
-        for signal in replay.answers
-        for came in [replay.recorded.came[TOPICS[signal]][: len(known)]]
-        for name in TOPICS[signal].channels
-    )
-
-
-def compared_instants(replay: Replay) -> np.ndarray:
-    """Whether what the role answers from was recorded (n,): of this instant, or where it integrates the one before."""
-    came = replay.recorded.came
-    there = np.ones(len(replay.recorded.recording.time), bool)
-    for signal in replay.configuration.method.reads:
-        if signal is not Instant:
-            there &= came[TOPICS[signal]]
-    if ROLES[replay.role].kind is RoleKind.INTEGRATES:
-        return np.append([True], there[:-1])
-    return there
-
-
-def _difference(name: str, unit: str, before: np.ndarray, replayed: Recording, known: np.ndarray) -> Difference:
+def difference_of(name: str, unit: str, before: np.ndarray, replayed: Recording, known: np.ndarray) -> Difference:
+    """That of a channel from its recorded values, (n,), at the `known` instants, (n,)."""
     values, before = replayed.channels[name], before[: len(known)]
     differ = np.flatnonzero(known & (values.view(np.int64) != before.view(np.int64)))
     apart = np.where(known, np.abs(values - before), 0.0)

@@ -1,27 +1,41 @@
-"""The graph that replays a run: one role is played anew, all others play back what was recorded."""
+"""A replay of a run: one role is played anew, all others play back what was recorded; what it leaves behind."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ev_core.lockstep.configuration import Configuration, configure, refuse_unused
 from ev_core.methods.register import CommonParameters
 from ev_core.nodes.master.real_time import MasterParameters
+from ev_core.parameters.declaration import flatten
 from ev_core.parameters.values import entries_by_name
-from ev_msgs_py.contract import stamps
-from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.contract import frame, stamps
+from ev_msgs_py.contract.roles import MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_sim.figures.saving import FORMATS, figure_files, save_figures
+from ev_sim.recording.files_of_run import LOG, OF_ALL_RUNS, PAGE, PARAMETERS, SIGNALS, SUMMARY, atomic_file
+from ev_sim.recording.outcome import Outcome
+from ev_sim.recording.recording import Recording, save
+from ev_sim.replay import comparing
+from ev_sim.replay.comparing import Difference, difference_of
 from ev_sim.replay.recorded import Recorded
+from ev_sim.report.summary import Summary, write_summary
+from ev_sim.report.tables import TABLES
+from ev_sim.running.node_parameters import write_parameter_file
+from ev_sim.running.output_folder import OutputFolder
 from ev_sim.scenarios.about import VEHICLE, vehicle_file
 from ev_sim.scenarios.parameter_file import ParameterFile
 from ev_sim.scenarios.scenario import Overrides, Run
 
-REPLAYED = "replayed"
+_RECORDED, REPLAYED, _LATENCY = "recorded", "replayed", "latency"
 _OF_WALL_TIME = ("mode", "scheduling_priority", "lock_memory", "real_time_factor", "duration", "await_recorder")
 
 
@@ -33,19 +47,7 @@ class Replay:
     role: str
     values: Mapping[str, Any]
     duration: float
-    configuration: Configuration = field(init=False)
-
-    def __post_init__(self) -> None:
-        values = dict(self.values)
-        extra = None
-        if self.role == MASTER:
-            values["duration"], extra = self.duration, MasterParameters
-        try:
-            made = configure(self.role, values, extra)
-        except ParameterError as error:
-            raise ParameterError(f"{self.role}: {error}") from None
-        object.__setattr__(self, "configuration", made)
-        _refuse_missing(self.recorded, made)
+    configuration: Configuration
 
     @property
     def answers(self) -> tuple[type, ...]:
@@ -60,14 +62,37 @@ class Replay:
             if role == self.role:
                 configurations[role] = self.configuration
             elif any(map(self.recorded.has, ROLES[role].writes)):
-                values = {**common, "method": str(signals)}
-                if role == MASTER:
-                    values["duration"] = self.duration
-                configurations[role] = configure(role, values, MasterParameters if role == MASTER else None)
+                configurations[role] = _configured(role, {**common, "method": str(signals)}, self.duration)
         if MASTER not in configurations:
             topics = ", ".join(TOPICS[signal].name for signal in ROLES[MASTER].writes)
             raise ParameterError(f"{self.recorded.source} has nothing of the {MASTER}, allowed is any of {topics}")
         return Run(REPLAYED, self.recorded.namespace, configurations, self.duration)
+
+    def differences(self, replayed: Recording) -> tuple[Difference, ...]:
+        """All channels that the role writes and that were recorded, where both sides are known."""
+        came, units = self.recorded.came, frame.units()
+        known = self._compared()[: len(replayed.time)]
+        return tuple(
+            difference_of(name, units[name], self.recorded.recording.channels[name], replayed, known & there)
+            for signal in self.answers
+            for there in [came[TOPICS[signal]][: len(known)]]
+            for name in TOPICS[signal].channels
+        )
+
+    def _compared(self) -> np.ndarray:
+        """Whether what the role answers from is recorded (n,): of this instant, or if it integrates the one before."""
+        there = np.ones(len(self.recorded.recording.time), bool)
+        for signal in self.configuration.method.reads:
+            if signal is not Instant:
+                there &= self.recorded.came[TOPICS[signal]]
+        return np.append([True], there[:-1]) if ROLES[self.role].kind is RoleKind.INTEGRATES else there
+
+
+def _configured(role: str, values: Mapping[str, Any], duration: float) -> Configuration:
+    """The master has the duration besides."""
+    if role == MASTER:
+        return configure(role, {**values, "duration": duration}, MasterParameters)
+    return configure(role, values)
 
 
 def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) -> Replay:
@@ -94,10 +119,14 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
     duration = recorded.duration if overrides.duration is None else overrides.duration
     if not 0.0 < duration <= recorded.duration:
         raise ParameterError(f"duration: {duration!r} is refused, allowed is more than 0 and up to {recorded.duration}")
-    replay = Replay(recorded, role, values, duration)
+    try:
+        configuration = _configured(role, values, duration)
+    except ParameterError as error:
+        raise ParameterError(f"{role}: {error}") from None
+    _refuse_missing(recorded, configuration)
     for _, key, _ in overrides.values:
-        refuse_unused(key, [replay.configuration])
-    return replay
+        refuse_unused(key, [configuration])
+    return Replay(recorded, role, values, duration, configuration)
 
 
 def _car(recorded: Recorded, vehicle: str | None) -> Sequence[ParameterFile]:
@@ -130,3 +159,120 @@ def _refuse_missing(recorded: Recorded, configuration: Configuration) -> None:
     if not any(map(recorded.has, method.writes)):
         topics = ", ".join(TOPICS[signal].name for signal in method.writes)
         raise ParameterError(f"{recorded.source} has no {topics} of the {role} to compare with; it has {has}")
+
+
+def replay_folder(replay: Replay, out: Path) -> OutputFolder:
+    """Where a replay writes; ParameterError if the folder cannot be had, or would replace what is replayed."""
+    source = replay.recorded.source.resolve()
+    runs = [Run(name, replay.recorded.namespace, {}, replay.duration) for name in (_RECORDED, REPLAYED)]
+    if any(source.is_relative_to((out / run.name).resolve()) for run in runs):
+        raise ParameterError(f"--out {out}: the run that is replayed is there, allowed is another folder")
+    logs = [f"{REPLAYED}/{LOG}/{role}.log" for role in ROLES]
+    return OutputFolder(out, "replay", [*OF_ALL_RUNS, *TABLES, *figure_files([_LATENCY], FORMATS), *logs], runs)
+
+
+def prepared(replay: Replay, folder: OutputFolder) -> Run:
+    """The graph that replays; the recorded signals that it plays back are in the folder then."""
+    recorded = folder.directory / _RECORDED
+    _write_told(recorded / PARAMETERS, replay)
+    save(replay.recorded.recording, recorded / SIGNALS)
+    return replay.run(recorded / SIGNALS)
+
+
+def _write_told(path: Path, replay: Replay) -> None:
+    """What is known of the nodes of the recorded run, so that it can be replayed once more from there."""
+    given = replay.recorded.parameters
+    if given is not None:
+        with atomic_file(path) as file:
+            file.write(given.path.read_bytes())
+        return
+    common = flatten(replay.configuration.common)
+    nodes = {"**": {name: value for name, value in common.items() if value != ()}}
+    write_parameter_file(path, Run(_RECORDED, replay.recorded.namespace, {}, replay.duration), nodes)
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """A replay that was driven; `command` are the words of the node that took part, `line` repeats it all."""
+
+    replay: Replay
+    run: Run
+    outcome: Outcome
+    differences: Sequence[Difference]
+    command: Sequence[str]
+    line: str
+
+    @property
+    def _who(self) -> str:
+        return " ".join(self.command) or self.replay.configuration.method.name
+
+    @cached_property
+    def _latency(self) -> dict[str, Any]:
+        return comparing.latency_of(self.replay.recorded)
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        writes, answers = self.replay.configuration.method.writes, self.replay.answers
+        left_out = [TOPICS[signal].name for signal in writes if signal not in answers]
+        more = (f"not in the bag, so not compared: {', '.join(left_out)}",) if left_out else ()
+        return (*self.replay.recorded.notes, *more, *self.outcome.notes)
+
+    def lines(self) -> list[str]:
+        """What the terminal shows."""
+        table = comparing.table_of(self.differences)
+        answers = [TOPICS[signal].name for signal in self.replay.answers]
+        return [
+            *([table] if table else []),
+            *(f"note: {note}" for note in self._notes),
+            *(comparing.latencies_in_words(self._latency, answers) if self._latency else []),
+            f"{self.replay.role} {self._who}: {comparing.in_words(self.differences)}",
+            f"{self.run.duration:g} s in {self.outcome.wall_time:.2f} s",
+        ]
+
+    def write(self, folder: OutputFolder, page: bool, formats: Sequence[str]) -> str:
+        """Write all of it; the answer names the page if there is one."""
+        runs = {_RECORDED: self._recorded(), REPLAYED: self.outcome.recording}
+        comparing.table_files(self.differences, folder.directory)
+        content = self._content(runs)
+        figures = {_LATENCY: comparing.latency_sheet(self._latency)} if self._latency else {}
+        save_figures(figures, folder.directory, formats)
+        write_summary(folder.directory / SUMMARY, content)
+        if not page:
+            return ""
+        from ev_sim.report.page.writing import Page, Signals, images_of, write_page
+
+        signals = Signals("", runs, self.replay.configuration.common.vehicle)
+        text = "\n".join(
+            line for line in (comparing.in_words(self.differences), comparing.table_of(self.differences)) if line
+        )
+        title = f"{self.replay.role} {self._who}, replayed"
+        images = images_of(figures, folder.directory)
+        write_page(Page(title, {"": content}, (signals,), images, text), folder.directory / PAGE)
+        return f"{PAGE}, "
+
+    def _recorded(self) -> Recording:
+        """As much of the recorded run as was replayed."""
+        recording, count = self.replay.recorded.recording, len(self.outcome.recording.time)
+        return Recording(recording.time[:count], {name: row[:count] for name, row in recording.channels.items()})
+
+    def _content(self, runs: dict[str, Recording]) -> dict[str, Any]:
+        role, configuration = self.replay.role, self.replay.configuration
+        summary = Summary(
+            scenario=f"replay of {self.replay.recorded.source}",
+            mode="replay, processes" if self.command else "replay, offline",
+            seed=configuration.common.seed,
+            methods={role: configuration.method.name},
+            own_nodes={role: " ".join(self.command)} if self.command else {},
+            parameters={role: configuration.values()},
+            vehicle=configuration.common.vehicle,
+            runs=runs,
+            metrics={},
+            wall_time=self.outcome.wall_time,
+            not_reproducible=self.outcome.not_reproducible,
+            notes=self._notes,
+            about=f"{role} {self._who} on recorded inputs; all others say what was recorded",
+            command=self.line,
+            timing={_RECORDED: self._latency} if self._latency else {},
+        ).as_json()
+        del summary["differs"]  # from a scenario's file, which there is none of
+        return {**summary, "differences": [asdict(each) for each in self.differences]}

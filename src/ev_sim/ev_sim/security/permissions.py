@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 from rclpy.node import Node
 
-from ev_core.nodes.master.advance import TIME_SERVICES
+from ev_core.nodes.master.schedule import TIME_SERVICES
 from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER_WRITES, ROLES, Role
 from ev_msgs_py.contract.topics import TOPICS
 from ev_sim.running.node_parameters import RECORDER

@@ -6,99 +6,83 @@ It answers no message, but goes on where it may.
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable
 from functools import cached_property
+from types import SimpleNamespace
 from typing import Any
 
 from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
 
-from ev_core.lockstep.inbox import Arrival, Inbox
-from ev_core.lockstep.stepper import Answer
+from ev_core.lockstep.inbox import Arrival
+from ev_core.lockstep.stepper import WRITERS, Answer
 from ev_core.node_loop.message_memory import End
-from ev_core.nodes.master.advance import Advance, Silence, TimeServices
+from ev_core.nodes.ending import wait_until_heard
 from ev_core.nodes.master.real_time import MasterParameters
-from ev_core.nodes.master.schedule import Schedule
-from ev_core.nodes.reception import Reception
+from ev_core.nodes.master.schedule import Schedule, serve_time
 from ev_core.nodes.runner_line import TIMING, Word
-from ev_core.nodes.signal_io import StatePublisher
+from ev_core.nodes.signal_io import QUALITY
 from ev_core.nodes.stepped_node import SteppedNode
-from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES
+from ev_msgs_py.contract import stamps
+from ev_msgs_py.contract.roles import MASTER, RECORDER_WRITES, REQUIRED, ROLES
 from ev_msgs_py.contract.topics import Topic
+from ev_msgs_py.wire.message_format import stamp_alone
 
 
-class MasterInputs:
-    """Makes the functions that take messages; `go_on` is called when time may advance."""
+class Silence:
+    """Names the nodes that do not answer, and again when more is known: a killed one leaves the graph seconds later."""
 
-    def __init__(self, reception: Reception, inbox: Inbox, schedule: Schedule, go_on: Callable[[], None]) -> None:
-        self._reception, self._inbox, self._schedule, self._go_on = reception, inbox, schedule, go_on
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self.answered()
 
-    def receiver(self, topic: Topic) -> Callable[[bytes], None]:
-        """Takes an input of the next step or, in real time, the newest; or notes how far the recorder is."""
-        if topic.signal is RECORDER_WRITES:
-            return self._of_the_recorder(topic)
-        return self._held(topic) if self._schedule.realtime else self._of_a_step(topic)
+    def answered(self) -> None:
+        """A step was taken; the clock is read when nothing comes after it."""
+        self._since: float | None = None
+        self._said: tuple[object, ...] = ()
 
-    def _of_a_step(self, topic: Topic) -> Callable[[bytes], None]:
-        kind, read, offer, go_on = topic.signal, self._reception.reader(topic), self._inbox.offer, self._go_on
-        arrivals = self._reception.arrivals
-
-        def take(message: bytes) -> None:
-            readable = read(message)
-            if readable is not None:
-                arrival = offer(kind, *readable)
-                if arrival is Arrival.NEW:
-                    go_on()
-                else:
-                    arrivals[arrival] += 1
-
-        return take
-
-    def _held(self, topic: Topic) -> Callable[[bytes], None]:
-        read = self._reception.reader(topic)
-
-        def hold(message: bytes) -> None:
-            readable = read(message)
-            if readable is not None:
-                self._schedule.hold(topic.signal, *readable)
-            self._go_on()  # a step that is due waits for no pause between messages
-
-        return hold
-
-    def _of_the_recorder(self, topic: Topic) -> Callable[[bytes], None]:
-        read = self._reception.reader(topic)
-
-        def note(message: bytes) -> None:
-            readable = read(message)
-            if readable is not None:
-                self._schedule.note_recorded(readable[0])
-                self._go_on()
-
-        return note
+    def name_after(self, timeout: float, missing: tuple[type, ...], now: int) -> None:
+        """Say who is missing at a stamp, once every `timeout` seconds of wall time."""
+        wall = time.monotonic()
+        if self._since is None:
+            self._since = self._named = wall
+        if wall - self._named <= timeout:
+            return
+        self._named = wall
+        space = self._node.get_namespace()
+        there = {name for name, where in self._node.get_node_names_and_namespaces() if where == space}
+        wanted = {*REQUIRED, *(WRITERS[kind] for kind in missing)}
+        gone = [role for role in ROLES if role in wanted and role not in there]
+        where = f"not in the graph: {', '.join(gone)}" if gone else "all nodes are in the graph, one does not answer"
+        if (where, missing) != self._said:
+            self._said = where, missing
+            waits = ", ".join([f"{kind.__name__} of {WRITERS[kind]}" for kind in missing] or ["the recorder"])
+            at = stamps.to_seconds(now)
+            self._node.get_logger().error(f"waiting for {waits} at {at} s for {wall - self._since:.1f} s; {where}")
 
 
+_CLOCK = SimpleNamespace(template=stamp_alone(0), mask=b"", runs=(), code="d")  # messages without numbers
 _RETRY_PERIOD = 0.05  # s of wall time without an answer after which the state is published once more
 # It doubles up to this where that does not help: each repetition is answered by all, and publishers keep 256 messages,
 # which a recorder that is held up for seconds has still to receive.
 _LONGEST_RETRY = 0.4
+_PATIENCE = 20.0  # s of wall time for the last states to arrive, on a machine with much other work
 
 
 class MasterNode(SteppedNode):
     """Plays the plant and drives the graph through time; services pause, resume, step and reset."""
 
     extra_parameters = MasterParameters
+    _retry_period = _RETRY_PERIOD
 
     def __init__(self, **node_arguments: Any) -> None:
         super().__init__(MASTER, **node_arguments)
-        self._state = StatePublisher(self, self.writers.values())
-        self._retry_period = _RETRY_PERIOD
+        self._clock_topic = self.create_publisher(Clock, "/clock", QUALITY).handle
         self._silence = Silence(self)
-        self._advance = Advance(self.stepper, self.schedule, self._stepped, self.reports.warn)
-        schedule = self.schedule
-        self._granted = TimeServices(
-            self, lambda: self.now, self._begin, schedule.rest_here, schedule.go_on_here, self.reports
-        )
-        self.schedule.rests = self._granted.rests
+        serve_time(self, self.schedule, self._begin, self.reports)
         # For rclpy's own executors; `spinning.spin` calls idle() by itself. The clock is the wall's, not /clock.
         self.create_timer(_RETRY_PERIOD, self.idle, clock=RosClock(clock_type=ClockType.STEADY_TIME))
         self._begin()
@@ -118,8 +102,30 @@ class MasterNode(SteppedNode):
         return (*reads, RECORDER_WRITES) if self.configuration.extra.await_recorder else reads
 
     def receiver(self, topic: Topic) -> Callable[[bytes], None]:
-        """What takes the serialized messages of a topic."""
-        return MasterInputs(self.reception, self.stepper.inbox, self.schedule, self._go_on).receiver(topic)
+        """What takes an input of the next step or, in real time, the newest; or notes how far the recorder is."""
+        kind, read, go_on = topic.signal, self.reception.reader(topic), self._go_on
+        offer, arrivals = self.stepper.inbox.offer, self.reception.arrivals
+        note, hold = self.schedule.note_recorded, self.schedule.hold
+
+        def take(message: bytes) -> None:
+            readable = read(message)
+            if readable is not None:
+                arrival = offer(kind, *readable)
+                if arrival is Arrival.NEW:
+                    go_on()
+                else:
+                    arrivals[arrival] += 1
+
+        def take_newest(message: bytes) -> None:
+            readable = read(message)
+            if readable is not None:
+                if kind is RECORDER_WRITES:
+                    note(readable[0])
+                else:
+                    hold(kind, *readable)
+            go_on()  # a step that is due waits for no pause between messages
+
+        return take_newest if self.realtime or kind is RECORDER_WRITES else take
 
     def wanted(self) -> tuple[type, ...]:
         """The missing inputs, or the recorder's progress if only that is behind."""
@@ -132,11 +138,11 @@ class MasterNode(SteppedNode):
     def idle(self) -> None:
         """Advance if time is due, publish the state again if answers are late, and name the nodes that are silent."""
         self._go_on()
-        if self.done or self._granted.rests():
+        if self.done or self.schedule.rests:
             return
         super().idle()
-        if not self.schedule.all_are_here and self._state.silent_for >= self._retry_period:
-            self._state.repeat(self.stepper.answer)
+        if not self.schedule.all_are_here and time.monotonic() - self._spoke >= self._retry_period:
+            self._repeat()
             if self.now:  # before that nodes are still coming up
                 self._retry_period = min(2.0 * self._retry_period, _LONGEST_RETRY)
             self.health.late_answers += 1
@@ -144,17 +150,31 @@ class MasterNode(SteppedNode):
 
     def free_until(self) -> int:
         """Stamp of the last instant at which time may go on as soon as all inputs are there."""
-        return -1 if self._granted.paused else self.schedule.free_until
+        return self.schedule.free_until
 
     def ends(self) -> list[End]:
         """The publishers of the state, and that of the clock."""
-        return self._state.ends()
+        return [*super().ends(), End(self._clock_topic.pointer, _CLOCK)]
+
+    def publish(self, answer: Answer) -> None:
+        """Publish the state, and then its stamp as /clock."""
+        super().publish(answer)
+        if self._clock_topic.get_subscription_count():
+            self._clock_topic.publish_raw(stamp_alone(answer.stamp))
+        self._spoke = time.monotonic()
+
+    def _repeat(self) -> None:
+        """Publish once more, first what most nodes receive: their step goes on while the rest is being published."""
+        by_readers = sorted(self.writers.items(), key=lambda each: -each[1].publisher.get_subscription_count())
+        self.writers = dict(by_readers)
+        if self.stepper.answer is not None:
+            self.publish(self.stepper.answer)
 
     def went_on(self, spoke: float) -> None:
         """Nobody is silent."""
         super().went_on(spoke)
         self._retry_period = _RETRY_PERIOD
-        self._state.spoke = spoke
+        self._spoke = spoke
         self._silence.answered()
 
     def reconfigured(self) -> None:
@@ -166,10 +186,9 @@ class MasterNode(SteppedNode):
         self.schedule.begin()
 
     def _stepped(self, answer: Answer) -> None:
-        self._granted.took_step()
+        self.schedule.took_step()
         self._retry_period = _RETRY_PERIOD
-        self._state.publish(answer)
-        self.reports.pass_on_now_and_then(self.stepper.part)
+        self.publish(answer)
         self._silence.answered()
 
     def _wait_for_the_recorder(self) -> None:
@@ -184,17 +203,50 @@ class MasterNode(SteppedNode):
                 reader.receive(message)
             return self.schedule.recorder_is_behind
 
-        self._state.wait_until_heard(is_behind)
+        given_up = time.monotonic() + _PATIENCE
+        for writer in self.writers.values():
+            wait_until_heard(writer.publisher, given_up, is_behind)
 
     def _go_on(self) -> None:
-        self._advance.where_due()
-        if self._advance.ended and not self.done:
-            self.done = True
-            self.reports.pass_on(self.stepper.part)
-            self.get_logger().info(self._advance.summary)
-            if self.realtime:
-                timing = self.schedule.timing.as_json()
-                self.reports.tell(TIMING, self._advance.summary, {TIMING: json.dumps(timing)})
-                self.reports.runner.tell(Word(TIMING, self._advance.summary, values=timing))
-                self.reports.wait_until_heard()
-                self._wait_for_the_recorder()
+        """Take all steps that may be taken now."""
+        schedule, realtime = self.schedule, self.realtime
+        while not self.done and schedule.has_inputs:
+            late = schedule.lateness
+            if late < 0.0:
+                return
+            if schedule.at_end:
+                self._end()
+                return
+            answer = self._held_step() if realtime else self.stepper.step()
+            assert answer is not None, "the schedule lets time go on only with all inputs"
+            if schedule.now == self.stepper.period:
+                schedule.pace_from_here()  # the first step has waited for all nodes to come up
+            self._stepped(answer)
+            if realtime:
+                schedule.timing.stepped(late)
+                if late > stamps.to_seconds(self.stepper.period):
+                    self._note_overrun()
+
+    def _held_step(self) -> Answer:
+        """One step with the newest inputs; without a torque command that is fresh enough the torque is zero."""
+        now = self.now
+        return self.stepper.step_with(now + self.stepper.inbox.run, self.schedule.held_inputs(now))
+
+    def _note_overrun(self) -> None:
+        """A burst of late steps would be no real time."""
+        self.schedule.lose_what_is_late()
+        self.schedule.timing.overruns += 1
+        if self.schedule.timing.overruns == 1:
+            at = stamps.to_seconds(self.now)
+            self.reports.warn(f"realtime: the step to {at} s came more than a period late")
+
+    def _end(self) -> None:
+        self.done = True
+        self.reports.pass_on(self.stepper.part)
+        self.get_logger().info(self.schedule.summary)
+        if self.realtime:
+            timing = self.schedule.timing.as_json()
+            self.reports.tell(TIMING, self.schedule.summary, {TIMING: json.dumps(timing)})
+            self.reports.runner.tell(Word(TIMING, self.schedule.summary, values=timing))
+            self.reports.wait_until_heard()
+            self._wait_for_the_recorder()

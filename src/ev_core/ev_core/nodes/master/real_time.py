@@ -56,11 +56,7 @@ class MasterParameters:
 
 
 _COMMAND = frame.PLACES[WheelTorqueCommand]
-
-
 _DRIVE = slice(_COMMAND.start, _COMMAND.start + 4)
-
-
 _BRAKE = slice(_COMMAND.start + 4, _COMMAND.stop)
 
 

@@ -1,14 +1,21 @@
-"""When the master of time may go on: inputs and recorder, the pace, pauses, the end."""
+"""When the master of time may go on: inputs and recorder, the pace, the services that stop time, the end."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+from rclpy.node import Node
+from std_srvs.srv import Trigger
 
 from ev_core.lockstep.inbox import NEVER
 from ev_core.lockstep.stepper import Stepper
 from ev_core.nodes.master.real_time import RECORDER_LAG, FadingInputs, MasterParameters, Timing
+from ev_core.nodes.reports import Reports
+from ev_core.nodes.runner_line import TIME_SERVICE, Word
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import Frame
 
@@ -65,7 +72,8 @@ class Schedule:
         self.timing = Timing(stepper.reads)
         self._pace = Pace()
         self._recorded = -1  # stamp up to which the recorder holds everything
-        self.rests: Callable[[], bool] = lambda: False  # whether a service has stopped time
+        self.paused = False  # by a service, which lets so many steps pass
+        self._granted = 0
         self.follow(parameters)
 
     def follow(self, parameters: MasterParameters) -> None:
@@ -84,24 +92,46 @@ class Schedule:
 
     def begin(self) -> None:
         """A new run begins."""
-        self._recorded = -1
+        self._recorded, self._granted = -1, 0
         self.held.clear()
         self.timing = Timing(self._stepper.reads)
         self.pace_from_here()
+        if self.paused:
+            self._pace.rest()
 
     def pace_from_here(self) -> None:
         """Wall clock and simulated time count from now on."""
         self._pace.start(self.now)
 
-    def rest_here(self) -> None:
+    @property
+    def rests(self) -> bool:
+        """Whether a service has stopped time."""
+        return self.paused and not self._granted
+
+    def pause(self) -> None:
         """Time stands still from now on."""
+        self.paused, self._granted = True, 0
         self._pace.rest()
 
-    def go_on_here(self) -> None:
+    def resume(self) -> None:
         """Time goes on: what it has rested is neither late nor driven, and makes no command older."""
-        self._pace.resume(self.now)
-        self.held.came_now()
-        self.timing.rested()
+        if self.rests:
+            self._pace.resume(self.now)
+            self.held.came_now()
+            self.timing.rested()
+        self.paused = False
+
+    def grant_step(self) -> None:
+        """Time stands still behind one step more."""
+        self.resume()
+        self.paused = True
+        self._granted += 1
+
+    def took_step(self) -> None:
+        """One of the granted steps is taken."""
+        self._granted = max(self._granted - 1, 0)
+        if self.rests:
+            self._pace.rest()
 
     def lose_what_is_late(self) -> None:
         """Wall time that was lost stays lost."""
@@ -177,12 +207,12 @@ class Schedule:
     @property
     def has_inputs(self) -> bool:
         """Whether the next instant may come as soon as it is due."""
-        return self.all_are_here and not self.rests()
+        return self.all_are_here and not self.rests
 
     @property
     def free_until(self) -> int:
         """Stamp up to which time goes on as soon as all inputs are there; -1 if the clock matters."""
-        if self.realtime or self._factor:
+        if self.paused or self.realtime or self._factor:
             return -1
         end = self._end - self._stepper.period if self._end else stamps.LAST_EXACT
         free = min(end, self._recorded + RECORDER_LAG * self._stepper.period) if self._await_recorder else end
@@ -208,5 +238,31 @@ class Schedule:
 
     @property
     def summary(self) -> str:
-        """What was simulated, and how fast."""
-        return self._pace.summary(self.now, self._stepper.period)
+        """What was simulated, how fast, and how often too late."""
+        overruns = self.timing.overruns
+        late = f", {overruns} steps came more than a period late" if overruns else ""
+        return self._pace.summary(self.now, self._stepper.period) + late
+
+
+TIME_SERVICES = {  # and how each reports what it has done
+    "pause": "paused",
+    "resume": "running",
+    "step": "one more step granted",
+    "reset": "time is zero again,",
+}
+
+
+def serve_time(node: Node, schedule: Schedule, reset: Callable[[], None], reports: Reports) -> None:
+    """Serve pause, resume, step and reset by std_srvs/Trigger; each call is reported."""
+
+    def serve(change: Callable[[], None], done: str, _: Trigger.Request, response: Trigger.Response) -> Any:
+        change()
+        response.success, response.message = True, f"{done} at {stamps.to_seconds(schedule.now)} s"
+        values = {"rests": schedule.paused}
+        reports.tell(TIME_SERVICE, response.message, values)
+        reports.runner.tell(Word(TIME_SERVICE, response.message, values=values))
+        return response
+
+    changes = schedule.pause, schedule.resume, schedule.grant_step, reset
+    for (name, done), change in zip(TIME_SERVICES.items(), changes, strict=True):
+        node.create_service(Trigger, f"~/{name}", partial(serve, change, done))
