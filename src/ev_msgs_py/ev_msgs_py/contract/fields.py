@@ -33,14 +33,14 @@ class Field:
     never_negative: bool = False
 
 
-def leftward(unit: str, about: str, place: str, *more: Any) -> Field:
+def leftward(unit: str, about: str, place: str, sensor: str = "", largest: float = 0.0) -> Field:
     """A Field of what changes its sign where left and right are exchanged."""
-    return Field(unit, about, place, *more, lateral=True)
+    return Field(unit, about, place, sensor, largest, lateral=True)
 
 
-def magnitude(unit: str, about: str, place: str, *more: Any, **how: Any) -> Field:
+def magnitude(unit: str, about: str, place: str, sensor: str = "", largest: float = 0.0, **how: Any) -> Field:
     """A Field of what has no direction."""
-    return Field(unit, about, place, *more, never_negative=True, **how)
+    return Field(unit, about, place, sensor, largest, never_negative=True, **how)
 
 
 def field_of(hint: Any) -> Field:
