@@ -68,7 +68,7 @@ def parameter(
     `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and switches); for an array
     they hold for each element. `source` says where the default comes from. `read_only` parameters are fixed when a node
     starts. Where left and right are exchanged, `lateral` ones change their sign, and arrays `per_wheel` are in another
-    order. Of `own` ones everything that is described by such parameters has its own value: no default can stand for it.
+    order; `own` ones are declared by `own`.
     """
     spec = Spec(about, unit, low, high, choices, source, read_only, lateral, per_wheel, own)
     return field(default=default, metadata={_SPEC: spec})
@@ -82,6 +82,11 @@ def is_declared(field: Field[Any]) -> bool:
 def setting(default: Any, **about: Any) -> Any:
     """Declare a field as `parameter` does, one whose value is chosen or describes a thing, so that it has no source."""
     return parameter(default, source="", **about)
+
+
+def own(default: Any, **about: Any) -> Any:
+    """Declare a `setting` for which everything that it describes states a value: no default can stand for that."""
+    return setting(default, own=True, **about)
 
 
 def group(of: type, **changed: Any) -> Any:

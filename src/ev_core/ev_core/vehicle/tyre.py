@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
-from ev_core.parameters.declaration import parameter, setting
+from ev_core.parameters.declaration import own, parameter, setting
 from ev_core.parameters.record import per_wheel
 from ev_msgs_py.refusal import ParameterError
 
@@ -112,12 +112,11 @@ class Tyre:
     lengths of 0.2 to 0.4 m). Steady driving does not depend on them.
     """
 
-    curve: str = setting(
+    curve: str = own(
         "burckhardt",
         choices=tuple(POSITIVE_COEFFICIENTS),
         about="friction curve over slip; mf_tyre: tyres front and rear by the Magic Formula with load dependence, from "
         "tyre property files",
-        own=True,
     )
     coefficients: tuple[float, ...] = setting(
         (0.0, 0.0, 0.0, 0.0),
