@@ -7,17 +7,8 @@ import random
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ev_msgs_py.contract import signals
 from ev_msgs_py.contract.fields import Field, shape_of
-from ev_msgs_py.contract.signals import (
-    BodyVelocity,
-    DriverCommand,
-    InertialMeasurement,
-    Instant,
-    SteeringColumnState,
-    WheelStates,
-    WheelTorqueCommand,
-    WheelTorqueRequest,
-)
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 
 _RADIUS = 0.32  # of the wheels [m]
@@ -63,13 +54,15 @@ class Launch:
             speed = Wheels.all(1e5)  # no measurement of a road vehicle
         drive = Wheels(*(self._pedal * asked for asked in self._asked))
         said = (
-            DriverCommand(sum(drive), sum(self._brake), 0.0),
-            WheelTorqueRequest(drive, self._brake),
-            WheelTorqueCommand(drive, self._brake),
-            SteeringColumnState(0.0, 0.0, 0.0, self._angle, 0.0),
-            WheelStates(NO_WHEELS, speed, torque),
-            InertialMeasurement(self._yaw_rate, self._ahead * self._pull + r.gauss(0.0, 0.05), r.gauss(0.0, 1.0)),
-            BodyVelocity(self._ahead * self._speed, 0.0, self._yaw_rate),
+            signals.DriverCommand(sum(drive), sum(self._brake), 0.0),
+            signals.WheelTorqueRequest(drive, self._brake),
+            signals.WheelTorqueCommand(drive, self._brake),
+            signals.SteeringColumnState(0.0, 0.0, 0.0, self._angle, 0.0),
+            signals.WheelStates(NO_WHEELS, speed, torque),
+            signals.InertialMeasurement(
+                self._yaw_rate, self._ahead * self._pull + r.gauss(0.0, 0.05), r.gauss(0.0, 1.0)
+            ),
+            signals.BodyVelocity(self._ahead * self._speed, 0.0, self._yaw_rate),
         )
         return {type(signal): signal for signal in said}
 
@@ -106,10 +99,10 @@ class RandomInputs:
         if self._left == 0:
             self._begin()
         self._left -= 1
-        now = Instant(self._steps * self._period)
+        now = signals.Instant(self._steps * self._period)
         self._steps += 1
         moving: Mapping[type, Any] = self._launch.next() if self._launch else {}
-        return tuple(now if kind is Instant else moving.get(kind) or self._signal(kind) for kind in self._reads)
+        return tuple(now if kind is signals.Instant else moving.get(kind) or self._signal(kind) for kind in self._reads)
 
     def _begin(self) -> None:
         launches = self.launches and self._launch is None
