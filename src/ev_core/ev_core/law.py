@@ -30,19 +30,21 @@ from ev_core.parameters.record import (
     wheel_places,
     working_memory,
 )
-from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
-from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.layout import (
+from ev_core.vehicle.car import (
     ALL_WHEELS_DRIVEN,
     FRONT_WHEELS_DRIVEN,
+    GRAVITY,
     REAR_WHEELS_DRIVEN,
+    Car,
     Need,
     any_driven,
     driven,
     each_driven,
     equal_motors,
     only_driven,
+    speed_along_path,
 )
+from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.compilable import compilable, inlined
 from ev_msgs_py.contract.optional_signals import (
     BenchElectrical,

@@ -31,7 +31,7 @@ from ev_core.law import (
     part,
     series,
 )
-from ev_core.vehicle.layout import listed
+from ev_core.vehicle.car import listed
 from ev_msgs_py.can import frames
 from ev_msgs_py.can.payload import NO_FRAME, are_words, joined, words
 from ev_msgs_py.contract.optional_signals import MOST_TICKS, FeedbackFrames, SetPointFrames

@@ -6,10 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ev_core.check import state
-from ev_core.check.inputs import RandomInputs
 from ev_core.check.mirror import asymmetry
 from ev_core.check.reached import Reached, inexact, reached
-from ev_core.check.stepping import MakesInputs, Subject
+from ev_core.check.stepping import MakesInputs, RandomInputs, Subject
 from ev_core.lockstep.configuration import Configuration, configure, refuse_unused
 
 SEEDS = (1, 2)

@@ -15,8 +15,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ev_core.check.inputs import ExtremeInputs, RandomInputs
-from ev_core.check.stepping import MakesInputs, Subject, difference, frame_of, numbers_in, said, stepped
+from ev_core.check.stepping import (
+    ExtremeInputs,
+    MakesInputs,
+    RandomInputs,
+    Subject,
+    difference,
+    frame_of,
+    numbers_in,
+    said,
+    stepped,
+)
 from ev_core.compiled.loop import call_part
 from ev_core.compiled.part import CompiledPart
 from ev_core.lockstep.configuration import Configuration

@@ -76,7 +76,7 @@ class Declaring(Protocol):
     """By role the method, or by ROLE.PARAMETER its value, without which this one makes no sense."""
 
     needs: tuple[Any, ...]
-    """What the vehicle must have (`vehicle.layout.Need`)."""
+    """What the vehicle must have (`vehicle.car.Need`)."""
 
     mirrored: bool
     """Whether left and right are alike to it: `check.mirror` says what that means."""

@@ -21,8 +21,8 @@ from ev_core.methods.hooks import refuse_lacking
 from ev_core.methods.law import Law, declared_law, given_names
 from ev_core.parameters.declaration import entries, group, setting
 from ev_core.parameters.values import entries_by_name, refuse_undeclared
+from ev_core.vehicle.car import refusal
 from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.layout import refusal
 from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
