@@ -1,7 +1,5 @@
 """Slip of a wheel: against the reference speed, or from its own torque and speed (dissertation, eqs 1.8 to 1.10)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ev_control.estimation import wheel_dynamics

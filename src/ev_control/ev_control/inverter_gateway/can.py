@@ -3,8 +3,6 @@
 Each tick has the same steps as a cycle of `station`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

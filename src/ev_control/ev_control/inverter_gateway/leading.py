@@ -4,8 +4,6 @@ Feedback is checked frame by frame, and kept as far as it is valid. Set-points a
 the gateway has latched and enabled.
 """
 
-from __future__ import annotations
-
 from ev_control.inverter_gateway.gateway import BOTH, Device, Feedback, Gateway, GatewayParameters
 from ev_core.bus import checking
 from ev_msgs_py.can import drive_states

@@ -3,8 +3,6 @@
 `GatewayOnBus` is the role of the graph in real time: orders at the instants, frames on the bus in cycles of 1 ms.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from math import isfinite

@@ -3,8 +3,6 @@
 Besides, the yaw rate that the steering asks for, and what drives left and right do for it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 from typing import NamedTuple

@@ -7,8 +7,6 @@ they are the same for both motors of an axle. So a motor is lost if it gives les
 possible. Where both give less, nothing is lost, and nothing turns the car.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 from operator import attrgetter

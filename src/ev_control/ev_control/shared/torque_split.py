@@ -4,8 +4,6 @@ The difference is the paper's Delta M = M_R - M_L, right minus left: positive tu
 the left (Shchur 2019, eqs 1 to 4). By such a difference two front drives assist the hands (eq 4).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 

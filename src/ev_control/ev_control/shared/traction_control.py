@@ -3,8 +3,6 @@
 Here stands which wheels are limited, when torques pass, what is measured, and what the limits make of the request.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf

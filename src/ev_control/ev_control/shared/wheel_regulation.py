@@ -3,8 +3,6 @@
 They begin by the slip, or where a wheel gains on the car by the ratio of their accelerations (dissertation, eq 1.4).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 from typing import Any

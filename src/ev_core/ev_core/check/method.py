@@ -1,7 +1,5 @@
 """Holding a method against the contract: all checks, and one error that lists what they found."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 

@@ -4,8 +4,6 @@ Mirrored means: values of left and right wheels are exchanged, and `lateral` qua
 where they are declared, at the field of the signal or at the parameter. Zero has no sign here.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Sequence
 from functools import cache

@@ -5,8 +5,6 @@ them with the brakes pressed. A function of math or numpy is exact if every C li
 (docs/elementary_functions.md).
 """
 
-from __future__ import annotations
-
 import dis
 import math
 import sys

@@ -5,8 +5,6 @@ leaves a method nor stays in it, and what has no direction has no sign. A law st
 compiled and in plain Python, gives every number with the same bits.
 """
 
-from __future__ import annotations
-
 import copy
 import random
 from collections import Counter

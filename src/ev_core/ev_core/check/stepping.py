@@ -3,8 +3,6 @@
 Its inputs are random but plausible signals, and a launch as a law sees it.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -4,8 +4,6 @@ A class satisfies them by having what they name; it need not inherit from anythi
 against what the docstrings say.
 """
 
-from __future__ import annotations
-
 from typing import Any, Protocol, runtime_checkable
 
 from ev_msgs_py.contract.roles import ROLES, RoleKind

@@ -4,8 +4,6 @@ Everything that needs to know a parameter (ROS declaration, validation, YAML che
 derived from the field, so a parameter is written down exactly once.
 """
 
-from __future__ import annotations
-
 import types
 import typing
 from collections.abc import Iterator

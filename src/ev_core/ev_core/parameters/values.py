@@ -4,8 +4,6 @@ Numbers with a unit as people write them, "80 km/h", made into the unit in which
 A list and no algebra of units: what is accepted can be read here, and stands in what a refusal says.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re

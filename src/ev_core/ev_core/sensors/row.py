@@ -3,8 +3,6 @@
 The quantities are the fields of the signals, by the sensor that each of them names.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, make_dataclass

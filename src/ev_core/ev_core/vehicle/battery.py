@@ -1,7 +1,5 @@
 """The traction battery of a vehicle and its cells."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 

@@ -3,8 +3,6 @@
 What a method needs of the layout is declared, and checked before anything is made.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The vehicle description, and what springs, links and bushes of the axles do to loads and angles of the wheels."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

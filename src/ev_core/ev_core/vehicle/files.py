@@ -1,7 +1,5 @@
 """What a vehicle description leaves to files, read into it: efficiency maps (CSV) and tyre property files (.tir)."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections import Counter

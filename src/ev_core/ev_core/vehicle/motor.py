@@ -3,8 +3,6 @@
 The engine has a torque converter and a gearbox.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The tyres of a vehicle, and the coefficients of one by the Magic Formula."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 

@@ -9,8 +9,6 @@ bytes of the data id, low one first, and bytes 1 to the last: a frame that is ri
 is found too.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import floor
 

@@ -1,7 +1,5 @@
 """What is known of each field of a signal, and the one order of its numbers that frames, messages and hashes share."""
 
-from __future__ import annotations
-
 import math
 import struct
 import typing

@@ -4,8 +4,6 @@ Each payload of the bus is two words of 32 bits, which a float64 holds exactly; 
 each tick of 1 ms, of which the first ones are used; what comes less often has one place.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Any, NamedTuple
 
 from ev_msgs_py.contract.fields import Field, leftward, magnitude

@@ -4,8 +4,6 @@ The offline runner orders the roles by this table, the nodes make their publishe
 the diagram in the README is drawn from it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import Enum
 

@@ -10,8 +10,6 @@ bytes do the same. What another sender wrote in another layout (joints in anothe
 read, by way of the message object.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import struct
