@@ -57,14 +57,6 @@ def _is_good(s: Feedback, checked: checking.CheckState, payload: int, length: fl
     return False
 
 
-@compilable
-def end_cycle(s: Feedback) -> None:
-    """Tell the check of the fastest frame when none has come since the last call."""
-    if s.heard == 0.0:
-        checking.no_new_data(s.motion)
-    s.heard = 0.0
-
-
 _QUIET = 0.005  # s without torque, command or reset bit, with which a reset begins: its bit shall be seen to rise
 _ALONE = 10.0  # cycles in which the other drive could have shown that it is released, too
 MAY_BE_ENABLED, LATCHED, SILENT, WITHOUT_COMMAND, DOUBTFUL = range(5)
@@ -75,10 +67,10 @@ def advance_gateway(p: GatewayParameters, s: Gateway, ticks: float, period: floa
     """Lead all devices over some ticks, `period` [s] in all, after the frames of this cycle."""
     if s.waits != 0.0:
         _enable_where_possible(p, s)
-    _advance(p, s.drive_11, period)
-    _advance(p, s.drive_12, period)
-    _advance(p, s.load_11, period)
-    _advance(p, s.load_12, period)
+    advance_device(p, s.drive_11, period)
+    advance_device(p, s.drive_12, period)
+    advance_device(p, s.load_11, period)
+    advance_device(p, s.load_12, period)
     if p.fault_stops == BOTH and (is_faulty(s.drive_11) or is_faulty(s.drive_12)):
         s.drive_11.enable = s.drive_12.enable = 0.0
     s.tick += ticks
@@ -105,14 +97,11 @@ def _enable_where_possible(p: GatewayParameters, s: Gateway) -> None:
 
 
 @compilable
-def _advance(p: GatewayParameters, s: Device, period: float) -> None:
-    end_cycle(s.feedback)
-    advance_device(p, s, period)
-
-
-@compilable
 def advance_device(p: GatewayParameters, s: Device, period: float) -> None:
     """Note what is wrong and how a reset goes on, after the frames of this cycle; everything gets older by `period`."""
+    if s.feedback.heard == 0.0:
+        checking.no_new_data(s.feedback.motion)
+    s.feedback.heard = 0.0
     state = int(s.feedback.state)
     if s.reset_time >= 0.0:
         _advance_reset(p, s, state, period)
@@ -179,12 +168,6 @@ def controlword(s: Device) -> int:
 
 
 @compilable
-def may_turn(s: Device) -> bool:
-    """Whether its command may go out: it is enabled, and its statusword confirms it."""
-    return s.enable != 0.0 and int(s.feedback.state) == drive_states.OPERATION_ENABLED
-
-
-@compilable
 def command_device(p: GatewayParameters, s: Device, mode: int, value: float) -> None:
     """What a device shall do: a torque [N m] or a speed [rad/s] at its shaft."""
     s.mode, s.command_age = float(mode), 0.0
@@ -196,8 +179,11 @@ def command_device(p: GatewayParameters, s: Device, mode: int, value: float) -> 
 
 @compilable
 def set_point(f: BenchFrames, own: DeviceFrames, s: Device, most: float) -> int:
-    """The payload of the next set-point, with a torque of at most `most` [N m]; its counter goes on."""
-    turns = may_turn(s)
+    """The payload of the next set-point, with a torque of at most `most` [N m]; its counter goes on.
+
+    The command goes out where the device is enabled and its statusword confirms it.
+    """
+    turns = s.enable != 0.0 and int(s.feedback.state) == drive_states.OPERATION_ENABLED
     payload = inserted(0, f.set_point.mode, s.mode)
     payload = inserted(payload, f.set_point.controlword, float(controlword(s)))
     payload = inserted(payload, f.set_point.torque, min(max(s.torque, -most), most) if turns else 0.0)

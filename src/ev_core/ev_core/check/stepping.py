@@ -1,11 +1,11 @@
-"""A configured method as the checks step it: frame by frame, and all its output as bytes.
+"""A configured method as the checks step it: frame by frame, and all its output as frames.
 
 Its inputs are random but plausible signals, and a launch as a law sees it.
 """
 
 import math
 import random
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Protocol
@@ -191,61 +191,47 @@ class Subject:
         part: Part = method_part(self.configuration, self.compiled)
         return part
 
-    def frames(self, seed: int) -> tuple[Frame, ...]:
-        """What the method reads, step by step; for reading only."""
+    def frames(self, seed: int) -> np.ndarray:
+        """What the method reads, step by step: (steps, frame.SIZE)."""
         method, period = self.configuration.method, self.configuration.common.control_period
         return _frames(self.inputs, method.reads, seed, period, self.steps)
 
 
 @lru_cache(maxsize=8)  # each check asks for the same ones
-def _frames(
-    make_inputs: MakesInputs, reads: tuple[type, ...], seed: int, period: float, steps: int
-) -> tuple[Frame, ...]:
-    inputs = make_inputs(reads, seed, period)
-    return tuple(frame_of(reads, inputs.next()) for _ in range(steps))
+def _frames(make_inputs: MakesInputs, reads: tuple[type, ...], seed: int, period: float, steps: int) -> np.ndarray:
+    inputs, frames = make_inputs(reads, seed, period), np.zeros((steps, frame.SIZE))
+    for here in frames:
+        for kind, signal in zip(reads, inputs.next(), strict=True):
+            if kind is Instant:
+                here[frame.TIME] = signal.time
+            else:
+                here[frame.PLACES[kind]] = shape_of(kind).flat(signal)
+    frames.flags.writeable = False
+    return frames
 
 
-def frame_of(reads: Sequence[type], signals: Sequence[Any]) -> Frame:
-    """The frame of an instant that holds these signals, and zeros."""
-    here = Frame()
-    for kind, signal in zip(reads, signals, strict=True):
-        if kind is Instant:
-            here.numbers[frame.TIME] = signal.time
-        else:
-            here.numbers[frame.PLACES[kind]] = frame.numbers_of(shape_of(kind).flat(signal))
-    return here
+def stepped(part: Part, here: np.ndarray) -> np.ndarray:
+    """All output of a part in one step, as a frame: (frame.SIZE,)."""
+    given, there = here.copy(), np.zeros(frame.SIZE)
+    part.step(Frame.of(given), Frame.of(there))
+    return there
 
 
-def stepped(part: Part, here: Frame) -> bytes:
-    """All that a part says in one step."""
-    given, there = Frame(), Frame()
-    given.numbers[:] = here.numbers
-    part.step(given, there)
-    return there.numbers.tobytes()
+def outputs(part: Part, frames: np.ndarray) -> np.ndarray:
+    """All output of a part in one step after the other: (steps, frame.SIZE)."""
+    return np.array([stepped(part, here) for here in frames])
 
 
-def said(part: Part, frames: Iterable[Frame]) -> list[bytes]:
-    """All that a part says in one step after the other."""
-    return [stepped(part, here) for here in frames]
-
-
-def numbers_in(raw: bytes) -> np.ndarray:
-    """The numbers of a frame."""
-    return np.frombuffer(raw)
-
-
-def difference(subject: Subject, one: Sequence[bytes], other: Sequence[bytes]) -> str:
-    """Where two runs differ first, with both values; empty if nowhere."""
-    for step, (first, second) in enumerate(zip(one, other, strict=True)):
-        if first != second:
-            return f"step {step}: {_channel(subject, first, second)}"
-    return ""
-
-
-def _channel(subject: Subject, first: bytes, second: bytes) -> str:
-    for kind in subject.configuration.method.writes:
-        for channel, place in zip(shape_of(kind).channels, frame.places(kind), strict=True):
-            pair = [numbers_in(raw)[place : place + 1] for raw in (first, second)]
-            if pair[0].tobytes() != pair[1].tobytes():
-                return f"{kind.__name__}.{channel} is {pair[0][0]!s} and {pair[1][0]!s}"
-    return "what it does not write"
+def difference(subject: Subject, one: np.ndarray, other: np.ndarray) -> str:
+    """Where two runs differ first in their bits, with both values; empty if nowhere. Behind a frame stands a state."""
+    found = np.argwhere(one.view(np.int64) != other.view(np.int64))
+    if not len(found):
+        return ""
+    step, place = found[0]
+    written = {
+        number: f"{kind.__name__}.{channel}"
+        for kind in subject.configuration.method.writes
+        for channel, number in zip(shape_of(kind).channels, frame.places(kind), strict=True)
+    }
+    otherwise = f"number {place - frame.SIZE} of the state" if place >= frame.SIZE else "what it does not write"
+    return f"step {step}: {written.get(place, otherwise)} is {one[step, place]!s} and {other[step, place]!s}"

@@ -187,10 +187,6 @@ def imperfect(parameters: Any) -> Iterator[tuple[Quantity, Any]]:
     """The quantities whose sensors have errors, and these."""
     for quantity in QUANTITIES:
         errors = getattr(parameters, quantity.name, None)
-        if errors is not None and errors != _ideal(errors):
+        kind: Any = type(errors)
+        if errors is not None and errors != defaults(kind):
             yield quantity, errors
-
-
-def _ideal(errors: Any) -> Any:
-    kind: type = type(errors)
-    return defaults(kind)

@@ -8,6 +8,7 @@ from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.driveline import Driveline, refuse_drive_train
 from ev_core.vehicle.motor import Engine, Motor
 from ev_core.vehicle.tyre import Tyre
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
 
 
@@ -108,9 +109,7 @@ class Vehicle:
     )
     gear_ratio: float = own(2.65, unit="1", low=0.1, high=50.0, about="motor speed over wheel speed")
     driven_wheels: tuple[str, ...] = own(
-        ("front_left", "front_right"),
-        choices=("front_left", "front_right", "rear_left", "rear_right"),
-        about="wheels with a motor",
+        ("front_left", "front_right"), choices=WHEEL_NAMES, about="wheels with a motor"
     )
     rolling_resistance: float = own(
         0.015, unit="1", low=0.0, high=0.5, about="rolling resistance coefficient, k_r or f_0"

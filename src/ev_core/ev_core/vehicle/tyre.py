@@ -202,12 +202,9 @@ class Tyre:
             for given, allowed in ((self.lateral_ratio, 1.0), (self.load_sensitivity, 0.0)):
                 if given != allowed:
                     raise ParameterError("curve mf_tyre needs lateral_ratio 1 and load_sensitivity 0: it has its own")
-            for axle, file, numbers in (
-                ("front", self.front_file, self.front_mf),
-                ("rear", self.rear_file, self.rear_mf),
-            ):
-                if not file:
-                    refuse_mf_tyre(axle, numbers)
+            for axle in ("front", "rear"):
+                if not getattr(self, f"{axle}_file"):
+                    refuse_mf_tyre(axle, getattr(self, f"{axle}_mf"))
         if self.lateral_curve != "same" and self.combined != "uncoupled":
             raise ParameterError(
                 f"lateral_curve {self.lateral_curve} needs combined uncoupled: a line has no share of a slip vector"

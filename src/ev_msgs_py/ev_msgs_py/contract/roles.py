@@ -40,10 +40,6 @@ class Role:
         """All that a method of this role may write."""
         return (*self.writes, *self.offers)
 
-    def may_read(self, signal: type) -> bool:
-        """Whether a method of this role may read the signal; everybody knows the instant."""
-        return signal is signals.Instant or signal in self.reads
-
 
 # In the order in which they are published: first what the driver waits for, with whom every step begins.
 _BODY = (
